@@ -111,14 +111,13 @@ def read_columns(test: MeasuredTest) -> Columns:
         places, values = places[order], {name: it[order] for name, it in values.items()}
     kept = _downward(path, values["depth"], places, notes)
     places, values = places[kept], {name: it[kept] for name, it in values.items()}
-    if "u2" not in values:
-        if area_ratio < 1.0:
-            raise StudyError(
-                f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
-                "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
-                '{ u2 = "..." }'
-            )
-        values["u2"] = np.full_like(values["depth"], np.nan)
+    values.setdefault("u2", np.full_like(values["depth"], np.nan))
+    if area_ratio < 1.0 and np.isnan(values["u2"]).all():
+        raise StudyError(
+            f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
+            "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
+            '{ u2 = "..." }'
+        )
     _refuse_impossible(path, values, places)
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = _joined(file.headings[found["depth"]].name) in RODS
@@ -201,14 +200,15 @@ def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     """What the unit of a column is in SI units."""
     known, unit = UNITS.get(name, PRESSURES), given or heading.unit
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
-    unit = unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2")
-    if unit.lower() not in sizes:
+    usual = unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2")
+    usual = usual.partition("(")[0].strip().lower()  # as Graden(deg)
+    if usual not in sizes:
         told = f"has unit {unit!r}" if unit else "has no unit"
         raise StudyError(
             f"{path}: column {heading.title!r} {told}; allowed: {', '.join(known)}, in the "
             f'header as "{name} [{next(iter(known))}]", or under units of the site file'
         )
-    return sizes[unit.lower()]
+    return sizes[usual]
 
 
 def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...]) -> Floats:

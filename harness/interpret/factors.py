@@ -1,16 +1,16 @@
 """The factors of a cone in a moment: a polynomial through the table that ships, with its error.
 
-The table, `studies/interpretation_table.csv`, holds simulated cone tests drawn over all that the
-factors depend on. Its rate factor belongs to the shear strain rate TABLE_RATE. Of the same ground
-with su and mu at another rate, L log cycles above it, holds
+Two tables in `studies` hold simulated cone tests drawn over all that the factors depend on. Their
+rate factor belongs to the shear strain rate TABLE_RATE. Of the same ground with su and mu at
+another rate, L log cycles above it, holds
 
     su' = su (1 - mu L),   mu' = mu su / su',   Ir' = Ir su / su',   Delta' = Delta su / su'
 
-and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are cubic
+and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
 polynomials in the inputs, each brought to -1 to 1 over its range; the sleeve's is taken over the
-adhesion factor, to which it is nearly in proportion. Errors of 99 cases kept out, 95 %: Nkt 0.9 %,
-sleeve 1.7 %, u2 1.6 %. Of degree 2 they are three times as much, of degree 4 no less, and radial
-basis functions (scipy) are no better.
+adhesion factor, to which it is nearly in proportion. Every case is kept out of one of PARTS fits,
+which gives the error of the fit. For Nkt and the sleeve that of degree 2 is three times that of
+degree 3, of degree 4 no less, and radial basis functions (scipy) are no better.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.uncertainty.pore_pressure import shoulder_error
 
-TABLE = "interpretation_table.csv"
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
 RANGES: Mapping[str, tuple[float, float]] = {
@@ -44,24 +44,22 @@ RANGES: Mapping[str, tuple[float, float]] = {
 LOGARITHMIC = ("rigidity_index", "ductility")
 MOVING = ("stress_anisotropy", "adhesion_factor")
 """Inputs that change with depth in the same soil: one over the strength, one by the sleeve."""
-DEGREE = 3
-HELD_OUT = 8
-"""Every so manieth case of the table is kept out of the fit, to measure its error."""
 QUANTITIES = ("cone_factor", "sleeve_friction_factor", "pore_pressure_factor_shoulder")
-NUMERICAL_ERROR: Mapping[str, float] = {
-    "cone_factor": 0.03,
-    "sleeve_friction_factor": 0.05,
-    "pore_pressure_factor_shoulder": 0.25,
+PRESSURE = QUANTITIES[2]
+TABLES: Mapping[str, str] = {
+    **dict.fromkeys(QUANTITIES[:2], "interpretation_table.csv"),
+    PRESSURE: "pore_pressure_table.csv",
 }
+"""Where each quantity is from. u2 needs the finer mesh of the second table."""
+DEGREES: Mapping[str, int] = {**dict.fromkeys(QUANTITIES[:2], 3), PRESSURE: 2}
+PARTS = 8
+"""Fits to all cases but every so manieth, to measure the error of the fit by those."""
+SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, "sleeve_friction_factor": 0.05}
 """Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
 the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
-the pore pressure behind the shoulder was read by an older version, see `READ_TOO_HIGH`."""
-READ_TOO_HIGH = (0.82, -0.14)
-"""What the pore pressure behind the shoulder is, over what the table holds: at adhesion factor 0,
-and what its change adds. The table was made where it was read on three rows of cells beside the
-face, in the jump of pressure at the shoulder. In nine cases at rigidity indices of 30, 100 and 300
-to 400 a reading beyond the jump gave 0.70 to 0.88 times as much smooth, 0.53 to 0.73 at an adhesion
-factor of 0.5, 0.66 to 0.72 rough."""
+that of u2 is by the law of its error in clay whose strength stays."""
+PRESSURE_CELL = 3.0**0.5 / 4.0
+"""Width of the cells of the second table at the cone, over its radius."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,20 +69,20 @@ class Factors:
     Attributes:
         exponents: of each input in each term, shape [terms, inputs].
         weights: of each term in each quantity, shape [terms, quantities].
-        half_widths: 95 % of each quantity's error over it: of the fit, by the cases kept out, and
-            of what was simulated, as squares, shape [quantities].
-        fit_errors: errors of the cases kept out over the quantities, shape [cases, quantities].
+        half_widths: 95 % of each quantity's error over it, by name: of the fit, by cases kept out,
+            and of what was simulated, as squares.
+        fit_errors: errors of fits in cases kept out of them, over the quantity; by name, [cases].
     """
 
     exponents: np.ndarray
     weights: Floats
-    half_widths: Floats
-    fit_errors: Floats
+    half_widths: Mapping[str, float]
+    fit_errors: Mapping[str, Floats]
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""
         x = np.stack(np.broadcast_arrays(*(scaled(name, inputs[name]) for name in RANGES)))
-        powers = np.stack([x**power for power in range(DEGREE + 1)])
+        powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
         values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
         values["sleeve_friction_factor"] = (
@@ -102,7 +100,7 @@ class Factors:
         moving = self.exponents[:, [names.index(name) for name in MOVING]]
         weights = {
             (a, b): np.einsum("tq,ts->qs", self.weights[rows], terms[rows])
-            for a, b in itertools.product(range(DEGREE + 1), repeat=2)
+            for a, b in itertools.product(range(self.exponents.max() + 1), repeat=2)
             if (rows := (moving == (a, b)).all(axis=1)).any()
         }
         return Along(weights)
@@ -147,24 +145,48 @@ def read_table(path: Path) -> dict[str, Floats]:
 
 @functools.cache
 def factors() -> Factors:
-    """The polynomials through the table that ships, by least squares."""
-    table = read_table(studies_folder() / TABLE)
-    count = len(table["cone_factor"])
-    kept_out = np.arange(count) % HELD_OUT == HELD_OUT - 1
-    inputs = np.stack([scaled(name, table[name]) for name in RANGES], axis=-1)
-    exponents = np.array(
-        [it for it in itertools.product(range(DEGREE + 1), repeat=len(RANGES)) if sum(it) <= DEGREE]
-    )
-    terms = np.prod(inputs[:, None, :] ** exponents, axis=-1)
-    over = {"sleeve_friction_factor": table["adhesion_factor"]}
-    at_smooth, change = READ_TOO_HIGH
-    table["pore_pressure_factor_shoulder"] *= at_smooth + change * table["adhesion_factor"]
-    values = np.stack([table[name] / over.get(name, 1.0) for name in QUANTITIES], axis=-1)
-    weights, *_ = np.linalg.lstsq(terms[~kept_out], values[~kept_out], rcond=None)
-    errors = terms[kept_out] @ weights / values[kept_out] - 1.0
-    numerical = np.array([NUMERICAL_ERROR[name] for name in QUANTITIES])
-    half_widths = np.hypot(np.quantile(np.abs(errors), 0.95, axis=0), numerical)
-    return Factors(exponents, weights, half_widths, errors)
+    """The polynomials through the tables that ship, by least squares."""
+    powers = itertools.product(range(max(DEGREES.values()) + 1), repeat=len(RANGES))
+    exponents = np.array([it for it in powers if sum(it) <= max(DEGREES.values())])
+    weights = np.zeros((len(exponents), len(QUANTITIES)))
+    fit_errors, half_widths = {}, {}
+    for place, name in enumerate(QUANTITIES):
+        table = read_table(studies_folder() / TABLES[name])
+        values, simulated_error = _simulated(name, table)
+        inputs = np.stack([scaled(it, table[it]) for it in RANGES], axis=-1)
+        used = exponents.sum(axis=1) <= DEGREES[name]
+        terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
+        weights[used, place], errors = _fitted(terms, values)
+        fit_errors[name] = errors
+        half_widths[name] = math.hypot(np.quantile(np.abs(errors), 0.95), simulated_error)
+    return Factors(exponents, weights, half_widths, fit_errors)
+
+
+def _simulated(name: str, table: Mapping[str, Floats]) -> tuple[Floats, float]:
+    """A quantity of a table as it is fitted, shape [cases], and 95 % of its error over it."""
+    values = table[name]
+    if name == PRESSURE:
+        correction, half_width = shoulder_error(
+            values,
+            cell_size=PRESSURE_CELL,
+            adhesion_factor=table["adhesion_factor"],
+            rigidity_index=table["rigidity_index"],
+        )
+        values = values + correction
+        return values, float(np.sqrt(np.mean((half_width / values) ** 2)))
+    if name == "sleeve_friction_factor":
+        values = values / table["adhesion_factor"]
+    return values, SIMULATED_ERROR[name]
+
+
+def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Weights of terms, and errors over the values of fits that the value is kept out of."""
+    errors, part = np.empty_like(values), np.arange(len(values)) % PARTS
+    for out in (part == it for it in range(PARTS)):
+        weights, *_ = np.linalg.lstsq(terms[~out], values[~out], rcond=None)
+        errors[out] = terms[out] @ weights / values[out] - 1.0
+    weights, *_ = np.linalg.lstsq(terms, values, rcond=None)
+    return weights, errors
 
 
 def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, Floats], Floats]:
@@ -234,4 +256,4 @@ def cone_factor(
             raise ParameterError(name, f"{name} = {asked:g}{at_rate} must be {low:g} to {high:g}")
     table = factors()
     factor: Floats = (table.at(own)["cone_factor"] * ratio)[()]
-    return factor, factor * table.half_widths[0]
+    return factor, factor * table.half_widths["cone_factor"]

@@ -23,7 +23,7 @@ import numpy as np
 import xarray as xr
 
 from harness.interpret.borders import near_border, without_borders
-from harness.interpret.factors import NUMERICAL_ERROR, RANGES, Along, at_table_rate, factors
+from harness.interpret.factors import RANGES, Along, at_table_rate, factors
 from harness.interpret.measured import REASONS, Measured, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
@@ -144,7 +144,7 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
     causes = {
         **layer.inputs,
         MEASUREMENT: normal(1.0 / HALF_WIDTH),
-        TABLE_ERROR: normal(float(table.half_widths[0]) / HALF_WIDTH),
+        TABLE_ERROR: normal(table.half_widths["cone_factor"] / HALF_WIDTH),
         MODEL: normal(layer.model_error),
     }
     if not isinstance(weight, ByDepth):
@@ -179,7 +179,7 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
         ("pore_pressure", "u2", test.u2 - test.u0, "pore_pressure_factor_shoulder", MODEL_OF_U2),
     ):
         if use in site.use:
-            width = math.hypot(left_out, NUMERICAL_ERROR[quantity] / HALF_WIDTH)
+            width = math.hypot(left_out, table.half_widths[quantity] / HALF_WIDTH)
             expected = simulated[quantity] * ratio * strength
             likelihood += log_likelihood(values[here], expected, test.errors[column][here], width)
     low, high = RANGES["stress_anisotropy"]

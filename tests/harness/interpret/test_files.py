@@ -1,5 +1,6 @@
 """Files of cone tests: CSV, GEF, BRO and AGS 4 give the same columns; damaged ones one line."""
 
+import re
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -199,7 +200,7 @@ def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
 def test_the_length_of_the_rods_is_corrected_by_inclination(folder: Path) -> None:
     """At 10 degrees all along, but for a missing value: cos 10 of the way from the first row on."""
     text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling, 8")
-    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, graden,")
+    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, Graden(deg),")
     head, end, data = text.partition("#EOH=\n")
     lines = [line.split("; ") for line in data.splitlines()]
     for number, line in enumerate(lines):
@@ -351,6 +352,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "AGS 3": ("ags", lambda _: AGS_3, "no group SCPT of AGS 4 with HEADING, UNIT and DATA; AGS 3"),
     "AGS, open quotes": ("ags", lambda it: it + b'"DATA","CPT1', "is no table: unexpected end"),
     "AGS of two tests": ("ags", replaced('"CPT1","1","1.0"', '"B","1","1.0"'), "has 2 tests: B/1"),
+    "AGS, u2 without values": (
+        "ags",
+        lambda it: re.sub(rb'("DATA","CPT1",.*,)"[^"]*"', rb'\1""', it),
+        "has no u2, which the correction",
+    ),
     "AGS without units": ("ags", replaced('"m","MN/m2"', '"",""'), "'SCPT_DPTH' has no unit"),
     "site: no layer": ("toml", cut_after("u2 = 0 }"), "[[layer]] is missing"),
     "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
