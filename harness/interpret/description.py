@@ -74,6 +74,19 @@ def site_rows(path: Path) -> list[str]:
     return [*rows, "", f"an input is {HOW}"]
 
 
+def test_rows(path: Path) -> list[tuple[str, str, str]]:
+    """What a site file says of the test: key, value and meaning, of those that have a value."""
+    values, rows = read_toml(path), []
+    for keys, given in ((SITE_KEYS, values), (TEST_KEYS, values["test"])):
+        for name, key in keys.items():
+            value = given.get(name, key.default)
+            if value is not None:
+                default = "" if name in given else "default "
+                unit = f" [{key.unit}]" if key.unit else ""
+                rows.append((name, f"{default}{_toml(value)}", f"{key.meaning}{unit}"))
+    return rows
+
+
 def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[str]:
     """A row a key; of a distribution a row more."""
     for name, key in keys.items():

@@ -8,9 +8,11 @@ another rate, L log cycles above it, holds
 
 and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
 polynomials in the inputs, each brought to -1 to 1 over its range; the sleeve's is taken over the
-adhesion factor, to which it is nearly in proportion. Every case is kept out of one of PARTS fits,
-which gives the error of the fit. For Nkt and the sleeve that of degree 2 is three times that of
-degree 3, of degree 4 no less, and radial basis functions (scipy) are no better.
+adhesion factor, that of u2 over Nkt, to which they are nearly in proportion. For u2 the share of
+the wedge beside the shaft, which is whole from an adhesion factor of 0.5 on, stands in place of the
+adhesion factor. Every case is kept out of one of PARTS fits, which gives the error of the fit. For
+Nkt and the sleeve that of degree 2 is three times that of degree 3, of degree 4 no less, and radial
+basis functions (scipy) are no better.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import shoulder_error
+from mpm_warp.uncertainty.pore_pressure import share_of_wedge, shoulder_error
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
@@ -45,7 +47,7 @@ LOGARITHMIC = ("rigidity_index", "ductility")
 MOVING = ("stress_anisotropy", "adhesion_factor")
 """Inputs that change with depth in the same soil: one over the strength, one by the sleeve."""
 QUANTITIES = ("cone_factor", "sleeve_friction_factor", "pore_pressure_factor_shoulder")
-PRESSURE = QUANTITIES[2]
+SLEEVE, PRESSURE = QUANTITIES[1:]
 TABLES: Mapping[str, str] = {
     **dict.fromkeys(QUANTITIES[:2], "interpretation_table.csv"),
     PRESSURE: "pore_pressure_table.csv",
@@ -54,7 +56,7 @@ TABLES: Mapping[str, str] = {
 DEGREES: Mapping[str, int] = {**dict.fromkeys(QUANTITIES[:2], 3), PRESSURE: 2}
 PARTS = 8
 """Fits to all cases but every so manieth, to measure the error of the fit by those."""
-SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, "sleeve_friction_factor": 0.05}
+SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, SLEEVE: 0.05}
 """Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
 the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
 that of u2 is by the law of its error in clay whose strength stays."""
@@ -81,14 +83,16 @@ class Factors:
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""
+        adhesion = inputs["adhesion_factor"]
+        of_wedge = dict(inputs) | {"adhesion_factor": share_of_wedge(adhesion)}
+        values = self._polynomials(inputs) | {PRESSURE: self._polynomials(of_wedge)[PRESSURE]}
+        return _whole(values, adhesion)
+
+    def _polynomials(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         x = np.stack(np.broadcast_arrays(*(scaled(name, inputs[name]) for name in RANGES)))
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
-        values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
-        values["sleeve_friction_factor"] = (
-            values["sleeve_friction_factor"] * (inputs["adhesion_factor"])
-        )
-        return values
+        return dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
@@ -116,14 +120,23 @@ class Along:
         self, stress_anisotropy: Floats, adhesion_factor: Floats, quantities: int = len(QUANTITIES)
     ) -> dict[str, Floats]:
         """The first quantities by name, shape [..., soils]."""
-        x, y = scaled(MOVING[0], stress_anisotropy), scaled(MOVING[1], adhesion_factor)
-        values = {
-            name: sum(weight[place] * x**a * y**b for (a, b), weight in self.weights.items())
-            for place, name in enumerate(QUANTITIES[:quantities])
-        }
-        if quantities > 1:
-            values["sleeve_friction_factor"] = values["sleeve_friction_factor"] * adhesion_factor
-        return values
+        x, values = scaled(MOVING[0], stress_anisotropy), {}
+        for place, name in enumerate(QUANTITIES[:quantities]):
+            rough = share_of_wedge(adhesion_factor) if name == PRESSURE else adhesion_factor
+            y = scaled(MOVING[1], rough)
+            values[name] = sum(
+                weight[place] * x**a * y**b for (a, b), weight in self.weights.items()
+            )
+        return _whole(values, adhesion_factor)
+
+
+def _whole(values: dict[str, Floats], adhesion_factor: Floats | float) -> dict[str, Floats]:
+    """Quantities of what the polynomials give, in place; see `_fitted_values`."""
+    if SLEEVE in values:
+        values[SLEEVE] = values[SLEEVE] * adhesion_factor
+    if PRESSURE in values:
+        values[PRESSURE] = values[PRESSURE] * values["cone_factor"]
+    return values
 
 
 def scaled(name: str, value: Floats | float) -> Floats:
@@ -152,7 +165,9 @@ def factors() -> Factors:
     fit_errors, half_widths = {}, {}
     for place, name in enumerate(QUANTITIES):
         table = read_table(studies_folder() / TABLES[name])
-        values, simulated_error = _simulated(name, table)
+        values, simulated_error = _fitted_values(name, table)
+        if name == PRESSURE:
+            table["adhesion_factor"] = share_of_wedge(table["adhesion_factor"])
         inputs = np.stack([scaled(it, table[it]) for it in RANGES], axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
@@ -162,8 +177,8 @@ def factors() -> Factors:
     return Factors(exponents, weights, half_widths, fit_errors)
 
 
-def _simulated(name: str, table: Mapping[str, Floats]) -> tuple[Floats, float]:
-    """A quantity of a table as it is fitted, shape [cases], and 95 % of its error over it."""
+def _fitted_values(name: str, table: Mapping[str, Floats]) -> tuple[Floats, float]:
+    """What is fitted of a quantity of a table, shape [cases], and 95 % of its error over it."""
     values = table[name]
     if name == PRESSURE:
         correction, half_width = shoulder_error(
@@ -173,8 +188,9 @@ def _simulated(name: str, table: Mapping[str, Floats]) -> tuple[Floats, float]:
             rigidity_index=table["rigidity_index"],
         )
         values = values + correction
-        return values, float(np.sqrt(np.mean((half_width / values) ** 2)))
-    if name == "sleeve_friction_factor":
+        simulated_error = float(np.sqrt(np.mean((half_width / values) ** 2)))
+        return values / table["cone_factor"], simulated_error
+    if name == SLEEVE:
         values = values / table["adhesion_factor"]
     return values, SIMULATED_ERROR[name]
 

@@ -93,7 +93,7 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
     """What may be quoted, a sentence a layer, with its assumptions."""
-    sentences = []
+    sentences, measures = [], " and ".join(site.use).replace("_", " ")
     for layer, told in zip(site.layers, found["layer"].values, strict=True):
         here = (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == 0)
         if not bool(here.any()):
@@ -110,12 +110,18 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
-            f"{told}: su ({layer.strength.replace('_', ' ')}, at {layer.laboratory_rate:.1g} 1/s) "
-            f"{middle:.3g} kPa, {low:.3g} to {high:.3g} with 90 %, by Nkt {factor[1]:.3g}, "
-            f"{factor[0]:.3g} to {factor[2]:.3g}, on average over {int(here.sum())} depths{near}; "
+            f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) "
+            f"{middle:.3g} kPa, {low:.3g} to {high:.3g} with 90 %, by {measures} with Nkt "
+            f"{factor[1]:.3g}, {factor[0]:.3g} to {factor[2]:.3g}, on average over "
+            f"{int(here.sum())} depths{near}; "
             f"error from {largest}{assumed}.{warning}"
         )
     return sentences
+
+
+def rate_in_words(layer: Layer) -> str:
+    """The strain rate of a layer's strength, in the unit of laboratories."""
+    return f"{100.0 * 3600.0 * layer.laboratory_rate:.2g} %/h"
 
 
 def _why_none(found: xr.Dataset, layer: Layer) -> str:

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from harness.archive.provenance import provenance
 from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
-from harness.interpret.description import site_rows
+from harness.interpret.description import test_rows
 from harness.interpret.measured import REASONS
-from harness.interpret.result import in_words
+from harness.interpret.result import in_words, rate_in_words
 from harness.interpret.site import Layer, Site
 from harness.pictures.drawing.plot_parts import MAKER, MARKERS, STYLED, image, series_colour
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
@@ -67,7 +67,7 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
         "causes": _cause_rows(site, found),
         "left_out": _left_out(site, found),
         "notes": [it for it in found.attrs["notes"].split("; ") if it],
-        "site_file": "\n".join(site_rows(test.path)),
+        "test": [("key", "as given", "meaning"), *test_rows(test.path)],
     }
 
 
@@ -81,7 +81,7 @@ def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
         rows.append((layer.title, name, given, *spans))
     for name, value in (
         ("strength", layer.strength),
-        ("laboratory_rate", f"{layer.laboratory_rate:.2g} 1/s"),
+        ("laboratory_rate", rate_in_words(layer)),
         ("model_error", f"{layer.model_error:g}"),
     ):
         assumed = " (assumed)" if name in layer.assumed else ""

@@ -169,7 +169,7 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     monkeypatch.chdir(folder)
     site_of(folder, kind, WRITERS[kind](rows_of(folder)))
     assert main(["interpret", "site.toml"]) == 0
-    assert capsys.readouterr().out.startswith("2 to 10 m: su (isotropic, at 1e-06 1/s)")
+    assert capsys.readouterr().out.startswith("2 to 10 m: su (isotropic, at 0.36 %/h)")
     found = xr.load_dataset("results/site_interpretation.nc")
     strength = found.strength.sel(percentile=50.0) / STRENGTH
     used = found.reason.values == 0

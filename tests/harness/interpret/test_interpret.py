@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.cli.main import main
-from harness.interpret.factors import cone_factor, factors
+from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from mpm_warp.errors import ParameterError
@@ -30,6 +30,16 @@ def test_cases_kept_out_of_the_fit_are_within_its_error() -> None:
         assert len(errors) >= 100
         assert np.mean(np.abs(errors) <= table.half_widths[name]) >= 0.95
     assert np.quantile(np.abs(table.fit_errors["cone_factor"]), 0.95) < 0.015
+
+
+@pytest.mark.parametrize(("adhesion", "fine"), [(0.0, 5.87), (0.5, 3.69), (1.0, 4.03)])
+def test_the_table_gives_the_pore_pressure_of_fine_meshes(adhesion: float, fine: float) -> None:
+    """At Ir 100 with 10 rows of cells beside the face."""
+    own = dict.fromkeys(RANGES, 0.0) | {"rigidity_index": 100.0, "adhesion_factor": adhesion}
+    own |= {"remoulded_strength_ratio": 1.0, "ductility": 20.0}
+    table = factors()
+    told = table.at(own)[PRESSURE]
+    assert abs(told / fine - 1.0) < table.half_widths[PRESSURE]
 
 
 def test_a_factor_follows_the_rate_at_which_the_strength_is_told() -> None:

@@ -51,7 +51,7 @@ def test_the_sentence_the_picture_and_all_inputs_are_there(
     pages: tuple[str, str, list[str]],
 ) -> None:
     page = words(pages[0])
-    assert "2 to 10 m: su (isotropic, at 1e-06 1/s)" in page
+    assert "2 to 10 m: su (isotropic, at 0.36 %/h)" in page
     assert pages[0].count('src="data:image/png;base64,') == 1
     assert "rigidity_index 120 120 (120 to 120)" in page
     assert re.search(r"cause 2 to 10 m numerical (99|100) %", page)
