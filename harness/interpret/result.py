@@ -93,7 +93,7 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
     """What may be quoted, a sentence a layer, with its assumptions."""
-    sentences, measures = [], " and ".join(site.use).replace("_", " ")
+    sentences, measures = [], ", ".join(site.use).replace("_", " ")
     for layer, told in zip(site.layers, found["layer"].values, strict=True):
         here = (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == 0)
         if not bool(here.any()):
