@@ -354,7 +354,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "AGS of two tests": ("ags", replaced('"CPT1","1","1.0"', '"B","1","1.0"'), "has 2 tests: B/1"),
     "AGS, u2 without values": (
         "ags",
-        lambda it: re.sub(rb'("DATA","CPT1",.*,)"[^"]*"', rb'\1""', it),
+        lambda it: re.sub(rb'("DATA","CPT1"(,"[^"]*"){4},)"[^"]*"', rb'\1""', it),
         "has no u2, which the correction",
     ),
     "AGS without units": ("ags", replaced('"m","MN/m2"', '"",""'), "'SCPT_DPTH' has no unit"),
