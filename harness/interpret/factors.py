@@ -167,7 +167,7 @@ def factors() -> Factors:
         table = read_table(studies_folder() / TABLES[name])
         values, simulated_error = _fitted_values(name, table)
         if name == PRESSURE:
-            table["adhesion_factor"] = share_of_wedge(table["adhesion_factor"])
+            table["adhesion_factor"] = np.asarray(share_of_wedge(table["adhesion_factor"]))
         inputs = np.stack([scaled(it, table[it]) for it in RANGES], axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
@@ -202,7 +202,7 @@ def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:
         weights, *_ = np.linalg.lstsq(terms[~out], values[~out], rcond=None)
         errors[out] = terms[out] @ weights / values[out] - 1.0
     weights, *_ = np.linalg.lstsq(terms, values, rcond=None)
-    return weights, errors
+    return np.asarray(weights, dtype=float), errors
 
 
 def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, Floats], Floats]:
