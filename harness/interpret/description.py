@@ -83,7 +83,7 @@ def test_rows(path: Path) -> list[tuple[str, str, str]]:
             if value is not None:
                 default = "" if name in given else "default "
                 unit = f" [{key.unit}]" if key.unit else ""
-                rows.append((name, f"{default}{_toml(value)}", f"{key.meaning}{unit}"))
+                rows.append((name, f"{default}{toml(value)}", f"{key.meaning}{unit}"))
     return rows
 
 
