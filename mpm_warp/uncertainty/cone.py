@@ -63,8 +63,7 @@ LEFT_OPEN = 0.5
 one of the next order."""
 LARGEST_CORRECTION = 0.12
 """Error that the laws, which are linear, may take off, over the cone factor. Friction of 0.2 needs
-10 % and follows them to 12 cells per radius; a rough cone of 120 degrees would need 16 % and does
-not."""
+10 % and follows them to 12 cells per radius; none was tested that needs more."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
