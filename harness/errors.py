@@ -36,7 +36,7 @@ def printable(text: str) -> str:
 
     A text out of a file must not move the cursor of a terminal, or say what is not so.
     """
-    return "".join(it if it.isprintable() else ascii(it)[1:-1] for it in text)
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
 def shortened(text: str, longest: int) -> str:

@@ -116,7 +116,7 @@ class Parameter:
     @functools.cached_property
     def _range(self) -> Range:
         given = {bound: getattr(self, bound) for bound in BOUNDS}
-        return Range(**{bound: it for bound, it in given.items() if it is not None})
+        return Range(**{bound: value for bound, value in given.items() if value is not None})
 
 
 def parameter(

@@ -129,10 +129,10 @@ def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
     built = {"law": simulation.scene.material, "contact": simulation.scene.find(SurfaceContact)}
     return {
         f"built_{name}": variable(
-            built_name(it), unit=None, meaning=f"{name} as built", role="built"
+            built_name(value), unit=None, meaning=f"{name} as built", role="built"
         )
-        for name, it in built.items()
-        if it is not None
+        for name, value in built.items()
+        if value is not None
     }
 
 

@@ -64,7 +64,7 @@ class Snapshots:
 
         They have the same names each time. At its last moment all count as reached.
         """
-        left = [it for it in self._left if moment < it * (1.0 - ROUNDING)]
+        left = [mark for mark in self._left if moment < mark * (1.0 - ROUNDING)]
         is_new = not (self._taken and self._taken[-1][0] == moment)
         if len(left) < len(self._left) or (is_last and left and is_new):
             self._taken.append((moment, fields()))

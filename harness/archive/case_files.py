@@ -148,11 +148,13 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
-            roles = {it: forms[it].attributes.get("role") for it in forms}
-            told = [it for it in forms if roles[it] == Role.REASON]
-            half_widths = [it for it in forms if roles[it] == Role.UNCERTAINTY]
-            is_known = any(np.isfinite(found.values(it)).all() for it in half_widths)
-            reason = "" if is_known else "; ".join(str(found.values(it)) for it in told)
+            roles = {name: forms[name].attributes.get("role") for name in forms}
+            told = [name for name in forms if roles[name] == Role.REASON]
+            half_widths = [name for name in forms if roles[name] == Role.UNCERTAINTY]
+            is_known = any(
+                np.isfinite(found.values(half_width)).all() for half_width in half_widths
+            )
+            reason = "" if is_known else "; ".join(str(found.values(name)) for name in told)
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))

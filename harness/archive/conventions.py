@@ -66,12 +66,18 @@ TRACEBACK = "traceback"
 
 def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
     """Names of the variables that have one of these roles."""
-    return [str(name) for name, it in dataset.variables.items() if it.attrs.get("role") in roles]
+    return [
+        str(name)
+        for name, variable in dataset.variables.items()
+        if variable.attrs.get("role") in roles
+    ]
 
 
 def limits_of(dataset: xr.Dataset) -> dict[str, float]:
     """The largest sizes allowed, by the names of the variables that have such a limit."""
-    limits = {str(name): it.attrs.get("limit") for name, it in dataset.data_vars.items()}
+    limits = {
+        str(name): variable.attrs.get("limit") for name, variable in dataset.data_vars.items()
+    }
     return {name: float(limit) for name, limit in limits.items() if limit is not None}
 
 
@@ -128,7 +134,9 @@ def reasons_of(dataset: xr.Dataset) -> list[str]:
     """Why each case has no uncertainty; "" where it has one, or where nothing is said of it."""
     reasons = [""] * dataset["status"].size
     for name in with_role(dataset, Role.REASON):
-        told = (str(it) if is_there(it) else "" for it in over_cases(dataset, name).tolist())
+        told = (
+            str(value) if is_there(value) else "" for value in over_cases(dataset, name).tolist()
+        )
         reasons = [one or other for one, other in zip(reasons, told, strict=True)]
     return reasons
 
@@ -161,8 +169,8 @@ def without_half_width(reason: str) -> str:
 
 def words_of(reasons: Iterable[str]) -> str:
     """The words of some reasons, each once: Delta, speed."""
-    parts = (it for reason in reasons for it in reason.split("; ") if it)
-    return ", ".join(dict.fromkeys(it.partition(":")[0] for it in parts))
+    parts = (piece for reason in reasons for piece in reason.split("; ") if piece)
+    return ", ".join(dict.fromkeys(part.partition(":")[0] for part in parts))
 
 
 def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -227,7 +235,7 @@ def varied_within(dataset: xr.Dataset) -> list[str]:
     def differs(name: str) -> bool:
         values = over_cases(dataset, name)
         return any(
-            len({it for it in values[scenes == kind].tolist() if is_there(it)}) > 1
+            len({value for value in values[scenes == kind].tolist() if is_there(value)}) > 1
             for kind in set(scenes.tolist())
         )
 
@@ -263,12 +271,14 @@ def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
     dims = set(dataset["status"].dims)
     is_completed = dataset["status"] == COMPLETED
     curves = {
-        name: it
-        for name, it in dataset.data_vars.items()
-        if set(it.dims) - dims and dims <= set(it.dims) and it.dtype.kind == "f"
+        name: variable
+        for name, variable in dataset.data_vars.items()
+        if set(variable.dims) - dims and dims <= set(variable.dims) and variable.dtype.kind == "f"
     }
-    kept = {name: it.where(is_completed).transpose(*it.dims) for name, it in curves.items()}
-    return dataset.assign(kept).drop_vars([it for it in kept if kept[it].isnull().all()])
+    kept = {
+        name: curve.where(is_completed).transpose(*curve.dims) for name, curve in curves.items()
+    }
+    return dataset.assign(kept).drop_vars([name for name in kept if kept[name].isnull().all()])
 
 
 def is_there(value: object) -> bool:

@@ -66,14 +66,15 @@ def outline(file: netCDF4.Dataset, byte_count: int) -> Outline:
     """
     file.set_auto_maskandscale(False)
     sizes = [
-        math.prod(it.shape) * (_STRING_SIZE if it.dtype is str else np.dtype(it.dtype).itemsize)
-        for it in file.variables.values()
+        math.prod(variable.shape)
+        * (_STRING_SIZE if variable.dtype is str else np.dtype(variable.dtype).itemsize)
+        for variable in file.variables.values()
     ]
     if sum(sizes) > min(memory_of_machine(), _LARGEST_RATIO * byte_count):
         raise ValueError(f"its variables would take {sum(sizes):.3g} bytes, more than it can hold")
     forms = {
-        name: Form(it.shape, it.dimensions, _kind(it), it.__dict__)
-        for name, it in file.variables.items()
+        name: Form(variable.shape, variable.dimensions, _kind(variable), variable.__dict__)
+        for name, variable in file.variables.items()
     }
     return Outline(file.__dict__, forms, lambda name: np.asarray(file.variables[name][...]))
 
@@ -113,8 +114,11 @@ def _answer(path: Path) -> object:
         with netCDF4.Dataset(path) as file:
             found = outline(file, path.stat().st_size)
             variables = {
-                name: ((it.shape, it.dims, it.kind, dict(it.attributes)), found.values(name))
-                for name, it in found.forms.items()
+                name: (
+                    (form.shape, form.dims, form.kind, dict(form.attributes)),
+                    found.values(name),
+                )
+                for name, form in found.forms.items()
             }
             return dict(found.attributes), variables
     except UNREADABLE as error:

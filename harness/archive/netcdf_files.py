@@ -85,10 +85,14 @@ def _loaded(found: Outline) -> xr.Dataset:
             values = values.astype(bool)
         variables[name] = xr.Variable(form.dims, values, attributes)
     return xr.Dataset(
-        {name: it for name, it in variables.items() if name not in coordinates},
-        {name: it for name, it in variables.items() if name in coordinates},
+        {name: variable for name, variable in variables.items() if name not in coordinates},
+        {name: variable for name, variable in variables.items() if name in coordinates},
         # The digest is of the file, not of what was computed.
-        {name: it for name, it in found.attributes.items() if name not in (DIGEST, COORDINATES)},
+        {
+            name: attribute
+            for name, attribute in found.attributes.items()
+            if name not in (DIGEST, COORDINATES)
+        },
     )
 
 

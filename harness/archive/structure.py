@@ -82,7 +82,7 @@ def _faulty_study(result: Outline, over: tuple[str, ...]) -> Iterator[str]:
         "scene": isinstance(said.get("scene"), str),
         "scene_version": isinstance(said.get("scene_version"), int | np.integer),
         TOLERANCES: isinstance(tolerances, dict)
-        and all(isinstance(it, int | float) for it in tolerances.values()),
+        and all(isinstance(tolerance, int | float) for tolerance in tolerances.values()),
         **{name: name in forms and forms[name].dims == over for name in PER_CASE},
     }
     for name, is_sound in sound.items():
@@ -140,7 +140,11 @@ def _faulty_headline(result: Outline) -> Iterator[str]:
 
 def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[str]:
     """What the parameters that are texts are called in a result."""
-    stored = {parameter_of(it): it for it in forms if _role(forms[it]) == Role.PARAMETER}
+    stored = {
+        parameter_of(stored_name): stored_name
+        for stored_name in forms
+        if _role(forms[stored_name]) == Role.PARAMETER
+    }
     for scene in scenes:
         if scene in scene_names():
             for name, definition in parameters_of(scene_class(scene)).items():

@@ -53,14 +53,16 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     """
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
-    definitions = {name: it for part in study.parts for name, it in part.parameters.items()}
+    definitions = {
+        name: definition for part in study.parts for name, definition in part.parameters.items()
+    }
     names = {name: stored_name(name, {*gathered.variables, *gathered.dims}) for name in definitions}
     axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}
     if study.is_grid:
         varied = study.parts[0].varied
         axes = {names[name]: v for name, v in varied.items() if isinstance(v, tuple)}
 
-    own = {name: it for name, it in gathered.variables.items() if name != CASE}
+    own = {name: variable for name, variable in gathered.variables.items() if name != CASE}
     origins, origin = _origins(results)
     inputs, coordinates = _parameters(study, definitions, names, axes)
     inputs |= _as_built(inputs, own)
@@ -68,8 +70,8 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
     return xr.Dataset(
-        {name: _over_grid(it, sizes) for name, it in variables.items()},
-        {name: _over_grid(it, sizes) for name, it in coordinates.items()},
+        {name: _over_grid(variable, sizes) for name, variable in variables.items()},
+        {name: _over_grid(variable, sizes) for name, variable in coordinates.items()},
         {
             "title": study.title,
             "study": study.name,
@@ -129,7 +131,7 @@ def _parameters(
     coordinates: Variables = {}
     assigned = {name for part in study.parts for name in part.assigned}
     varied = [pair for part in study.parts for pair in part.varied.items()]
-    distributions = {name: it.text for name, it in varied if isinstance(it, Input)}
+    distributions = {name: drawn.text for name, drawn in varied if isinstance(drawn, Input)}
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
         labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
@@ -212,7 +214,7 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     )
     places = joined.assign_coords({CASE: list(told)})
     of_all = places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
-    texts = [name for name, it in of_all.data_vars.items() if it.dtype.kind == "O"]
+    texts = [name for name, variable in of_all.data_vars.items() if variable.dtype.kind == "O"]
     return of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
 
 
@@ -223,7 +225,10 @@ def _curves(result: xr.Dataset) -> xr.Dataset:
 
 def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:
     """What the files of all cases say under a name."""
-    return [otherwise if it is None else str(it.attrs.get(name, otherwise)) for it in results]
+    return [
+        otherwise if result is None else str(result.attrs.get(name, otherwise))
+        for result in results
+    ]
 
 
 MOST_NAMED = 10

@@ -111,7 +111,9 @@ def _case(row: Mapping[str, str]) -> BenchmarkCase:
         scene=row["scene"],
         result=row["result"],
         fixed=dict(map(parse_setting, row["parameters"].split())),
-        accuracy={it: dict(map(parse_setting, row[it].split())) for it in ACCURACIES},
+        accuracy={
+            accuracy: dict(map(parse_setting, row[accuracy].split())) for accuracy in ACCURACIES
+        },
     )
 
 
@@ -123,10 +125,10 @@ def read_submissions(folder: Path) -> list[Submission]:
     """
     if (folder / "meta.toml").exists() or (folder / "results.csv").exists():
         return [read_submission(folder)]
-    found = [it for it in sorted(folder.glob("*")) if it.is_dir()] if folder.is_dir() else []
+    found = [path for path in sorted(folder.glob("*")) if path.is_dir()] if folder.is_dir() else []
     if not found:
         raise StudyError(f"{folder}: has no submission: a folder with meta.toml and results.csv")
-    return [read_submission(it) for it in found]
+    return [read_submission(path) for path in found]
 
 
 def read_submission(folder: Path) -> Submission:
@@ -211,10 +213,15 @@ def computed(case: BenchmarkCase, accuracy: str) -> Result:
     start = time.perf_counter()
     found = scene.run()
     seconds = time.perf_counter() - start
-    name, _, place = (it.strip() for it in case.result.partition("@"))
-    stated = [it for it in with_role(found, Role.UNCERTAINTY) if it == f"{name}_uncertainty"]
+    name, _, place = (word.strip() for word in case.result.partition("@"))
+    stated = [
+        half_width
+        for half_width in with_role(found, Role.UNCERTAINTY)
+        if half_width == f"{name}_uncertainty"
+    ]
     value, uncertainty = (
-        _at(found[it], place) if it else math.nan for it in (name, next(iter(stated), ""))
+        _at(found[variable], place) if variable else math.nan
+        for variable in (name, next(iter(stated), ""))
     )
     return Result(value, uncertainty, seconds)
 
@@ -229,8 +236,8 @@ def _at(values: xr.DataArray, place: str) -> float:
 
 def _rows(results: Mapping[str, Result]) -> Iterator[Sequence[str]]:
     yield COLUMNS
-    for name, it in results.items():
-        cells = (f"{it.value:.7g}", f"{it.uncertainty:.2g}", f"{it.seconds:.3g}")
+    for name, result in results.items():
+        cells = (f"{result.value:.7g}", f"{result.uncertainty:.2g}", f"{result.seconds:.3g}")
         yield [name, *("" if cell == "nan" else cell for cell in cells)]
 
 

@@ -46,7 +46,7 @@ def scores(
     Where no exact value is known, the submission called `against` is the yardstick; a `StudyError`
     says that there is none.
     """
-    by_name = {it.name: it for it in submissions}
+    by_name = {submission.name: submission for submission in submissions}
     if against not in by_name:
         near = nearest_name(against, by_name)
         raise StudyError(f"--against {against}: is no submission{near}")
@@ -114,17 +114,17 @@ def _conditions(case: BenchmarkCase) -> Conditions:
 def summary_rows(found: Sequence[Score]) -> list[list[str]]:
     """A row a submission: cases, share inside its interval, errors, seconds; a heading first."""
     rows = [["submission", "cases", "stated U", "inside", "median |E|", "largest |E|", "seconds"]]
-    for name in dict.fromkeys(it.submission for it in found):
-        own = [it for it in found if it.submission == name]
-        errors = np.abs([it.error for it in own if math.isfinite(it.error)])
-        stated = [it.distance for it in own if math.isfinite(it.distance)]
-        inside = sum(it <= 1.0 for it in stated)
-        seconds = [it.result.seconds for it in own]
+    for name in dict.fromkeys(scored.submission for scored in found):
+        own = [scored for scored in found if scored.submission == name]
+        errors = np.abs([scored.error for scored in own if math.isfinite(scored.error)])
+        stated = [scored.distance for scored in own if math.isfinite(scored.distance)]
+        inside = sum(distance <= 1.0 for distance in stated)
+        seconds = [scored.result.seconds for scored in own]
         rows.append(
             [
                 name,
                 str(len(own)),
-                str(sum(math.isfinite(it.result.uncertainty) for it in own)),
+                str(sum(math.isfinite(scored.result.uncertainty) for scored in own)),
                 f"{inside} of {len(stated)}" if stated else "",
                 f"{np.median(errors):.1%}" if len(errors) else "",
                 f"{errors.max():.1%}" if len(errors) else "",
@@ -137,12 +137,18 @@ def summary_rows(found: Sequence[Score]) -> list[list[str]]:
 def case_rows(found: Sequence[Score]) -> list[list[str]]:
     """A row a result; a heading first."""
     rows = [["case", "submission", "value", "U", "E", "d", "seconds"]]
-    for it in found:
-        numbers = (it.result.value, it.result.uncertainty, it.error, it.distance, it.result.seconds)
+    for scored in found:
+        numbers = (
+            scored.result.value,
+            scored.result.uncertainty,
+            scored.error,
+            scored.distance,
+            scored.result.seconds,
+        )
         forms = (".5g", ".2g", "+.1%", ".2f", ".3g")
         told = [
             format(value, form) if math.isfinite(value) else ""
             for value, form in zip(numbers, forms, strict=True)
         ]
-        rows.append([it.case.name, it.submission, *told])
+        rows.append([scored.case.name, scored.submission, *told])
     return rows

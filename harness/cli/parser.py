@@ -41,7 +41,7 @@ class Parser(argparse.ArgumentParser):
 
 def options_of(parser: argparse.ArgumentParser, command: str) -> list[str]:
     """The options of a command, as ``--out``."""
-    (commands,) = (it for it in parser._actions if isinstance(it.choices, dict))
+    (commands,) = (action for action in parser._actions if isinstance(action.choices, dict))
     assert isinstance(commands.choices, dict)
     return [
         option
@@ -62,7 +62,7 @@ def number(
     """What reads a finite number > 0, described in words; a unit may stand behind it."""
 
     def read(text: str) -> float:
-        unit = next((it for it in units if text.upper().endswith(it)), "")
+        unit = next((known_unit for known_unit in units if text.upper().endswith(known_unit)), "")
         try:
             value = float(text.upper().removesuffix(unit)) * units.get(unit, 1.0)
         except ValueError:
@@ -168,4 +168,6 @@ def _missing_quotes(arguments: Sequence[str]) -> str | None:
 def _open_brackets(text: str) -> int:
     """Brackets that are opened and not closed, those in texts left aside."""
     bare = re.sub(r'"[^"]*"', "", text)
-    return sum(bare.count(it) for it in "[{") - sum(bare.count(it) for it in "]}")
+    return sum(bare.count(bracket) for bracket in "[{") - sum(
+        bare.count(bracket) for bracket in "]}"
+    )

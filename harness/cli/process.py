@@ -106,7 +106,7 @@ class _Stream:
 
     def write(self, text: str) -> int:
         if self.is_output:
-            text = "".join(OURS.get(it) or printable(it) for it in _OURS.split(text))
+            text = "".join(OURS.get(piece) or printable(piece) for piece in _OURS.split(text))
         self._done(self.stream.write, text)
         return len(text)
 

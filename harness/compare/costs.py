@@ -102,7 +102,9 @@ def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
     if "scene" not in dataset.coords:
         return dataset
     cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
-    alike = [name for name, it in cases.coords.items() if np.unique(it.values).size == 1]
+    alike = [
+        name for name, variable in cases.coords.items() if np.unique(variable.values).size == 1
+    ]
     return cases.drop_vars(alike)
 
 
@@ -158,7 +160,9 @@ def _fixed(kinds: Mapping[str, type], dataset: xr.Dataset) -> dict[str, Value]:
         for name, stored in parameter_names(dataset).items()
         if name in kinds and name in defaults and dataset[stored].ndim == 0
     }
-    return {name: it for name, it in shared.items() if defaults[name].default not in (None, it)}
+    return {
+        name: value for name, value in shared.items() if defaults[name].default not in (None, value)
+    }
 
 
 def _settings(values: np.ndarray, kind: type) -> list[Value]:

@@ -81,8 +81,8 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
     if not common:
         raise NothingToCompareError("nothing to compare: no case has the same parameters in both")
     labels, of_second = labels_of(first), labels_of(second)
-    lonely = [f"only in the first: {labels[ours[it]]}" for it in ours if it not in theirs]
-    lonely += [f"only in the second: {of_second[theirs[it]]}" for it in theirs if it not in ours]
+    lonely = [f"only in the first: {labels[ours[key]]}" for key in ours if key not in theirs]
+    lonely += [f"only in the second: {of_second[theirs[key]]}" for key in theirs if key not in ours]
     here, there = [ours[identity] for identity in common], [theirs[identity] for identity in common]
     statuses = over_cases(first, "status")[here], over_cases(second, "status")[there]
     lonely += [
@@ -118,9 +118,9 @@ def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
     """A line a result, the largest difference and where it is."""
     width = max((len(entry.name) for entry in found), default=0)
     rows = []
-    for it in found:
-        verdict = "MISSED" if it.size > tolerance else "ok"
-        rows.append(f"{it.name:{width}}  {it.size:9.3g}  {verdict:6}  {it.label}")
+    for row in found:
+        verdict = "MISSED" if row.size > tolerance else "ok"
+        rows.append(f"{row.name:{width}}  {row.size:9.3g}  {verdict:6}  {row.label}")
     return rows
 
 
@@ -175,14 +175,20 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
     places = {}
     for place, (name, *values) in enumerate(zip(of_cases, *columns, strict=True)):
         scene = scenes[name]
-        given = {key: it for key, it in zip(names, values, strict=True) if is_there(it)}
+        given = {
+            key: given_value
+            for key, given_value in zip(names, values, strict=True)
+            if is_there(given_value)
+        }
         known = {
             key: definition.kind(given.pop(key))
             for key, definition in parameters_of(scene).items()
             if key in given
         }
         # What is left are parameters that the scene no longer has.
-        others = {key: it for key, it in given.items() if key in shared or dataset[names[key]].ndim}
+        others = {
+            key: value for key, value in given.items() if key in shared or dataset[names[key]].ndim
+        }
         identity = frozenset({**_complete(scene, known), **others}.items())
         places[name, identity] = place
     return places
@@ -193,7 +199,7 @@ def _complete(scene: type, given: dict[str, Value]) -> dict[str, Value | None]:
     try:
         return dataclasses.asdict(scene(**given))
     except ParameterError:  # a case that the scene refuses has nothing derived
-        defaults = {name: it.default for name, it in parameters_of(scene).items()}
+        defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
         return {**defaults, **given}
 
 
@@ -227,7 +233,11 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
     values, reasons = _headlines(dataset), reasons_of(dataset)
     scenes = scenes_of(dataset)
     stored = parameter_names(dataset)
-    of_method = {name for it in {*scenes} & {*scene_names()} for name in scene_class(it).method}
+    of_method = {
+        name
+        for known_scene in {*scenes} & {*scene_names()}
+        for name in scene_class(known_scene).method
+    }
     method = {stored.get(name, name) for name in of_method}
     within = varied_within(dataset)
     # What only some of the scenes have tells no soils apart, nor does a mesh that each has its own.
@@ -268,7 +278,7 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
     if places.dtype.kind not in "if" or not np.isfinite(values).all() or len(values) < 2:
         return []
     order = np.argsort(places)
-    least, greatest = ((float(it[0]), float(it[1])) for it in values[order[[0, -1]]])
+    least, greatest = ((float(value[0]), float(value[1])) for value in values[order[[0, -1]]])
     told = [f"difference {stated(*difference(greatest, least))}"]
     told += [f"ratio {stated(*ratio(greatest, least))}"] if least[0] else []
     told += [f"slope of the straight line {stated(*slope(places, values))}"]

@@ -136,7 +136,7 @@ def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 def _alike(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, np.ndarray]:
     """Indices of the cases that agree in all parameters but those of the method, by group."""
-    names = sorted(it for it in parameter_names(dataset).items() if it[0] not in method)
+    names = sorted(pair for pair in parameter_names(dataset).items() if pair[0] not in method)
     columns = [over_cases(dataset, stored).tolist() for _, stored in names]
     groups: dict[str, list[int]] = {}
     for case, values in enumerate(zip(*columns, strict=True)):

@@ -72,12 +72,14 @@ def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
         )
         for weight in weights
     ]
-    taken = [it for it in free if LEAST <= it[0] <= GREATEST]
-    order = float(np.mean([it[0] for it in free]))
+    taken = [tried_fit for tried_fit in free if LEAST <= tried_fit[0] <= GREATEST]
+    order = float(np.mean([tried_fit[0] for tried_fit in free]))
     if taken:
         order, scatter, fitted, limit = min(taken, key=lambda it: it[1])
     else:
-        terms = [[size], [size**2]] + [[size, size**2]] * any(it[0] < LEAST for it in free)
+        terms = [[size], [size**2]] + [[size, size**2]] * any(
+            tried_fit[0] < LEAST for tried_fit in free
+        )
         tried = [_line(of, value, weight, 1 + len(of)) for of in terms for weight in weights]
         scatter, fitted, limit = min(tried, key=lambda it: it[0])
     spread = np.ptp(value) / (size.size - 1)
@@ -103,7 +105,7 @@ def _line(
 
 def least_squares_table(dataset: xr.Dataset) -> str:
     """A text table for a terminal: cone factors with U by least squares, and with their own."""
-    names = [it for it in varied_names(dataset) if it != RESOLUTION]
+    names = [parameter for parameter in varied_names(dataset) if parameter != RESOLUTION]
     values = over_cases(dataset, SIMULATED).astype(float)
     sizes = 1.0 / over_cases(dataset, RESOLUTION).astype(float)
     groups: dict[tuple[object, ...], list[int]] = {}

@@ -90,7 +90,9 @@ def _tables(dataset: xr.Dataset) -> str:
 def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
     """Some cases of several scenes, with the variables that they have."""
     part = dataset.isel({CASE: np.flatnonzero(chosen)})
-    return part.drop_vars([name for name, it in part.data_vars.items() if it.isnull().all()])
+    return part.drop_vars(
+        [name for name, variable in part.data_vars.items() if variable.isnull().all()]
+    )
 
 
 def table(columns: Iterable[Column], notes: Iterable[str]) -> str:
@@ -178,7 +180,7 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
         yield _numbers(dataset, shear, ".3f", "shear_part")
         pairs = zip(over_cases(dataset, exact), deviations, strict=True)
-        yield column("exact_shear", (_with_deviation(*it, digits=3) for it in pairs))
+        yield column("exact_shear", (_with_deviation(*pair, digits=3) for pair in pairs))
 
 
 def _mode_columns(dataset: xr.Dataset, factor: str) -> Iterable[Column]:
@@ -190,7 +192,7 @@ def _mode_columns(dataset: xr.Dataset, factor: str) -> Iterable[Column]:
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
     stored = (f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION))
     columns = (
-        over_cases(dataset, it) for it in (*stored, reference.applies(conditions_of(dataset)))
+        over_cases(dataset, array) for array in (*stored, reference.applies(conditions_of(dataset)))
     )
     texts = [
         _bracketed(_with_deviation(value, deviation), inside)
@@ -204,7 +206,7 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
 def _envelope_column(dataset: xr.Dataset) -> Column:
     conditions = conditions_of(dataset)
     told = (COMPARED, *envelope(conditions), envelope_applies(conditions))
-    rows = zip(*(over_cases(dataset, it) for it in told), strict=True)
+    rows = zip(*(over_cases(dataset, name) for name in told), strict=True)
     texts = [_bracketed(_place(*numbers), applies) for *numbers, applies in rows]
     return column("in the_envelope", texts)
 
@@ -232,7 +234,7 @@ def reason_notes(dataset: xr.Dataset) -> list[str]:
         return []
     labels, notes = labels_of(dataset), []
     for reason in dict.fromkeys(filter(None, reasons)):
-        cases = [label for label, it in zip(labels, reasons, strict=True) if it == reason]
+        cases = [label for label, own in zip(labels, reasons, strict=True) if own == reason]
         further = f" and {len(cases) - MOST_CASES} more" if len(cases) > MOST_CASES else ""
         of_cases = f" of {', '.join(cases[:MOST_CASES])}{further}"
         every = len(cases) == len(reasons)
@@ -279,7 +281,9 @@ def which_strength(dataset: xr.Dataset) -> str:
 def _exact_table(dataset: xr.Dataset) -> str:
     """What each case was run for, its exact value, and its error."""
     dims, error = set(dataset["status"].dims), error_name(dataset)
-    one_a_case = {str(name) for name, it in dataset.data_vars.items() if set(it.dims) <= dims}
+    one_a_case = {
+        str(name) for name, variable in dataset.data_vars.items() if set(variable.dims) <= dims
+    }
     headlines = [name for name in headlines_of(dataset) if name in one_a_case - {error}]
     if not headlines and error is None:
         raise NothingToCompareError(_why_nothing(dataset))

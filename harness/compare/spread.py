@@ -75,14 +75,16 @@ def spreads_of(dataset: xr.Dataset) -> list[Spread]:
     if "scene" in names or not any(DISTRIBUTION in dataset[name].attrs for name in names):
         return []
     columns = {name: over_cases(dataset, name) for name in names}
-    inputs = {name: it.astype(float) for name, it in columns.items() if it.dtype.kind in "if"}
+    inputs = {
+        name: column.astype(float) for name, column in columns.items() if column.dtype.kind in "if"
+    }
     half_widths = uncertainty_of(dataset).astype(float)
     found = []
     for name in headlines_of(dataset):
         values = over_cases(dataset, name)
         sound = np.isfinite(values)
         if np.sum(sound) > 1:
-            drawn = {name: it[sound] for name, it in inputs.items()}
+            drawn = {name: numbers[sound] for name, numbers in inputs.items()}
             found.append(_spread(name, drawn, values[sound], half_widths[sound]))
     return found
 
@@ -120,7 +122,7 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     """
     from scipy.stats import sobol_indices
 
-    drawn = [_straightened(it) for it in inputs.values()]
+    drawn = [_straightened(numbers) for numbers in inputs.values()]
     exponents = _exponents(len(drawn))
 
     def terms(points: Floats) -> Floats:
@@ -135,7 +137,7 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     found = sobol_indices(
         func=lambda points: terms(points) @ weights,
         n=SAMPLES,
-        dists=[_AsDrawn(it) for it in drawn],
+        dists=[_AsDrawn(numbers) for numbers in drawn],
         rng=np.random.default_rng(1),
     )
     shares = told * np.maximum(found.first_order, 0.0)
@@ -173,7 +175,9 @@ class _AsDrawn:
 def spread_rows(spread: Spread) -> list[tuple[str, str]]:
     """What a spread is, and its value, in words."""
     half = DEVIATIONS * spread.numerical
-    low, middle, high = (known_digits(it, spread.deviation / 3.0) for it in spread.percentiles)
+    low, middle, high = (
+        known_digits(percentile, spread.deviation / 3.0) for percentile in spread.percentiles
+    )
     rows = [
         ("mean with the combined U", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),

@@ -67,7 +67,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
             },
             layer.laboratory_rate,
         )
-        soils.append([float(it) for it in soil.values()])
+        soils.append([float(value) for value in soil.values()])
         ways.append(layer.bottom - layer.top)
     if not rows:
         raise HarnessError(f"{site.name}: no depth has a strength, so there is nothing to check")
@@ -101,7 +101,9 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
 
 def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
     """Values at knots whose straight lines are nearest to those at depths; none beyond these."""
-    lines = np.stack([np.interp(depth, knots, it) for it in np.eye(len(knots))], axis=-1)
+    lines = np.stack(
+        [np.interp(depth, knots, unit_vector) for unit_vector in np.eye(len(knots))], axis=-1
+    )
     bends = STEADY * np.diff(np.eye(len(knots)), n=2, axis=0)
     right = np.concatenate([values, np.zeros(len(bends))])
     at, *_ = np.linalg.lstsq(np.concatenate([lines, bends]), right, rcond=None)

@@ -108,9 +108,9 @@ def read_columns(test: MeasuredTest) -> Columns:
         values["depth"] = test.ground_level - values["depth"]
     if not file.in_order:
         order = np.argsort(values["depth"], kind="stable")
-        places, values = places[order], {name: it[order] for name, it in values.items()}
+        places, values = places[order], {name: value[order] for name, value in values.items()}
     kept = _downward(path, values["depth"], places, notes)
-    places, values = places[kept], {name: it[kept] for name, it in values.items()}
+    places, values = places[kept], {name: value[kept] for name, value in values.items()}
     values.setdefault("u2", np.full_like(values["depth"], np.nan))
     if area_ratio < 1.0 and np.isnan(values["u2"]).all():
         raise StudyError(
@@ -163,16 +163,16 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
     found, lacking = {}, {}
     for name, usual in NAMES.items():
         wanted = given.get(name)
-        names = [_joined(it) for it in (usual if wanted is None else (wanted,))]
+        names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]
         places = [
             place
-            for place, it in enumerate(headings)
-            if _joined(it.name) in names or (wanted and _joined(it.title) in names)
+            for place, heading in enumerate(headings)
+            if _joined(heading.name) in names or (wanted and _joined(heading.title) in names)
         ]
         if name == "depth" and wanted is None:  # the length of rods is more, where they lean
-            places = [it for it in places if headings[it].name == name] or places
+            places = [place for place in places if headings[place].name == name] or places
         if len(places) > 1:
-            titles = ", ".join(headings[it].title for it in places)
+            titles = ", ".join(headings[place].title for place in places)
             raise StudyError(
                 f"{path}: {len(places)} columns may be {name}: {titles}; name one under columns of "
                 f'the site file, as columns = {{ {name} = "..." }}'
@@ -182,7 +182,9 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
         elif name not in OPTIONAL or wanted is not None:
             lacking[name] = wanted or name
     if lacking:
-        near = nearest_name(next(iter(lacking.values())), [it.title for it in headings if it.title])
+        near = nearest_name(
+            next(iter(lacking.values())), [heading.title for heading in headings if heading.title]
+        )
         keys = ", ".join(f'{name} = "..."' for name in lacking)
         raise StudyError(
             f"{path}: has no column {', '.join(map(repr, lacking.values()))}{near}; name it under "

@@ -97,7 +97,7 @@ def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[st
         if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
             shares = np.array(PERCENTILES) / 100.0
             ends = read_input(Table("", {name: value}), name, key.allowed).quantiles(shares)
-            told = ", ".join(f"{n} %: {it:.3g}" for n, it in zip(PERCENTILES, ends, strict=True))
+            told = ", ".join(f"{n} %: {end:.3g}" for n, end in zip(PERCENTILES, ends, strict=True))
             yield f"{'':18} {told}"
 
 
@@ -119,7 +119,7 @@ def _table_of(keys: Mapping[str, Key]) -> Schema:
 
 
 def _of_key(key: Key) -> Schema:
-    forms = [it for form in key.forms for it in _of_form(form, key)]
+    forms = [schema for form in key.forms for schema in _of_form(form, key)]
     if key.choices and Form.WORDS not in key.forms:
         forms.append({"enum": list(key.choices)})
     default = {} if key.default is None else {"default": key.default}
@@ -135,7 +135,7 @@ def _of_form(form: Form, key: Key) -> list[Schema]:
         "exclusiveMaximum": key.allowed.below,
     }
     number: Schema = {"type": "number"}
-    within = number | {name: it for name, it in bounds.items() if math.isfinite(it)}
+    within = number | {name: bound for name, bound in bounds.items() if math.isfinite(bound)}
     by_depth = {"depth": _list(number), "value": _list(within)}
     errors = dict.fromkeys(COLUMNS[1:], number | {"minimum": 0})
     return {

@@ -160,7 +160,7 @@ def read_table(path: Path) -> dict[str, Floats]:
 def factors() -> Factors:
     """The polynomials through the tables that ship, by least squares."""
     powers = itertools.product(range(max(DEGREES.values()) + 1), repeat=len(RANGES))
-    exponents = np.array([it for it in powers if sum(it) <= max(DEGREES.values())])
+    exponents = np.array([power for power in powers if sum(power) <= max(DEGREES.values())])
     weights = np.zeros((len(exponents), len(QUANTITIES)))
     fit_errors, half_widths = {}, {}
     for place, name in enumerate(QUANTITIES):
@@ -168,7 +168,7 @@ def factors() -> Factors:
         values, simulated_error = _fitted_values(name, table)
         if name == PRESSURE:
             table["adhesion_factor"] = np.asarray(share_of_wedge(table["adhesion_factor"]))
-        inputs = np.stack([scaled(it, table[it]) for it in RANGES], axis=-1)
+        inputs = np.stack([scaled(ranged, table[ranged]) for ranged in RANGES], axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
         weights[used, place], errors = _fitted(terms, values)
@@ -198,7 +198,7 @@ def _fitted_values(name: str, table: Mapping[str, Floats]) -> tuple[Floats, floa
 def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Weights of terms, and errors over the values of fits that the value is kept out of."""
     errors, part = np.empty_like(values), np.arange(len(values)) % PARTS
-    for out in (part == it for it in range(PARTS)):
+    for out in (part == number for number in range(PARTS)):
         weights, *_ = np.linalg.lstsq(terms[~out], values[~out], rcond=None)
         errors[out] = terms[out] @ weights / values[out] - 1.0
     weights, *_ = np.linalg.lstsq(terms, values, rcond=None)
@@ -213,7 +213,9 @@ def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, 
     """
     ratio = 1.0 - inputs["rate_factor"] * math.log10(rate / TABLE_RATE)
     changed = ("rate_factor", "rigidity_index", "stress_anisotropy")
-    own = {name: it / ratio if name in changed else it for name, it in inputs.items()}
+    own = {
+        name: numbers / ratio if name in changed else numbers for name, numbers in inputs.items()
+    }
     return own, np.asarray(ratio)
 
 
@@ -266,7 +268,8 @@ def cone_factor(
         outside = np.atleast_1d(~((value >= low) & (value <= high)))
         if outside.any():
             asked, at_table = (
-                np.broadcast_to(it, outside.shape)[outside][0] for it in (given[name], value)
+                np.broadcast_to(number, outside.shape)[outside][0]
+                for number in (given[name], value)
             )
             at_rate = "" if asked == at_table else f", {at_table:g} at the rate of the table,"
             raise ParameterError(name, f"{name} = {asked:g}{at_rate} must be {low:g} to {high:g}")

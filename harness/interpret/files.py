@@ -111,12 +111,12 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     lines = {number: line for number, line in lines.items() if number not in above}
     delimiter = _delimiter(next(iter(lines.values())))
     reader = csv.reader(lines.values(), delimiter=delimiter)
-    header = [_heading(it.strip()) for it in next(reader)]
+    header = [_heading(cell.strip()) for cell in next(reader)]
     numbers = list(lines)
     rows = [(numbers[reader.line_num - 1], cells) for cells in reader]
-    if named[1:2] == numbers[1:2] and not any(it.unit for it in header):
-        units = [it.strip(" []()") for it in rows.pop(0)[1]]
-        header = [replace(it, unit=unit) for it, unit in zip(header, units, strict=False)]
+    if named[1:2] == numbers[1:2] and not any(heading.unit for heading in header):
+        units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
+        header = [replace(heading, unit=unit) for heading, unit in zip(header, units, strict=False)]
     cells_of_all = [cell for _, cells in rows for cell in cells]
     if delimiter != "," and not any("." in cell for cell in cells_of_all):
         commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
@@ -127,13 +127,13 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
 
 
 def _delimiter(line: str) -> str:
-    return next((it for it in "\t;," if it in line), ",")
+    return next((mark for mark in "\t;," if mark in line), ",")
 
 
 def _words(line: str) -> list[str]:
     """Cells of a line; none where one is a number, as in a row of values."""
-    cells = [it.strip() for it in line.split(_delimiter(line)) if it.strip()]
-    return [] if _numbers(it.replace(",", ".") for it in cells) else cells
+    cells = [piece.strip() for piece in line.split(_delimiter(line)) if piece.strip()]
+    return [] if _numbers(cell.replace(",", ".") for cell in cells) else cells
 
 
 def _heading(title: str) -> Heading:
@@ -161,27 +161,34 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
     header, end, data = text.partition("#EOH")
     keys: dict[str, list[list[str]]] = {}
     for key, values in re.findall(r"^#[ \t]*(\w+)[ \t]*=[ \t]*(.*)$", header, re.MULTILINE):
-        keys.setdefault(key.upper(), []).append([it.strip() for it in values.split(",")])
+        keys.setdefault(key.upper(), []).append([piece.strip() for piece in values.split(",")])
     if not (end and "GEFID" in keys):
         raise StudyError(f"{path}: is no whole GEF: has no {'#GEFID' if end else '#EOH'}")
     code = (keys.get("REPORTCODE") or keys.get("PROCEDURECODE") or [["no #REPORTCODE"]])[0][0]
     if "CPT" not in code.upper():
         raise StudyError(f"{path}: is no cone test: {code}, must be GEF-CPT-Report")
-    voids = {it[0]: _numbers(it[1:2]) for it in keys.get("COLUMNVOID", [])}
+    voids = {fields[0]: _numbers(fields[1:2]) for fields in keys.get("COLUMNVOID", [])}
     columns = sorted(
-        (int(it[0]), it) for it in keys.get("COLUMNINFO", []) if len(it) > 3 and it[0].isdecimal()
+        (int(fields[0]), fields)
+        for fields in keys.get("COLUMNINFO", [])
+        if len(fields) > 3 and fields[0].isdecimal()
     )
     if [number for number, _ in columns] != list(range(1, len(columns) + 1)):
         raise StudyError(f"{path}: #COLUMNINFO must be there once for each column, from 1 on")
     headings = [
-        Heading(GEF_QUANTITIES.get(it[3], it[2].lower()), it[2], it[1], voids.get(it[0], ()))
-        for _, it in columns
+        Heading(
+            GEF_QUANTITIES.get(column[3], column[2].lower()),
+            column[2],
+            column[1],
+            voids.get(column[0], ()),
+        )
+        for _, column in columns
     ]
     parting = _separator(keys, "COLUMNSEPARATOR")
     record = _separator(keys, "RECORDSEPARATOR") or "\n"
     first = header.count("\n") + 1
     rows = [
-        (number, [it.strip() for it in part.split(parting)])
+        (number, [piece.strip() for piece in part.split(parting)])
         for number, line in enumerate(data.splitlines()[1:], start=first + 1)
         for part in line.split(record)
         if part.strip()
@@ -191,10 +198,10 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
         headings=headings,
         rows=rows,
         told={
-            GEF_TOLD[it[0]]: value
-            for it in keys.get("MEASUREMENTVAR", [])
-            if it[0] in GEF_TOLD
-            for value in _numbers(it[1:2])
+            GEF_TOLD[fields[0]]: value
+            for fields in keys.get("MEASUREMENTVAR", [])
+            if fields[0] in GEF_TOLD
+            for value in _numbers(fields[1:2])
         },
         notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
     )
@@ -232,9 +239,9 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
     except (ET.ParseError, ValueError) as error:
         raise StudyError(f"{path}: is no whole XML: {error}") from None
     surveys = {
-        it.findtext("{*}broId", f"test {number}"): survey
-        for number, it in enumerate(root.iter(), start=1)
-        if (survey := it.find("{*}conePenetrometerSurvey")) is not None
+        element.findtext("{*}broId", f"test {number}"): survey
+        for number, element in enumerate(root.iter(), start=1)
+        if (survey := element.find("{*}conePenetrometerSurvey")) is not None
     }
     survey = surveys[_one_of(path, list(surveys), sounding)]
     parameters = survey.find("{*}parameters")
@@ -243,18 +250,18 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
     encoding = None if result is None else result.find("{*}encoding/{*}TextEncoding")
     if parameters is None or values is None or encoding is None:
         raise StudyError(f"{path}: lacks parameters, TextEncoding or values of a cone test")
-    titles = [(it.tag.partition("}")[2], it.text == "ja") for it in parameters]
+    titles = [(parameter.tag.partition("}")[2], parameter.text == "ja") for parameter in parameters]
     point, cell, block = (
-        encoding.get(f"{it}Separator", usual)
-        for it, usual in (("decimal", "."), ("token", ","), ("block", ";"))
+        encoding.get(f"{name}Separator", usual)
+        for name, usual in (("decimal", "."), ("token", ","), ("block", ";"))
     )
     return TestFile(
         headings=[
-            Heading(it.lower() if is_there else "", it, _bro_unit(it), BRO_MISSING)
-            for it, is_there in titles
+            Heading(title.lower() if is_there else "", title, _bro_unit(title), BRO_MISSING)
+            for title, is_there in titles
         ],
         rows=[
-            (number, [it.strip().replace(point, ".") for it in row.split(cell)])
+            (number, [piece.strip().replace(point, ".") for piece in row.split(cell)])
             for number, row in enumerate(values.split(block), start=1)
             if row.strip()
         ],
@@ -280,7 +287,7 @@ def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
     for kind, *cells in filter(None, reader):
         if kind == "GROUP" and cells:
             group = groups.setdefault(cells[0], {})
-        group.setdefault(kind, []).append((reader.line_num, [it.strip() for it in cells]))
+        group.setdefault(kind, []).append((reader.line_num, [cell.strip() for cell in cells]))
     if not {"HEADING", "UNIT", "DATA"} <= groups.get("SCPT", {}).keys():
         remedy = "; AGS 3 has to be converted" if "**" in text else ""
         raise StudyError(f"{path}: has no group SCPT of AGS 4 with HEADING, UNIT and DATA{remedy}")

@@ -79,8 +79,8 @@ class Key:
         """Meaning, unit and what is allowed, in a line."""
         unit = f" [{self.unit}]" if self.unit else ""
         bounds = f" {self.allowed.allowed}" if self.allowed.allowed else ""
-        forms = [it.value for it in self.forms if it is not Form.WORDS]
-        if any(it in self.forms for it in (Form.NUMBER, Form.INTEGER, Form.INPUT)):
+        forms = [form.value for form in self.forms if form is not Form.WORDS]
+        if any(form in self.forms for form in (Form.NUMBER, Form.INTEGER, Form.INPUT)):
             forms[0] = ("an input" if self.forms[0] is Form.INPUT else forms[0]) + bounds
         words = ", ".join(self.choices)
         if self.choices:

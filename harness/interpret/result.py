@@ -30,7 +30,7 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
 
     That is over depth, layers, percentiles, and the `causes` of an error.
     """
-    layers = [it.title for it in site.layers]
+    layers = [layer.title for layer in site.layers]
     places: dict[str, Any] = {
         "depth": test.depth,
         "layer": layers,
@@ -40,7 +40,9 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
 
     def unknown(*dims: str, **quantities: tuple[str, str]) -> dict[str, xr.Variable]:
         shape = tuple(len(places[dim]) for dim in dims)
-        told: dict[str, Any] = {k: (np.full(shape, np.nan), *it) for k, it in quantities.items()}
+        told: dict[str, Any] = {
+            k: (np.full(shape, np.nan), *value) for k, value in quantities.items()
+        }
         return labelled(dims=dims, **told)
 
     by_depth = curves(
@@ -61,7 +63,7 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
     flags = {
         "long_name": "why there is no strength",
         "flag_values": np.arange(len(REASONS), dtype=np.int8),
-        "flag_meanings": " ".join(it.replace(" ", "_") for it in REASONS),
+        "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
     }
     by_depth["reason"] = xr.Variable("depth", test.reason.copy(), flags)
     found = by_depth.assign(
@@ -79,7 +81,7 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
         | unknown("layer", draws=("1", "draws that count after weighing"))
         | unknown("depth", **GROUND)
     )
-    modes = "; ".join(f"{it.title}: {it.strength}" for it in site.layers)
+    modes = "; ".join(f"{layer.title}: {layer.strength}" for layer in site.layers)
     return found.assign_coords(
         percentile=list(PERCENTILES), cause=causes, layer=layers
     ).assign_attrs(
@@ -127,4 +129,4 @@ def rate_in_words(layer: Layer) -> str:
 def _why_none(found: xr.Dataset, layer: Layer) -> str:
     inside = (found.depth >= layer.top) & (found.depth <= layer.bottom)
     numbers = np.unique(found.reason.values[inside.values])
-    return ", ".join(REASONS[int(it)] for it in numbers) or "the test does not reach it"
+    return ", ".join(REASONS[int(number)] for number in numbers) or "the test does not reach it"

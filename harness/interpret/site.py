@@ -121,7 +121,7 @@ class Site:
     @property
     def borders(self) -> list[float]:
         """Depths of the borders of its layers [m], downward."""
-        return sorted({it for layer in self.layers for it in (layer.top, layer.bottom)})
+        return sorted({depth for layer in self.layers for depth in (layer.top, layer.bottom)})
 
 
 def load_site(path: Path) -> Site:
@@ -130,12 +130,14 @@ def load_site(path: Path) -> Site:
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
     whole = _filled(Table(f"{path}:", read_toml(path)), SITE_KEYS, "test", "layer")
     use = whole.list("use")
-    if use[:1] != [MEASURES[0]] or any(it not in MEASURES for it in use):
+    if use[:1] != [MEASURES[0]] or any(measure not in MEASURES for measure in use):
         raise whole.refuse("use", f"must be a list of {', '.join(MEASURES)}, the tip first")
     layers = whole.list("layer")
-    if not layers or not all(isinstance(it, dict) for it in layers):
+    if not layers or not all(isinstance(layer, dict) for layer in layers):
         raise StudyError(f"{path}: [[layer]] is missing: from, to and rigidity_index of the clay")
-    read = [_layer(Table(f"{path}: [[layer]] {n}", it)) for n, it in enumerate(layers, start=1)]
+    read = [
+        _layer(Table(f"{path}: [[layer]] {n}", layer)) for n, layer in enumerate(layers, start=1)
+    ]
     for above, below in itertools.pairwise(read):
         if below.top < above.bottom:
             raise StudyError(
@@ -174,7 +176,7 @@ def _test(given: Table, folder: Path) -> MeasuredTest:
         sounding=table.text("sounding") if "sounding" in table.values else None,
         columns=_texts(table, "columns"),
         units=_texts(table, "units"),
-        missing=tuple(_finite(table, "missing", it) for it in table.list("missing")),
+        missing=tuple(_finite(table, "missing", code) for code in table.list("missing")),
         ground_level=_optional(table, "ground_level"),
         pre_drilled=_optional(table, "pre_drilled"),
         area_ratio=_optional(table, "area_ratio"),
@@ -212,9 +214,9 @@ def _layer(given: Table) -> Layer:
         strength=strength,
         model_error=_number(table, "model_error", LAYER_KEYS),
         assumed=tuple(
-            it
-            for it in (*names, "laboratory_rate", "strength", "model_error")
-            if it not in given.values
+            key
+            for key in (*names, "laboratory_rate", "strength", "model_error")
+            if key not in given.values
         ),
     )
 
@@ -257,12 +259,14 @@ def _by_depth(table: Table, key: str) -> ByDepth:
     """Of a key in kN/m3 or kPa."""
     own = table.table(key)
     own.allow("depth", "value")
-    depth, value = ([_finite(own, it, x) for x in own.list(it)] for it in ("depth", "value"))
+    depth, value = (
+        [_finite(own, column, x) for x in own.list(column)] for column in ("depth", "value")
+    )
     if not depth or len(depth) != len(value) or depth != sorted(depth):
         raise table.refuse(key, "must be { depth = [..], value = [..] }, as many of each, downward")
     if not TEST_KEYS[key].allowed.holds(min(value), max(value)):
         raise table.refuse(key, f"must be {TEST_KEYS[key].allowed.allowed} at all depths")
-    return ByDepth(tuple(depth), tuple(1e3 * it for it in value))
+    return ByDepth(tuple(depth), tuple(1e3 * number for number in value))
 
 
 def _in_kilo(given: Input) -> Input:
@@ -274,10 +278,10 @@ def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
         return ACCURACY[table.word("accuracy", tuple(ACCURACY))]
     own = table.table("accuracy")
     own.allow(*COLUMNS[1:])
-    numbers = {name: _finite(own, name, it) for name, it in own.values.items()}
+    numbers = {name: _finite(own, name, value) for name, value in own.values.items()}
     if len(numbers) < 3 or min(numbers.values()) < 0.0:
         raise table.refuse("accuracy", "must have qc, fs and u2, each a number >= 0 [kPa]")
-    return {name: (1e3 * it, 0.0) for name, it in numbers.items()}
+    return {name: (1e3 * number, 0.0) for name, number in numbers.items()}
 
 
 def _rate(table: Table) -> float:

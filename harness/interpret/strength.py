@@ -96,8 +96,8 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     used = without_borders(test, site.borders, site.test.cone_radius) if sharpen else test
     causes = _causes(site)
     found = without_strength(site, test, causes)
-    arrays = {str(name): it.values for name, it in found.data_vars.items()}
-    reason, strength, share = (arrays[it] for it in ("reason", "strength", "error_share"))
+    arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
+    reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
     in_layer = np.full(len(test.depth), -1)
     for number, layer in enumerate(site.layers):
         in_layer[(test.depth >= layer.top) & (test.depth <= layer.bottom)] = number
@@ -188,8 +188,8 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
     own = net / errors / by_depth(test.net)
     of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
     ground = {
-        name: np.broadcast_to(it, strength.shape)
-        for name, it in zip(GROUND, of_ground, strict=True)
+        name: np.broadcast_to(draws, strength.shape)
+        for name, draws in zip(GROUND, of_ground, strict=True)
     }
     return Drawn(inputs, net / wanted, wanted, ground, outside, likelihood)
 
@@ -217,7 +217,7 @@ def _in_table(
                 f"draws leave the table of factors: {name} is {values.min():.3g} to "
                 f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
             )
-    return {name: _within(name, it) for name, it in soil.items()}, ratio
+    return {name: _within(name, value) for name, value in soil.items()}, ratio
 
 
 def _within(name: str, values: Floats) -> Floats:
@@ -308,7 +308,7 @@ def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floa
             shares[name] = np.maximum(of_means - within, 0.0) / variance
     total = np.sum(list(shares.values()), axis=0)
     over = np.maximum(total, 1.0)
-    return {name: it / over for name, it in shares.items()} | {TOGETHER: 1.0 - total / over}
+    return {name: share / over for name, share in shares.items()} | {TOGETHER: 1.0 - total / over}
 
 
 def _causes(site: Site) -> list[str]:

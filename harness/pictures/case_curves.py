@@ -122,7 +122,7 @@ def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> 
 def _with_scene(dataset: xr.Dataset, case: int) -> str:
     """The scene of a case, and those of its varied values that the scene has."""
     values = {name: over_cases(dataset, name)[case] for name in varied_within(dataset)}
-    own = [assigned(dataset, name, it) for name, it in values.items() if is_there(it)]
+    own = [assigned(dataset, name, value) for name, value in values.items() if is_there(value)]
     return ", ".join([spelt(spoken(scenes_of(dataset)[case])), *own])
 
 
@@ -130,7 +130,11 @@ def _label(studied: Studied | None, case: int) -> str:
     """What a case is called: the varied values, of one at a time that which differs."""
     if studied is None or not studied.varied:
         return ""
-    differs = [name for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]]
+    differs = [
+        name
+        for name, parameter in studied.varied.items()
+        if parameter.numbers[case] != parameter.numbers[0]
+    ]
     if studied.design == ONE_AT_A_TIME and not differs:
         return "start"
     return studied.label(case, differs if studied.design == ONE_AT_A_TIME else None)
@@ -158,21 +162,21 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     """
     if not {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables):
         return None
-    names = [it for it in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if it in dataset]
+    names = [name for name in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if name in dataset]
     curves = {name: KILO * curves_over_cases(dataset, name) for name in names}
     stress = curves[SHEAR]
     series, left_out = series_of(dataset, stress)
-    shown = [it.case for it in series]
+    shown = [line.case for line in series]
     has_path = EFFECTIVE in curves and bool(np.isfinite(curves[EFFECTIVE][shown]).any())
     figure = Figure()
     panels = figure.subplots(1, 3 if has_path else 1, squeeze=False)[0]
     strain = dataset[STRAIN].values
     over_strain = {0: SHEAR, 2: WATER} if has_path else {0: SHEAR}
-    for it in series:
+    for line in series:
         for place, name in over_strain.items():
-            _draw(panels[place], strain, curves[name][it.case], it)
+            _draw(panels[place], strain, curves[name][line.case], line)
         if has_path:
-            _draw(panels[1], curves[EFFECTIVE][it.case], curves[DEVIATOR][it.case], it)
+            _draw(panels[1], curves[EFFECTIVE][line.case], curves[DEVIATOR][line.case], line)
     for place, name in over_strain.items():
         panels[place].set(xlabel=LABELS[STRAIN], ylabel=LABELS[name])
         panels[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
@@ -195,7 +199,7 @@ def _last_strain(strain: Floats, stress: Floats) -> float:
     last = np.array([row[np.isfinite(row)][-1] for row in stress])
     near = np.abs(stress - last[:, None]) <= (1.0 - SHOWN_STRENGTH) * np.abs(last)[:, None]
     far = [np.flatnonzero(row) for row in ~near & np.isfinite(stress)]
-    reached = max((strain[it[-1]] for it in far if it.size), default=strain[-1])
+    reached = max((strain[places[-1]] for places in far if places.size), default=strain[-1])
     return float(min(strain[-1], 2.0 * reached))
 
 
@@ -231,8 +235,8 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     series, left_out = series_of(dataset, cases[FACTOR].values)
     figure = Figure()
     loops, factors = figure.subplots(1, 2, width_ratios=(2, 3))
-    for it in series:
-        _draw_factor(factors, cases.isel(case=it.case), it)
+    for line in series:
+        _draw_factor(factors, cases.isel(case=line.case), line)
     factors.set(xlabel="number of the cycle [-]", ylabel=r"resistance factor $q/s_\mathrm{u}$ [-]")
     factors.set(xlim=(0.0, None), ylim=(0.0, None))
     kept = {
@@ -263,7 +267,7 @@ def _draw_factor(axes: Axes, case: xr.Dataset, of: Series) -> None:
 
 def _draw_loops(axes: Axes, case: xr.Dataset) -> None:
     strength = case[STRENGTH].item()
-    passages = [it / strength for it in case[LOOPS].values if np.isfinite(it).any()]
+    passages = [value / strength for value in case[LOOPS].values if np.isfinite(value).any()]
     for number, resistance in enumerate(passages):
         # From the last shade to the first: what is remoulded is dark.
         colour = series_colour(len(passages) - 1 - number, max(2, len(passages)))

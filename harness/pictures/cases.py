@@ -55,12 +55,16 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     if studied is None or not has_few_cases(studied):
         return None
     usual = {
-        name: Counter(it.numbers.tolist()).most_common(1)[0][0]
-        for name, it in studied.varied.items()
+        name: Counter(parameter.numbers.tolist()).most_common(1)[0][0]
+        for name, parameter in studied.varied.items()
     }
     count = studied.computed.size
     differing = [
-        [name for name, it in studied.varied.items() if it.numbers[case] != usual[name]]
+        [
+            name
+            for name, parameter in studied.varied.items()
+            if parameter.numbers[case] != usual[name]
+        ]
         for case in range(count)
     ]
     labels = [studied.label(case, names) or "as most" for case, names in enumerate(differing)]
@@ -68,7 +72,10 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     x, y, half_width = studied.computed, range(count), studied.half_width
     axes.errorbar(x, y, xerr=half_width, fmt="o", color=INK, ms=4, capsize=3)
     axes.set_xlabel(axis_label(dataset, studied.headline))
-    most = [assigned(dataset, name, it.value(usual[name])) for name, it in studied.varied.items()]
+    most = [
+        assigned(dataset, name, parameter.value(usual[name]))
+        for name, parameter in studied.varied.items()
+    ]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
     return captioned(figure, dataset, beside, studied.bars, _lost(studied.failed.size, count))
 
@@ -102,7 +109,7 @@ def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
     if not is_each_once or any(own.keys() != rows.keys() for own in found.values()):
         return [], {}
     labels = [
-        ", ".join(assigned(dataset, *it) for it in zip(names, row, strict=True)) for row in rows
+        ", ".join(assigned(dataset, *pair) for pair in zip(names, row, strict=True)) for row in rows
     ]
     return labels, {kind: [own[row] for row in rows] for kind, own in found.items()}
 
@@ -189,8 +196,10 @@ def _histogram(axes: Axes, spread: Spread) -> None:
 def _bars(axes: Axes, dataset: xr.Dataset, spread: Spread) -> None:
     """A bar for each share, the largest on top."""
     shares = sorted(spread.shares.items(), key=lambda it: it[1])
-    names = [named(dataset, it) if it in dataset else it for it, _ in shares]
-    axes.barh(np.arange(len(shares)), [100.0 * it for _, it in shares], color=ACCENT, alpha=0.7)
+    names = [named(dataset, cause) if cause in dataset else cause for cause, _ in shares]
+    axes.barh(
+        np.arange(len(shares)), [100.0 * share for _, share in shares], color=ACCENT, alpha=0.7
+    )
     axes.set_yticks(np.arange(len(shares)), names, fontsize=8)
     axes.set_xlabel("share of the variance [%]")
     if not shares:

@@ -99,7 +99,7 @@ def refined(studied: Studied) -> str | None:
         and studied.varied[name].different.size >= LEAST_POINTS
     ]
     name = max(found, key=lambda it: studied.varied[it].different.size, default=None)
-    other = [it for it in studied.varied if it != name]
+    other = [parameter for parameter in studied.varied if parameter != name]
     return name if len(studied.groups(other)) <= MOST_LABELS else None
 
 
@@ -113,7 +113,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     name = None if studied is None else refined(studied)
     if studied is None or name is None:
         return None
-    other = [it for it in studied.varied if it != name]
+    other = [parameter for parameter in studied.varied if parameter != name]
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
     figure, axes = empty_figure()

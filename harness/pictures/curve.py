@@ -115,7 +115,7 @@ def _axis_and_series(studied: Studied) -> tuple[str, list[str]]:
         return NEEDED[1], []
     names = studied.numbers or list(studied.varied)
     name = max(names, key=lambda it: studied.varied[it].different.size)
-    return name, [it for it in studied.varied if it != name]
+    return name, [other for other in studied.varied if other != name]
 
 
 def _depends_on(dataset: xr.Dataset, name: str) -> bool:
@@ -130,7 +130,7 @@ def _depends_on(dataset: xr.Dataset, name: str) -> bool:
     if any(parameter_of(name) in reference.names for reference in own):
         return True
     column = over_cases(dataset, name)
-    quantities = [it for key, it in conditions.items() if key != "parameters"]
+    quantities = [condition for key, condition in conditions.items() if key != "parameters"]
     return any(np.array_equal(over_cases(dataset, quantity), column) for quantity in quantities)
 
 
@@ -138,9 +138,15 @@ def _literature(
     axes: Axes, studied: Studied, along: Values, cases: np.ndarray, colour: str | None
 ) -> list[CurveEnd]:
     name, dataset = along.name, studied.dataset
-    follows = [it for it in with_role(dataset, Role.PARAMETER) if it in dataset.data_vars]
+    follows = [
+        parameter
+        for parameter in with_role(dataset, Role.PARAMETER)
+        if parameter in dataset.data_vars
+    ]
     # What the scene derives from a varied parameter goes along with it: it is left to be derived.
-    one = studied.case(int(cases[0])).drop_vars([it for it in follows if dataset[it].ndim])
+    one = studied.case(int(cases[0])).drop_vars(
+        [derived for derived in follows if dataset[derived].ndim]
+    )
     if along.categories:
         # A text says nothing to the literature: its values stand side by side.
         places = np.linspace(-0.5, len(along.categories) - 0.5, FINE)

@@ -95,14 +95,17 @@ def _effects(studied: Studied) -> _Effects:
     values = studied.computed[sound]
     mean = float(values.mean())
     for degree in (2, 1):
-        columns = [_columns(it, sound, degree) for it in studied.varied.values()]
+        columns = [_columns(parameter, sound, degree) for parameter in studied.varied.values()]
         matrix = np.hstack(columns)
         is_fitted = bool(sound.sum() >= 2 * (matrix.shape[1] + 1))
         if is_fitted:
             break
     found = np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else 0.0 * matrix[0]
     ends = np.cumsum([column.shape[1] for column in columns])[:-1]
-    own = [column @ it for column, it in zip(columns, np.split(found, ends), strict=True)]
+    own = [
+        column @ coefficients
+        for column, coefficients in zip(columns, np.split(found, ends), strict=True)
+    ]
     residual = np.where(sound, studied.computed - (mean + np.sum(own, axis=0)), np.nan)
     return _Effects(dict(zip(studied.varied, own, strict=True)), mean, residual, is_fitted)
 
@@ -241,7 +244,9 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     axes.axvline(start, color=INK, lw=1)
     for place, bar in enumerate(shown):
         _draw_bar(axes, studied, bar, place)
-    names = [f"{named(dataset, it.values.name)} ({it.text(studied, 0)})" for it in shown]
+    names = [
+        f"{named(dataset, effect.values.name)} ({effect.text(studied, 0)})" for effect in shown
+    ]
     axes.set_yticks(range(len(shown)), names, fontsize=7)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.spines["left"].set_visible(False)

@@ -147,9 +147,9 @@ def _legend(axes: Axes, columns: int) -> None:
 
 def _downward(axes: Axes, found: Sequence[xr.Dataset]) -> None:
     """Depth grows downward, around the layers that were asked for."""
-    asked = np.concatenate([_asked(it) for it in found])
+    asked = np.concatenate([_asked(sounding) for sounding in found])
     axes.set_ylabel("depth of the tip [m]")
-    deepest = max(float(it.depth.max()) for it in found)
+    deepest = max(float(sounding.depth.max()) for sounding in found)
     axes.set_ylim(min(deepest, asked.max() + AROUND), max(0.0, asked.min() - AROUND))
 
 
@@ -173,12 +173,12 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
     shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
     means = shares.mean("depth")
     order = list(means.sortby(-means).cause.values)
-    large = [it for it in order if float(means.sel(cause=it)) >= LEAST_SHARE]
-    small = [it for it in order if it not in large]
-    columns = [shares.sel(cause=it).values for it in large]
+    large = [cause for cause in order if float(means.sel(cause=cause)) >= LEAST_SHARE]
+    small = [cause for cause in order if cause not in large]
+    columns = [shares.sel(cause=cause).values for cause in large]
     if small:
         columns.append(shares.sel(cause=small).sum("cause", skipna=False).values)
-    names = [it.replace("_", " ") for it in large] + (["others"] if small else [])
+    names = [cause.replace("_", " ") for cause in large] + (["others"] if small else [])
     begin = np.zeros(found.sizes["depth"])
     for place, (name, column) in enumerate(zip(names, columns, strict=True)):
         end = begin + 100.0 * column

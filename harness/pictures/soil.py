@@ -195,7 +195,10 @@ def _scales(fields: xr.Dataset) -> list[_Scale]:
             greatest = max(greatest, float(np.nanmax(values)))
             if quantity.is_whole:
                 inside = values >= np.atleast_1d(quantity.lines)[-1]
-                r, z = (it[inside] / fields.cone_radius.item() for it in (nodal.r, nodal.z))
+                r, z = (
+                    coordinate[inside] / fields.cone_radius.item()
+                    for coordinate in (nodal.r, nodal.z)
+                )
                 reach = np.concatenate([r / BESIDE, -z / BELOW, z / ABOVE])
                 widening = max(widening, MARGIN * float(reach.max(initial=0.0)))
         found.append(_Scale(quantity.norm(greatest), widening))
@@ -282,7 +285,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
     along = (fields.surface_r.values, fields.surface_z.values)
-    steps = np.hypot(*(np.diff(it) for it in along))
+    steps = np.hypot(*(np.diff(coordinate) for coordinate in along))
     distance = np.cumsum([0.0, *steps]) / radius
     around_tip = nodal_areas(fields.surface_r.values, steps)[:2]
     face, shaft = (fields.surface_part.values == part for part in ("face", "shaft"))

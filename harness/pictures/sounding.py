@@ -95,7 +95,9 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     count = soundings.sizes["sounding"]
     shown = chosen(count)
     # The stretches of a sounding, each to a depth, are one curve.
-    names = [it for it in (studied.varied if studied else ()) if it not in (STRETCH, "to_depth")]
+    names = [
+        name for name in (studied.varied if studied else ()) if name not in (STRETCH, "to_depth")
+    ]
     for rank, number in enumerate(shown):
         sounding = soundings.isel(sounding=number)
         colour = series_colour(rank, len(shown))

@@ -218,9 +218,11 @@ class Shares:
     @property
     def texts(self) -> list[str]:
         """The values of each part in words."""
-        ends = [dict.fromkeys(it) for it in self.bounds.tolist()]
+        ends = [dict.fromkeys(value) for value in self.bounds.tolist()]
         return [
-            " to ".join(self.values.text(it if len(own) == 1 else float(f"{it:.3g}")) for it in own)
+            " to ".join(
+                self.values.text(end if len(own) == 1 else float(f"{end:.3g}")) for end in own
+            )
             for own in ends
         ]
 

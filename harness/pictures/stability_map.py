@@ -111,7 +111,7 @@ def _draw_shares(axes: Axes, shares: Shares) -> None:
         axes.bar(places, height, 0.9, base, color=STATUSES.get(status, OTHER)[1], gid=status)
         base += height
     known = [part.known_shares for part in shares.parts]
-    medians = [np.median(it) if it.size else np.nan for it in known]
+    medians = [np.median(numbers) if numbers.size else np.nan for numbers in known]
     axes.hlines(medians, places - 0.45, places + 0.45, color="black", lw=2)
     if np.array_equal(shares.bounds[:, 0], shares.bounds[:, 1]):
         axes.set_xticks(places, shares.texts)
@@ -159,4 +159,4 @@ def _explain_shares(outcomes: Outcomes, limit: str) -> list[Artist]:
 def _in_order(statuses: Texts) -> list[str]:
     """Each status of cases that were run once, in the order of `STATUSES`, others last."""
     present = set(statuses.tolist()) - {MISSING}
-    return [*(it for it in STATUSES if it in present), *sorted(present - set(STATUSES))]
+    return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]

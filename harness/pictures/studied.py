@@ -76,12 +76,12 @@ class Studied:
         """The values of each parameter that has more than one, in the order of the study."""
         names = [name for name in varied_names(self.dataset) if name != "scene"]
         values = {name: Values.of(self.dataset, name) for name in names}
-        return {name: it for name, it in values.items() if it.different.size > 1}
+        return {name: value for name, value in values.items() if value.different.size > 1}
 
     @property
     def numbers(self) -> list[str]:
         """The varied parameters that are numbers."""
-        return [name for name, it in self.varied.items() if not it.categories]
+        return [name for name, parameter in self.varied.items() if not parameter.categories]
 
     @property
     def design(self) -> str:

@@ -56,7 +56,9 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
     except ModuleNotFoundError as error:
         raise HarnessError(f"--vtk: {error}: pip install 'mpm-warp[view]'") from None
     carried = {
-        str(name): it.values for name, it in snapshot.data_vars.items() if it.dims == ("point",)
+        str(name): variable.values
+        for name, variable in snapshot.data_vars.items()
+        if variable.dims == ("point",)
     }
     present = np.isfinite(snapshot.point_r.values)
     nodal = NodalValues(snapshot)

@@ -91,10 +91,14 @@ def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     settings = problem.settings
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         start = problem.cases[0]
-        settings = {n: it for n, it in settings.items() if it.numbers[case] != it.numbers[start]}
+        settings = {
+            n: setting
+            for n, setting in settings.items()
+            if setting.numbers[case] != setting.numbers[start]
+        }
     elif len(settings) > 1:
-        return " / ".join(quantity(it.of_case(case)) for it in settings.values())
-    texts = [assigned(dataset, name, it.of_case(case)) for name, it in settings.items()]
+        return " / ".join(quantity(setting.of_case(case)) for setting in settings.values())
+    texts = [assigned(dataset, name, setting.of_case(case)) for name, setting in settings.items()]
     return ", ".join(texts) or "start"
 
 

@@ -46,7 +46,7 @@ def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -
     made = provenance()
     return TEMPLATES.get_template("interpretation.html").render(
         maker=MAKER,
-        sections=[_section(it, place) for place, it in enumerate(tests, start=1)],
+        sections=[_section(test, place) for place, test in enumerate(tests, start=1)],
         together=overview,
         made=[(name, made[name]) for name in ("mpm_warp_version", "commit", "time_written")],
     )
@@ -66,7 +66,7 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
         ],
         "causes": _cause_rows(site, found),
         "left_out": _left_out(site, found),
-        "notes": [it for it in found.attrs["notes"].split("; ") if it],
+        "notes": [piece for piece in found.attrs["notes"].split("; ") if piece],
         "test": [("key", "as given", "meaning"), *test_rows(test.path)],
     }
 
@@ -74,8 +74,8 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
 def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     """A row an input of a layer; then how su is meant."""
     rows: Rows = []
-    for name, it in layer.inputs.items():
-        given = f"{it.text} (assumed)" if name in layer.assumed else it.text
+    for name, distribution in layer.inputs.items():
+        given = f"{distribution.text} (assumed)" if name in layer.assumed else distribution.text
         own = {"layer": layer.title, "cause": name}
         spans = [_span(found[of].sel(own).values) for of in ("input_before", "input_after")]
         rows.append((layer.title, name, given, *spans))
@@ -97,16 +97,20 @@ def _span(percentiles: np.ndarray) -> str:
 def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
     """Mean share of each cause in the variance of ln su in each layer, the largest first."""
     inside = [
-        (found.depth >= it.top) & (found.depth <= it.bottom) & (found.reason == USED)
-        for it in site.layers
+        (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == USED)
+        for layer in site.layers
     ]
-    means = xr.concat([found.error_share[it].mean("depth") for it in inside], "layer").fillna(0.0)
+    means = xr.concat(
+        [found.error_share[depths].mean("depth") for depths in inside], "layer"
+    ).fillna(0.0)
     total = means.sum("layer")
-    rows: Rows = [("cause", *(it.title for it in site.layers))]
+    rows: Rows = [("cause", *(layer.title for layer in site.layers))]
     for cause in total.sortby(-total).cause.values:
         if float(total.sel(cause=cause)) > 0.0:
             shares = means.sel(cause=cause).values
-            rows.append((str(cause).replace("_", " "), *(f"{100.0 * it:.0f} %" for it in shares)))
+            rows.append(
+                (str(cause).replace("_", " "), *(f"{100.0 * share:.0f} %" for share in shares))
+            )
     return rows
 
 
@@ -135,25 +139,29 @@ PHASES = ("exact anchors", "cone factors", "layers and gradient")
 def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     """Error over run time, a panel a phase; submissions that tell no time stand at the left."""
     figure = Figure(figsize=SIZE, layout="constrained")
-    judged = [it for it in found if math.isfinite(it.error)]
-    names = list(dict.fromkeys(it.submission for it in judged))
+    judged = [scored for scored in found if math.isfinite(scored.error)]
+    names = list(dict.fromkeys(scored.submission for scored in judged))
     panels = figure.subplots(1, len(PHASES), sharex=True, sharey=True)
     for phase, (axes, title) in enumerate(zip(panels, PHASES, strict=True), start=1):
         axes.axvspan(*NO_TIME, color="0.95")
         for place, name in enumerate(names):
-            own = [it for it in judged if it.submission == name and it.case.phase == phase]
+            own = [
+                scored
+                for scored in judged
+                if scored.submission == name and scored.case.phase == phase
+            ]
             low, high = NO_TIME
             untimed = low * (high / low) ** ((place + 0.5) / len(names))
             marker, colour = MARKERS[place % len(MARKERS)], series_colour(place, len(names))
             axes.plot([], [], marker, color=colour, ms=4, label=name)
-            for it in own:
+            for scored in own:
                 axes.plot(
-                    it.result.seconds if math.isfinite(it.result.seconds) else untimed,
-                    max(abs(it.error), LEAST_ERROR),
+                    scored.result.seconds if math.isfinite(scored.result.seconds) else untimed,
+                    max(abs(scored.error), LEAST_ERROR),
                     marker,
                     color=colour,
                     ms=4,
-                    mfc=colour if math.isfinite(it.result.uncertainty) else "white",
+                    mfc=colour if math.isfinite(scored.result.uncertainty) else "white",
                 )
         axes.set(title=title, xscale="log", yscale="log")
     panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
@@ -177,9 +185,9 @@ def benchmark_page(
     submissions: Sequence[Submission], found: Sequence[Score], picture: bytes, against: str
 ) -> str:
     """The page as text, with a PNG of errors over run time; `against` is the yardstick."""
-    cases = {it.case.name: it.case for it in found}
+    cases = {scored.case.name: scored.case for scored in found}
     exact = {
-        name: " to ".join(dict.fromkeys(f"{it:g}" for it in case.exact)) if case.exact else ""
+        name: " to ".join(dict.fromkeys(f"{value:g}" for value in case.exact)) if case.exact else ""
         for name, case in cases.items()
     }
     return TEMPLATES.get_template("benchmark.html").render(
@@ -190,15 +198,15 @@ def benchmark_page(
         meta=[
             ["submission", "of", "told"],
             *(
-                [it.name, key, it.meta[key]]
-                for it in submissions
+                [submission.name, key, submission.meta[key]]
+                for submission in submissions
                 for key in META_KEYS
-                if key in it.meta
+                if key in submission.meta
             ),
         ],
         titles=[
             ["case", "what is computed", "unit", "exact"],
-            *([it.name, it.title, it.unit, exact[it.name]] for it in cases.values()),
+            *([case.name, case.title, case.unit, exact[case.name]] for case in cases.values()),
         ],
         results=case_rows(found),
     )

@@ -84,7 +84,9 @@ def _section(
     """What the page says of a study, by the names that stand in page.html."""
     columns, parameters = case_columns(dataset), case_parameters(dataset)
     completed = (over_cases(dataset, "status") == COMPLETED).tolist()
-    small, large = ([embedded(name, sizes[it]) for name, sizes in drawn.items()] for it in (0, 1))
+    small, large = (
+        [embedded(name, sizes[size]) for name, sizes in drawn.items()] for size in (0, 1)
+    )
     return {
         "anchor": f"study-{place}",
         "title": str(dataset.attrs.get("title", dataset.attrs["study"])),
@@ -97,9 +99,11 @@ def _section(
         "failed": failed,
         "missed": misses(dataset),
         "stability": stability_rows(dataset) if shows_stability(dataset) else [],
-        "spreads": [(spoken(it.name), spread_rows(it)) for it in spreads_of(dataset)],
+        "spreads": [(spoken(spread.name), spread_rows(spread)) for spread in spreads_of(dataset)],
         "columns": columns,
-        "rows": list(zip(completed, zip(*(it.cells for it in columns), strict=True), strict=True)),
+        "rows": list(
+            zip(completed, zip(*(column.cells for column in columns), strict=True), strict=True)
+        ),
         "parameters": parameters,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         "references": stored_references(dataset),

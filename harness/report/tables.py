@@ -104,7 +104,7 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
         known = uncertainty_of(dataset) if is_headline else over_cases(dataset, own)
         reasons = reasons_of(dataset) if is_headline else [""] * len(values)
         beside = zip(values, texts, known.tolist(), reasons, strict=True)
-        texts = [_with_half_width(*it) for it in beside]
+        texts = [_with_half_width(*pair) for pair in beside]
     cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)

@@ -142,7 +142,7 @@ def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -
         why = f": {message}" if message else ""
         status = coloured(f"{outcome.status:10}", is_good=outcome.status == COMPLETED)
         rows.append(f"{key}  {status}  {time:>9}  {label}{why}")
-    meant = [f"U: {HALF_WIDTH}"] if any(it.reason for it in outcomes) else []
+    meant = [f"U: {HALF_WIDTH}"] if any(end.reason for end in outcomes) else []
     return [*rows, summary(outcomes), *meant]
 
 
@@ -160,7 +160,7 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     """How many cases of each status there are, and how long they took."""
     counts = Counter(outcome.status for outcome in outcomes)
     told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
-    seconds = sum(it.seconds for it in outcomes)
+    seconds = sum(end.seconds for end in outcomes)
     return f"{counted(len(outcomes), 'case')}: {told}; {seconds:.1f} s in all"
 
 

@@ -123,4 +123,4 @@ def _with_news(workers: Sequence[WorkerProcess]) -> list[WorkerProcess]:
     waited = time.monotonic() - begin
     for worker in workers if waited > 2.0 * LONGEST_WAIT else ():
         worker.began += waited
-    return [it for it in workers if it.has_news]
+    return [worker for worker in workers if worker.has_news]

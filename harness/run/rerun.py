@@ -21,7 +21,7 @@ from harness.study.cases import Case, naming
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
-PROVENANCE = [it for it in OF_CASE if it not in ("command_line", "cores", "time_written")]
+PROVENANCE = [name for name in OF_CASE if name not in ("command_line", "cores", "time_written")]
 """What may be the reason where results differ."""
 
 
@@ -132,8 +132,10 @@ def _parameters_of_cell(
     names = parameter_names(cell)
     stored = {name: cell[names[name]].item() for name in definitions}
     return {
-        name: it.kind(stored[name]) if is_there(stored[name]) or it.default == "" else None
-        for name, it in definitions.items()
+        name: definition.kind(stored[name])
+        if is_there(stored[name]) or definition.default == ""
+        else None
+        for name, definition in definitions.items()
     }
 
 

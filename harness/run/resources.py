@@ -76,7 +76,7 @@ def default_memory_limit() -> float:
 
     Of a process in a container it is the container's.
     """
-    told = [it.read_text().strip() for it in CONTAINER_LIMITS if it.is_file()]
+    told = [file.read_text().strip() for file in CONTAINER_LIMITS if file.is_file()]
     limits = [memory_of_machine(), *(int(text) for text in told if text.isdecimal())]
     return SHARE_OF_MACHINE * min(limits)
 
@@ -102,7 +102,7 @@ def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -
 def tell_of_long_cases(cases: Sequence[Case]) -> None:
     """Say in one line which cases may take longer than `LONG`."""
     seconds = {case.label: predicted_time(case) for case in cases}
-    long = {label: it for label, it in seconds.items() if it > LONG}
+    long = {label: taken for label, taken in seconds.items() if taken > LONG}
     if long:
         longest = max(long, key=lambda label: long[label])
         tell(

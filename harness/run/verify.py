@@ -107,13 +107,17 @@ def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
     by_scene: dict[str, Check] = {}
     for check in sorted(checks, key=lambda it: it.predicted_time):
         by_scene.setdefault(check.scene, check)
-    return tuple(it for it in checks if it is by_scene[it.scene] and it.predicted_time < QUICK_TIME)
+    return tuple(
+        candidate
+        for candidate in checks
+        if candidate is by_scene[candidate.scene] and candidate.predicted_time < QUICK_TIME
+    )
 
 
 def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
     """Run checks side by side on the cores of this machine; the results in the given order."""
     workers = min(os.cpu_count() or 1, len(checks))
-    if workers < 2 or sum(it.predicted_time for it in checks) < QUICK_TIME:
+    if workers < 2 or sum(candidate.predicted_time for candidate in checks) < QUICK_TIME:
         yield from map(verify, checks)
         return
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
@@ -143,7 +147,7 @@ def verify(check: Check) -> Verified:
         except Exception as error:
             return None, in_one_line(error)
 
-    outcomes = [outcome(it) for it in _runs(verification)][-len(verification.resolutions) :]
+    outcomes = [outcome(run) for run in _runs(verification)][-len(verification.resolutions) :]
     results, messages = zip(*outcomes, strict=True)
     return Verified(check=check, results=results, messages=messages)
 

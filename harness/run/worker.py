@@ -91,8 +91,10 @@ def compute(
             dataset = dataset.assign_attrs({TRACEBACK: traceback.format_exc()})
     headline = ""
     if status == COMPLETED:
-        half_width = next((dataset[it].item() for it in with_role(dataset, Role.UNCERTAINTY)), nan)
-        reason = next((str(dataset[it].item()) for it in with_role(dataset, Role.REASON)), "")
+        half_width = next(
+            (dataset[name].item() for name in with_role(dataset, Role.UNCERTAINTY)), nan
+        )
+        reason = next((str(dataset[name].item()) for name in with_role(dataset, Role.REASON)), "")
         headline = ", ".join(
             f"{spoken(name)} {stated(dataset[name].item(), half_width, reason)}"
             for name in _headlines(dataset)
@@ -103,7 +105,7 @@ def compute(
         provenance(), device=execution.device, cases_together=execution.case_count
     )
     seconds = measurement.seconds(idle_time)
-    compiling, running = (float(dataset.get(it, 0.0)) for it in ("compile_time", "run_time"))
+    compiling, running = (float(dataset.get(name, 0.0)) for name in ("compile_time", "run_time"))
     outcome = Outcome(
         status,
         message,
@@ -168,7 +170,7 @@ def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
                 run(0, message[0], execution)
             else:
                 execution = batch = Batch(options.device, threads)
-                batch.run([partial(run, *it, batch) for it in enumerate(message)])
+                batch.run([partial(run, *job, batch) for job in enumerate(message)])
             threads = execution.threads
 
 

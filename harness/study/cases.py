@@ -57,7 +57,7 @@ class Case:
 
 def most_cases(parts: Sequence[ScenePart], design: Design) -> int:
     """Number of cases of a study, those that it excludes among them; known at once."""
-    return sum(combination_count(design, it.varied, it.listed) for it in parts)
+    return sum(combination_count(design, part.varied, part.listed) for part in parts)
 
 
 def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Case, ...]:
@@ -127,10 +127,10 @@ def _complete(
             given[name] = rounded(value) if isinstance(value, float) else value
         return _parameters(part.scene(**given)), None
     except ParameterError as error:
-        defaults = {name: it.default for name, it in part.parameters.items()}
+        defaults = {name: definition.default for name, definition in part.parameters.items()}
         return {**defaults, **given}, error
 
 
 def _parameters(scene: CatalogueScene) -> dict[str, Value | None]:
     """The parameters of a scene; `dataclasses.asdict` would copy each of them first."""
-    return {it.name: getattr(scene, it.name) for it in dataclasses.fields(scene)}
+    return {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}

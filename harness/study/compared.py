@@ -82,7 +82,9 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     named = _ids(table, "references", "reference", known, parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
-        references=tuple(own.get(it) or cone_factor_reference(it) for it in references),
+        references=tuple(
+            own.get(reference) or cone_factor_reference(reference) for reference in references
+        ),
         reference_result=_reference_result(table, parts, folder),
         experience=_ids(table, "experience", "band of experience", EXPERIENCE_IDS, parts),
         tolerances=_tolerances(table.table("tolerance"), list(references), parts),
@@ -209,9 +211,9 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
         raise table.refuse("formula", "is a condition; it must give a number")
     ranges = table.table("range")
     for key, names in (("formula", sorted(formula.names)), ("range", list(ranges.values))):
-        for it in names:
-            if every is not None and it not in every:
-                problem = f"unknown parameter or symbol {it!r}{nearest_name(it, every)}"
+        for symbol in names:
+            if every is not None and symbol not in every:
+                problem = f"unknown parameter or symbol {symbol!r}{nearest_name(symbol, every)}"
                 raise table.refuse(key, problem)
     bounds = {name: _span(ranges, name) for name in ranges.values}
     optional = OPTIONAL | {key: table.text(key) for key in OPTIONAL if key in table.values}

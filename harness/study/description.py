@@ -146,7 +146,7 @@ def study_text(name: str, scene_name: str) -> str:
     parameters = parameters_of(scene)
     varied, values = _to_vary(scene)
     method = method_of(scene)
-    others = {key: it for key, it in parameters.items() if key != varied}
+    others = {key: definition for key, definition in parameters.items() if key != varied}
     parts = [
         f"# {scene_name}: {scene.summary}.",
         f"# Run it with `harness run {name}.toml`; the result goes to results/{name}.nc.",
@@ -163,11 +163,11 @@ def study_text(name: str, scene_name: str) -> str:
         "",
         "# What is the same in all cases. A parameter stands here or under [vary], not in both.",
         "[fixed]",
-        *_commented(it for key, it in others.items() if key not in method),
+        *_commented(definition for key, definition in others.items() if key not in method),
     ]
     if others.keys() & set(method):
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
-        parts += _commented(it for key, it in others.items() if key in method)
+        parts += _commented(definition for key, definition in others.items() if key in method)
     if PROFILE in parameters:
         parts += ["", *OWN_GROUND.splitlines()]
     if takes_references(scene):
@@ -216,9 +216,9 @@ def _allows(scene: type[CatalogueScene], name: str, value: Value) -> bool:
 def _commented(parameters: Iterable[Parameter]) -> list[str]:
     """Meaning and default of parameters, as comments."""
     lines = []
-    for it in parameters:
-        value = "..." if it.default is None else toml(it.default)
-        lines += [comment(it.explanation), f"#{it.name} = {value}"]
+    for parameter in parameters:
+        value = "..." if parameter.default is None else toml(parameter.default)
+        lines += [comment(parameter.explanation), f"#{parameter.name} = {value}"]
     return lines
 
 
@@ -301,7 +301,7 @@ def beyond_sane_range(study: Study) -> list[str]:
         for name, definition in part.parameters.items():
             least, greatest = definition.sane or (-math.inf, math.inf)
             values = _given(part, name) if definition.sane else []
-            beyond = {max(least - it, it - greatest): it for it in values}
+            beyond = {max(least - value, value - greatest): value for value in values}
             if beyond and max(beyond) > 0.0:
                 lines.append(f"{name} = {beyond[max(beyond)]:g}{_sane(definition)}")
     return list(dict.fromkeys(lines))

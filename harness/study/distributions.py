@@ -75,7 +75,7 @@ def normal(deviation: float) -> Input:
 def is_distribution(value: Mapping[str, Any]) -> bool:
     """Whether a table is meant as a distribution: has a key that only these have."""
     names = {name for form in FORMS for name in form}
-    return any(it in names or re.fullmatch(PERCENTILE, it) for it in value)
+    return any(word in names or re.fullmatch(PERCENTILE, word) for word in value)
 
 
 def read_input(table: Table, key: str, allowed: Range) -> Input:
@@ -97,7 +97,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         return known(float(value))
     if not isinstance(value, dict):
         raise table.refuse(key, f"must be {HOW}")
-    numbers = {name: it for name, it in value.items() if name != "shape"}
+    numbers = {name: entry for name, entry in value.items() if name != "shape"}
     for name, number in numbers.items():
         if not is_number(number):
             raise table.refuse(key, f"{name} must be a number")
@@ -109,7 +109,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         raise table.refuse(key, f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
     low = max(allowed.minimum, allowed.above + INSIDE)
     high = min(allowed.maximum, allowed.below - INSIDE)
-    text = ", ".join(f"{name} {it}" for name, it in value.items())
+    text = ", ".join(f"{name} {entry}" for name, entry in value.items())
     return Input(
         text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high), False
     )
@@ -124,7 +124,7 @@ def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quan
         return _of_percentiles(table, key, value)
     if not any(set(names) == set(form) for form in FORMS):
         raise table.refuse(key, f"must be {HOW}")
-    number = {name: float(it) for name, it in value.items() if name != "shape"}
+    number = {name: float(entry) for name, entry in value.items() if name != "shape"}
     if "low" in number:
         low, high = number["low"], number["high"]
         if not low < high:
@@ -158,7 +158,7 @@ def _quantiles(distribution: Any) -> Quantiles:
 
 
 def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
-    pairs = sorted((int(name[1:]) / 100.0, float(it)) for name, it in value.items())
+    pairs = sorted((int(name[1:]) / 100.0, float(entry)) for name, entry in value.items())
     shares, values = np.array(pairs).T
     if not (np.diff(values) > 0.0).all():
         raise table.refuse(key, "percentiles must rise")
@@ -174,4 +174,4 @@ def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats
 
     shares = LatinHypercube(len(inputs), rng=seed).random(count)
     columns = zip(inputs.items(), shares.T, strict=True)
-    return {name: it.quantiles(share) for (name, it), share in columns}
+    return {name: distribution.quantiles(share) for (name, distribution), share in columns}

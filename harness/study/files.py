@@ -153,7 +153,7 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
     result = dict(base)
     for name in ASSIGNING:
         keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
-        tables = (own.get(it) for it in ASSIGNING if not (keeps and it == "vary"))
+        tables = (own.get(key) for key in ASSIGNING if not (keeps and key == "vary"))
         said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}

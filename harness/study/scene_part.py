@@ -175,7 +175,9 @@ def _variation(table: Assignments, key: str, design: Design) -> Variation:
             raise table.refuse(key, f"has no distributions; must be {definition.allowed}")
         if design.kind != LATIN_HYPERCUBE:
             raise table.refuse(key, f'a distribution goes with design = "{LATIN_HYPERCUBE}" alone')
-        bounds = {it: getattr(definition, it) for it in ("minimum", "maximum", "above", "below")}
+        bounds = {
+            bound: getattr(definition, bound) for bound in ("minimum", "maximum", "above", "below")
+        }
         known = {name: bound for name, bound in bounds.items() if bound is not None}
         return read_input(table, key, Allowed(**known))
     ends = Table(f"{table.where} {key}:", value)

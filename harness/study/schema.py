@@ -128,7 +128,9 @@ def _of_scene(name: str) -> Schema:
             "vary": table_schema(
                 {parameter.name: _variation(parameter) for parameter in parameters}
             ),
-            "derived": table_schema({it.name: _expression(it.meaning) for it in parameters}),
+            "derived": table_schema(
+                {parameter.name: _expression(parameter.meaning) for parameter in parameters}
+            ),
             "exclude": {"type": "array", "items": _expression("cases that are not run")},
             "case": {"type": "array", "items": fixed},
             **({} if over is None else {SNAPSHOTS: _variation(moment_of(scene, over))}),

@@ -91,7 +91,7 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
-    *bases, (_, own) = [(it, with_profile(it, said)) for it, said in lineage(path)]
+    *bases, (_, own) = [(file, with_profile(file, said)) for file, said in lineage(path)]
     values: dict[str, Any] = {}
     for base, its_own in bases:
         values = _standing_on(values, its_own)
@@ -200,7 +200,9 @@ def _design(document: Table) -> Design:
 
 def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> None:
     """Refuse a setting of what is a parameter of none of the scenes."""
-    known = {name: it for scene in scenes for name, it in parameters_of(scene).items()}
+    known = {
+        name: definition for scene in scenes for name, definition in parameters_of(scene).items()
+    }
     table = Assignments("--set", settings, known)
     for key in settings:
         table.definition(key)

@@ -70,7 +70,7 @@ def add_contact(
 ) -> None:
     """Add the contact of two bodies, after the velocities that each has alone."""
     over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
-    plan.add_array("body.half_spacing", "real", np.array([0.5 * it.spacing for it in bodies]))
+    plan.add_array("body.half_spacing", "real", np.array([0.5 * body.spacing for body in bodies]))
     for name, kind in (
         ("normal", "vec2"),
         ("area", "real"),

@@ -267,11 +267,14 @@ def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]
 def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
     """The field of a parameter that laws of these names have; bounds only where there is one."""
     laws = "; ".join(
-        f"of material {name}" + ("" if it.default is None else f", default {it.default}")
-        for name, it in found
+        f"of material {name}"
+        + ("" if definition.default is None else f", default {definition.default}")
+        for name, definition in found
     )
     _, first = found[0]
-    bounds = {it: getattr(first, it) for it in (*BOUNDS, "choices")} if len(found) == 1 else {}
+    bounds = (
+        {bound: getattr(first, bound) for bound in (*BOUNDS, "choices")} if len(found) == 1 else {}
+    )
     return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **bounds)
 
 

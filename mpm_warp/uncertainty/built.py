@@ -66,7 +66,9 @@ def expected_scene(test: Any) -> Scene | None:
     The class of the test may be derived from one of this package, and build another scene.
     """
     own = __package__.partition(".")[0]
-    catalogue: Any = next(it for it in type(test).__mro__ if it.__module__.partition(".")[0] == own)
+    catalogue: Any = next(
+        kind for kind in type(test).__mro__ if kind.__module__.partition(".")[0] == own
+    )
     if isabstract(catalogue):
         return None
     offered = catalogue.offered()  # laws add their parameters, which a class may be without
@@ -125,7 +127,7 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
     for field in fields(Scene):
         if field.name != "parts":
             yield getattr(built, field.name), getattr(expected, field.name), field.name
-    parts, others = (it.without(*RECORDS).parts for it in (built, expected))
+    parts, others = (scene.without(*RECORDS).parts for scene in (built, expected))
     if len(parts) != len(others):
         yield _names(parts), _names(others), "parts"
         return
@@ -134,7 +136,13 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
         # The order counts among parts that act at one place of a step, and among no others.
         for place in PLACES:
             one, other = (
-                _names([it for it in them if getattr(type(it), place) is not getattr(Part, place)])
+                _names(
+                    [
+                        part
+                        for part in them
+                        if getattr(type(part), place) is not getattr(Part, place)
+                    ]
+                )
                 for them in (parts, others)
             )
             yield one, other, "the order of its parts"
@@ -158,7 +166,7 @@ def _difference(built: object, expected: object, where: str) -> str | None:
     """What differs, as "friction = 0.2 instead of 0"; None where nothing does."""
     if type(built) is not type(expected):
         return " instead of ".join(
-            "none" if it is None else built_name(it) for it in (built, expected)
+            "none" if scene is None else built_name(scene) for scene in (built, expected)
         )
     if isinstance(expected, np.ndarray):
         return None if np.array_equal(np.asarray(built), expected) else f"with other {where}"
@@ -166,12 +174,15 @@ def _difference(built: object, expected: object, where: str) -> str | None:
         found = [_difference(one, other, where) for one, other in zip(built, expected, strict=True)]
     elif isinstance(expected, Part) and not is_dataclass(expected):
         found = [
-            _difference(it, vars(expected).get(name), name) for name, it in vars(built).items()
+            _difference(value, vars(expected).get(name), name)
+            for name, value in vars(built).items()
         ]
     elif is_dataclass(expected) and not isinstance(expected, type):
         names = [field.name for field in fields(expected)]
-        found = [_difference(getattr(built, it), getattr(expected, it), it) for it in names]
+        found = [_difference(getattr(built, name), getattr(expected, name), name) for name in names]
     else:
-        shown = (f"{it:g}" if isinstance(it, float) else str(it) for it in (built, expected))
+        shown = (
+            f"{scene:g}" if isinstance(scene, float) else str(scene) for scene in (built, expected)
+        )
         found = [None if built == expected else f"{where} = {' instead of '.join(shown)}"]
     return next(filter(None, found), None)

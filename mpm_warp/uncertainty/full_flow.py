@@ -83,7 +83,7 @@ class FullFlowRun(TestRun):
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
         """What is still to come in all runs, what more points change, and what the poles add."""
-        changes = [float(it.recorded.resistance_factor_change) * it.factor for it in runs]
+        changes = [float(run.recorded.resistance_factor_change) * run.factor for run in runs]
         to_come = STILL_TO_COME * np.array(changes)
         finest = math.ceil(FINER * self.cells_per_radius)
         return {
@@ -94,7 +94,7 @@ class FullFlowRun(TestRun):
 
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
         """Where one leaves a hole behind the body."""
-        leaves_hole = any(float(it.recorded.empty_cells) > 0.0 for it in runs.values())
+        leaves_hole = any(float(run.recorded.empty_cells) > 0.0 for run in runs.values())
         return ["hole: soil leaves one behind the body"] if leaves_hole else []
 
 

@@ -160,7 +160,7 @@ def with_measured_error(
     `particle_updates` too.
     """
     further = case.further_tests()
-    sizes = [it.run_size() for it in (case, *further.values())]
+    sizes = [single.run_size() for single in (case, *further.values())]
     own, *parts = one_after_the_other(sizes, progress)
     results = run(case, own)
     made: dict[str, TestRun | str] = {}
@@ -170,14 +170,14 @@ def with_measured_error(
         except FAILURES as error:
             made[effect] = str(error)
     measured = measured_error(case.error_of(results), made)
-    known = [it for it in results if it in measured or "_uncertainty_" in str(it)]
-    costs = [it.recorded for it in made.values() if isinstance(it, TestRun)]
+    known = [result for result in results if result in measured or "_uncertainty_" in str(result)]
+    costs = [done.recorded for done in made.values() if isinstance(done, TestRun)]
     return with_cost(results.drop_vars(known), costs).assign(measured)
 
 
 def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progress]:
     """What receives the progress of each of some runs, by the share of all that each takes."""
-    updates = [it.particle_updates for it in sizes]
+    updates = [size.particle_updates for size in sizes]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 
     def part(begin: float, end: float) -> Progress:
@@ -195,9 +195,9 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
     or is not sound, or where the laws would have to take off too much.
     """
     with_effect = {effect: f"the run with {what}" for effect, what in case.differences.items()}
-    failed = {with_effect[it]: why for it, why in further.items() if isinstance(why, str)}
+    failed = {with_effect[name]: why for name, why in further.items() if isinstance(why, str)}
     whole = {"the case": case} | {
-        with_effect[it]: run for it, run in further.items() if isinstance(run, TestRun)
+        with_effect[name]: run for name, run in further.items() if isinstance(run, TestRun)
     }
     reasons = [f"further runs: {which}: {why}" for which, why in failed.items()]
     reasons += case.why_unsound(whole)
@@ -207,7 +207,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         parts |= case.own_parts(ALONE, [case])
     else:
         measures = [run.measures(case) for run in runs]
-        system = np.array([[1.0, *(of_run[it] for it in parts)] for of_run in measures])
+        system = np.array([[1.0, *(of_run[part] for part in parts)] for of_run in measures])
         inverse = np.linalg.inv(system)
         value, *slopes = inverse @ np.array([run.factor for run in runs])
         correction = float(value) - case.factor
@@ -232,10 +232,10 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
 def with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
     """The results of a case with the cost of its further runs in `run_time`, `particle_updates`."""
     whole = {
-        name: case[name].copy(data=sum((float(it[name]) for it in further), float(case[name])))
+        name: case[name].copy(data=sum((float(run[name]) for run in further), float(case[name])))
         for name in ("run_time", "particle_updates")
     }
-    took = sum(float(it.run_time) for it in further)
+    took = sum(float(run.run_time) for run in further)
     return case.assign(whole).assign(
         labelled(
             role="measured",

@@ -164,7 +164,7 @@ class ErrorLaws:
     @property
     def _beyond_range(self) -> Value:
         """Half width of what is left open because the laws are carried on, shape [...]."""
-        below, above = (np.log(it / self.rigidity_index) for it in TESTED_INDICES)
+        below, above = (np.log(index / self.rigidity_index) for index in TESTED_INDICES)
         anisotropy = np.abs(self.stress_anisotropy) - TESTED_ANISOTROPY
         return (
             ANISOTROPY * np.maximum(0.0, anisotropy)

@@ -165,4 +165,4 @@ def _beyond_range(rigidity_index: Value) -> Value:
 
 
 def _added(*parts: Value) -> Value:
-    return np.sqrt(sum(np.square(it) for it in parts))
+    return np.sqrt(sum(np.square(part) for part in parts))

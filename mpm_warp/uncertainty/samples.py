@@ -60,7 +60,7 @@ class MeasuredError:
         part of the half width.
         """
         correction, half_width = (
-            np.interp(depth, self.depth, it) for it in (self.correction, self.half_width)
+            np.interp(depth, self.depth, column) for column in (self.correction, self.half_width)
         )
         steps = np.pad(0.5 * np.abs(np.diff(self.correction)), 1)
         between = steps[np.searchsorted(self.depth, depth)]
@@ -69,9 +69,9 @@ class MeasuredError:
 
 def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> MeasuredError:
     """The error at depths [m], rising, by cone tests that measured theirs, or why one has none."""
-    reasons = [it if isinstance(it, str) else str(it[REASON].values) for it in tests]
+    reasons = [test if isinstance(test, str) else str(test[REASON].values) for test in tests]
     correction, half_width = (
-        np.array([math.nan if isinstance(it, str) else float(it[name]) for it in tests])
+        np.array([math.nan if isinstance(test, str) else float(test[name]) for test in tests])
         for name in ("cone_factor_correction", "cone_factor_uncertainty")
     )
     return MeasuredError(
@@ -123,13 +123,15 @@ def sample_error(
     not_known = np.zeros(depth.shape, dtype=bool)
     for holds in reasons.values():
         not_known |= holds
-    half_width = around * np.sqrt(sum(np.square(it) for it in parts.values()))
+    half_width = around * np.sqrt(sum(np.square(part) for part in parts.values()))
     return SampleError(
         correction=np.where(not_known, 0.0, correction),
         half_width=np.where(not_known, np.nan, half_width),
         reason="; ".join(
             [
-                *_with_depths({it: reasons[it] for it in reasons if it not in surface}, depth),
+                *_with_depths(
+                    {reason: reasons[reason] for reason in reasons if reason not in surface}, depth
+                ),
                 *(text for text, holds in surface.items() if np.any(holds)),
             ]
         ),

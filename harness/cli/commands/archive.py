@@ -30,7 +30,7 @@ def status(options: argparse.Namespace) -> int:
         return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
     study = load_study(name, options.set)
     stand = results.outcomes(study, options.out)
-    print(*results.status_rows([(it.key, it.label) for it in study.cases], stand), sep="\n")
+    print(*results.status_rows([(case.key, case.label) for case in study.cases], stand), sep="\n")
     if options.traceback:
         print(*results.tracebacks(study, options.out), sep="\n")
     results.tell_of_other_sources(study, stand)

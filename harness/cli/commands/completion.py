@@ -72,7 +72,7 @@ def scene_names_at_once() -> list[str]:
     assert package is not None, "it has imported this module"
     assert package.submodule_search_locations is not None
     folder = Path(package.submodule_search_locations[0]) / "scenes"
-    names = {it.name for it in entry_points(group="mpm_warp.scenes")}
+    names = {point.name for point in entry_points(group="mpm_warp.scenes")}
     for file in folder.rglob("*.py"):
         for definition in re.split(r"^class ", file.read_text("utf-8"), flags=re.MULTILINE)[1:]:
             if "\n    summary = " in definition:

@@ -54,7 +54,9 @@ def interpret_site(options: argparse.Namespace) -> int:
     """
     sites = [load_site(path) for path in options.site]
     names = [site.name for site in sites]
-    if len(names) > 1 and (twice := [it for it in names if names.count(it) > 1 or it == TOGETHER]):
+    if len(names) > 1 and (
+        twice := [name for name in names if names.count(name) > 1 or name == TOGETHER]
+    ):
         raise HarnessError(f"{twice[0]}.toml: another result has this name; rename the site file")
     points = read_points(options.laboratory) if options.laboratory else []
     tests = []
@@ -65,7 +67,7 @@ def interpret_site(options: argparse.Namespace) -> int:
     for test in tests:
         _write(test, f"{options.out}/{test.site.name}{ENDING}")
     whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
-    together = soundings_figure([it.found for it in tests]) if len(names) > 1 else None
+    together = soundings_figure([measured.found for measured in tests]) if len(names) > 1 else None
     if together is not None:
         _write_figure(together, whole)
     write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
@@ -131,14 +133,14 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
     yield [*columns, "reason"]
     numbers = np.stack(list(columns.values()), axis=-1)
     for row, reason in zip(numbers, found.reason.values, strict=True):
-        yield [*("" if np.isnan(it) else f"{it:.6g}" for it in row), REASONS[reason]]
+        yield [*("" if np.isnan(number) else f"{number:.6g}" for number in row), REASONS[reason]]
 
 
 def read_points(path: Path) -> list[tuple[float, float]]:
     """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
     rows = csv.DictReader(read_text(path, "a table of strengths").splitlines())
     try:
-        return [(float(it["depth [m]"]), 1e3 * float(it["strength [kPa]"])) for it in rows]
+        return [(float(row["depth [m]"]), 1e3 * float(row["strength [kPa]"])) for row in rows]
     except (csv.Error, KeyError, TypeError, ValueError):
         raise HarnessError(
             f"{path}: must be CSV with the columns depth [m] and strength [kPa]"

@@ -60,7 +60,9 @@ def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int
     for line in unshared(first, second):
         tell(line)
     print(*difference_rows(found, tolerance), *lonely, sep="\n")
-    return INCOMPLETE if lonely or any(it.size > tolerance for it in found) else DONE
+    return (
+        INCOMPLETE if lonely or any(difference.size > tolerance for difference in found) else DONE
+    )
 
 
 def list_misses(dataset: xr.Dataset) -> int:

@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _check_uncertainty(study: Study) -> None:
     """Refuse a study without a scene whose uncertainty further runs can measure."""
-    measured = [it for it in scene_names() if "uncertainty" in parameters_of(scene_class(it))]
+    measured = [name for name in scene_names() if "uncertainty" in parameters_of(scene_class(name))]
     names = [part.name for part in study.parts]
     if not set(names) & set(measured):
         raise HarnessError(
@@ -93,7 +93,7 @@ def _check_uncertainty(study: Study) -> None:
 
 def _list_incomplete(study: Study, dataset: xr.Dataset) -> int:
     status, message = over_cases(dataset, "status"), over_cases(dataset, "message")
-    lost = [it for it in zip(study.cases, status, message, strict=True) if it[1] != COMPLETED]
+    lost = [end for end in zip(study.cases, status, message, strict=True) if end[1] != COMPLETED]
     for case, how, why in lost:
         tell(f"{case.label}: {how}: {why}")
     return INCOMPLETE if lost else DONE
@@ -136,7 +136,7 @@ def verify_scenes(options: argparse.Namespace) -> int:
         checks = quick(checks)
     seconds = [check.predicted_time for check in checks]
     tell(
-        f"{len(checks)} checks of {len({it.scene for it in checks})} scenes, about "
+        f"{len(checks)} checks of {len({check.scene for check in checks})} scenes, about "
         f"{spoken_time(sum(seconds) / (os.cpu_count() or 1) + SETTING_UP)} on a quiet machine"
     )
     lines, results = [HEADING], []
@@ -167,7 +167,7 @@ def benchmark(options: argparse.Namespace) -> int:
     cases = benchmark_cases()
     shipped = read_submissions(benchmark_folder() / "submissions")
     own = [] if options.folder is None else read_submissions(options.folder)
-    given = {it.name: it for it in [*shipped, *own]}
+    given = {submission.name: submission for submission in [*shipped, *own]}
     submissions = [*given.values(), *formulas(cases)]
     found = scores(cases, submissions, options.against)
     prepare(options.out)

@@ -154,10 +154,16 @@ def _defaults(
     """The defaults of a scene, and what it derives from the parameters of the first case."""
     definitions = parameters_of(scene)
     derivable: Mapping[str, Value] = scene().derived()
-    defaults = {name: it.default for name, it in definitions.items() if name not in derivable}
+    defaults = {
+        name: definition.default
+        for name, definition in definitions.items()
+        if name not in derivable
+    }
     defaults |= _of_law(dataset)
     first = {name: over_cases(dataset, stored[name])[0] for name in defaults if name in stored}
-    given = {name: definitions[name].kind(it) for name, it in first.items() if is_there(it)}
+    given = {
+        name: definitions[name].kind(value) for name, value in first.items() if is_there(value)
+    }
     try:
         return dataclasses.asdict(scene(**given)) | defaults
     except ParameterError:  # a case that the scene refuses has nothing derived
@@ -169,7 +175,7 @@ def _of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
     name = str(over_cases(dataset, "material")[0]) if "material" in dataset else ""
     if name not in loaded_laws():
         return {}
-    return {name: it.default for name, it in other_law(name).parameters.items()}
+    return {name: definition.default for name, definition in other_law(name).parameters.items()}
 
 
 def _same(value: Value, default: Value | None) -> bool:

@@ -103,7 +103,9 @@ def draw_literature(
 
 def _colours(references: Sequence[ConeFactor]) -> list[str]:
     """Those that ship have the same colour in all pictures; a study's own have what is left."""
-    shipped = {it.id: COLOURS[place % len(COLOURS)] for place, it in enumerate(CONE_FACTORS)}
+    shipped = {
+        reference.id: COLOURS[place % len(COLOURS)] for place, reference in enumerate(CONE_FACTORS)
+    }
     taken = {shipped.get(reference.id) for reference in references}
     left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
     return [shipped.get(reference.id) or next(left) for reference in references]

@@ -261,7 +261,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; window and approach follow the rigidity index."""
         extents = {
-            it: WINDOW[self.accuracy] * by_law for it, by_law in self.default_extents.items()
+            name: WINDOW[self.accuracy] * by_law for name, by_law in self.default_extents.items()
         }
         above = extents["domain_above"] if self.domain_above is None else self.domain_above
         # Soil that the cone has never passed has then left the window.

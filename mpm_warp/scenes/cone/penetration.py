@@ -89,14 +89,14 @@ class PenetrationCurves:
         earliest = len(self._moved) - 2 * STEADY_SAMPLES
         if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
             return False
-        resistance = [it.face_normal + it.face_shear for it in self.forces[earliest:]]
+        resistance = [force.face_normal + force.face_shear for force in self.forces[earliest:]]
         return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
 
     def dataset(self) -> xr.Dataset:
         """Resistance, its shear part, friction of shaft and sleeve, and contact."""
         base_area, net = 0.5 * self.radius**2, "net cone resistance"
         normal, shear, shaft, share = (
-            np.array([getattr(it, name) for it in self.forces])
+            np.array([getattr(force, name) for force in self.forces])
             for name in ("face_normal", "face_shear", "shaft_shear", "contact_share")
         )
         sleeve = np.array(self._sleeve)

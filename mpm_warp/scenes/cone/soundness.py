@@ -137,7 +137,7 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
         """The sums of the audited steps, taken for all steps [J]."""
         array = simulation.array
         sums = [*array(OF_NODES).sum(axis=0), array(OF_CELLS).sum(), *array(OF_POINTS).sum(axis=0)]
-        return [*(AUDIT_INTERVAL * float(it) for it in sums), transferred_energy(simulation)]
+        return [*(AUDIT_INTERVAL * float(total) for total in sums), transferred_energy(simulation)]
 
     at_first = works_so_far()
 

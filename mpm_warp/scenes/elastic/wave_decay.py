@@ -76,8 +76,8 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     assert isinstance(material, LinearElastic)
     constrained = material.bulk_modulus + 4.0 / 3.0 * material.shear_modulus
     stressing = [
-        scipy.sparse.diags_array(time_step * modulus / grid.cell_volumes) @ it
-        for modulus, it in zip((constrained, material.shear_modulus), pulls, strict=True)
+        scipy.sparse.diags_array(time_step * modulus / grid.cell_volumes) @ pull
+        for modulus, pull in zip((constrained, material.shear_modulus), pulls, strict=True)
     ]
     rows = [
         [share.T @ (new - old) for new, old in zip(after, before, strict=True)],

@@ -144,7 +144,8 @@ class CyclicPenetration(FullFlowPenetrometer):
         """The fit of practice; what lies beyond the end of the test is not a number."""
         known = fit.cycles <= self.cycle_count
         cycles, remoulded, intact = (
-            it if known else math.nan for it in (fit.cycles, fit.remoulded_share, fit.intact)
+            values if known else math.nan
+            for values in (fit.cycles, fit.remoulded_share, fit.intact)
         )
         of_intact = "resistance factor of intact clay, fitted"
         return labelled(

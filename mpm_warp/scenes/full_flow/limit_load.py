@@ -112,7 +112,7 @@ class FullFlowCylinder(FullFlow):
     verifications = compared(
         "cells_per_radius",
         (4, 8),
-        *({"adhesion_factor": it} for it in (0.0, 0.25, 0.5, 0.75, 1.0)),
+        *({"adhesion_factor": factor} for factor in (0.0, 0.25, 0.5, 0.75, 1.0)),
         error=0.01,
     )
 

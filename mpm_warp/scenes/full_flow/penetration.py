@@ -78,7 +78,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         tests = [] if self.uncertainty == "none" else self.further_tests().values()
-        return of_several([size_in_grid(it.build(), it.end_time) for it in (self, *tests)])
+        return of_several([size_in_grid(test.build(), test.end_time) for test in (self, *tests)])
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
@@ -228,7 +228,10 @@ class TBarPenetration(TBar, FullFlowPenetration):
     summary = "T-bar pushed through undrained clay to steady flow, plane strain"
     version = 3
     verifications = compared(
-        "cells_per_radius", (3, 4), *({"adhesion_factor": it} for it in (0.0, 0.5, 1.0)), error=0.02
+        "cells_per_radius",
+        (3, 4),
+        *({"adhesion_factor": factor} for factor in (0.0, 0.5, 1.0)),
+        error=0.02,
     )
 
     def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:

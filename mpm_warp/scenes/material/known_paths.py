@@ -58,9 +58,11 @@ def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
     rest, held = (0.0, 0.0, 0.0, 0.0), (0.9, 0.1, 0.3, 0.4)
     # After a turn by 45 degrees from r towards z, rr' = mean - rz, zz' = mean + rz.
     at_half = (0.5 - 0.3, 0.5 + 0.3, 0.5 * (0.9 - 0.1), 0.4)
-    along, across = (it / clay.strength for it in simple_shear(clay, SHEAR_STRAIN, SHEAR_STRAIN))
+    along, across = (
+        stress / clay.strength for stress in simple_shear(clay, SHEAR_STRAIN, SHEAR_STRAIN)
+    )
     parts = (
-        *((name, it, rest, _proportional(clay, it)) for name, it in proportional.items()),
+        *((name, value, rest, _proportional(clay, value)) for name, value in proportional.items()),
         # The strain that takes the stress back to nothing leaves the clay intact.
         ("pure shear, turned back", back, (-1, 1, 0, 0), _proportional(clay, back, yield_strain)),
         ("turn by 45 degrees", (0, -half, half, 0, 0), held, at_half),

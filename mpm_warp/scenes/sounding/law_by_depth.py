@@ -77,7 +77,7 @@ def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[
             f"there is no effective vertical stress at {where:g} m, which the law needs: begin the "
             "ground deeper"
         )
-    rest = {name: it for name, it in columns.items() if name not in OF_EFFECTIVE_STRESS}
+    rest = {name: column for name, column in columns.items() if name not in OF_EFFECTIVE_STRESS}
     return rest | {VERTICAL: vertical, HORIZONTAL: columns["K0"] * vertical}
 
 

@@ -141,7 +141,7 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
             return Profile.of(with_strength(self, columns_of(self.profile)))
         top, thickness = self.layer_top, self.layer_thickness or math.inf
         borders = [] if top is None else [top, top + thickness]
-        inside = [it for it in borders if it < LAST_DEPTH]
+        inside = [border for border in borders if border < LAST_DEPTH]
         depth = np.array([0.0, *np.repeat(inside, 2), LAST_DEPTH])
         weight = {"unit_weight": np.full_like(depth, self.unit_weight)}
         if self.own_strength is not None:

@@ -120,7 +120,9 @@ class Profile:
             given["shear_modulus"] = 100.0 * strength
         if self.unit_weight is FILLED_IN:
             given["unit_weight"] = np.full_like(strength, UNIT_WEIGHT)
-        columns = {name: _numbers(name, it) for name, it in given.items() if it is not None}
+        columns = {
+            name: _numbers(name, value) for name, value in given.items() if value is not None
+        }
         for name, values in columns.items():
             object.__setattr__(self, name, values)
         of_law = {name: _numbers(name, values) for name, values in self.of_law.items()}
@@ -157,10 +159,10 @@ class Profile:
         """A profile of the columns of a table; see `read`."""
         if "strength" not in columns:
             raise refused("column strength is missing")
-        own = {name: it for name, it in columns.items() if name in OWN}
+        own = {name: column for name, column in columns.items() if name in OWN}
         if "rigidity_index" in columns:
             own["shear_modulus"] = columns["rigidity_index"] * columns["strength"]
-        of_law = {name: it for name, it in columns.items() if name not in UNITS}
+        of_law = {name: column for name, column in columns.items() if name not in UNITS}
         return cls(**own, of_law=of_law)
 
     @property
@@ -172,7 +174,9 @@ class Profile:
     def is_uniform(self) -> bool:
         """Whether all but the unit weight is the same everywhere."""
         others = ("depth", "unit_weight")
-        return all(np.ptp(it) == 0.0 for name, it in self._columns.items() if name not in others)
+        return all(
+            np.ptp(numbers) == 0.0 for name, numbers in self._columns.items() if name not in others
+        )
 
     def between(self, begin: float, end: float) -> Self:
         """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
@@ -183,7 +187,9 @@ class Profile:
             return np.concatenate([[first], values[inside], [last]])
 
         depth = np.concatenate([[begin], self.depth[inside], [end]])
-        others = {name: column(it) for name, it in self._columns.items()} | {"depth": depth}
+        others = {name: column(numbers) for name, numbers in self._columns.items()} | {
+            "depth": depth
+        }
         if self.stress_anisotropy is not None:
             others["stress_anisotropy"][[0, -1]] = self.stress_anisotropy_at(depth[[0, -1]], 0.0)
         return self.of(others)
@@ -220,7 +226,7 @@ class Profile:
     def _columns(self) -> dict[str, Floats]:
         """The columns that there are, by name."""
         own = {name: getattr(self, name) for name in OWN}
-        return {name: it for name, it in own.items() if it is not None} | dict(self.of_law)
+        return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
 
     @property
     def _adhesion_ratio(self) -> Floats | None:
@@ -299,12 +305,12 @@ def columns_of(text: str) -> dict[str, Floats]:
     Raises:
         ParameterError: header or rows are malformed.
     """
-    lines = [it.strip() for it in re.split(r"[;\n]", text)]
-    header, *lines = [it for it in lines if it and not it.startswith("#")] or [""]
+    lines = [piece.strip() for piece in re.split(r"[;\n]", text)]
+    header, *lines = [line for line in lines if line and not line.startswith("#")] or [""]
     factors = _header(header)
     if not lines:
         raise refused("has no rows below its header")
-    table = np.array([_row(number, it, factors) for number, it in enumerate(lines, 1)])
+    table = np.array([_row(number, line, factors) for number, line in enumerate(lines, 1)])
     columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
     if not columns.keys() & {*OF_EFFECTIVE_STRESS}:
         return columns
@@ -321,14 +327,14 @@ def _with_row_at_water_table(columns: dict[str, Floats]) -> dict[str, Floats]:
     depth, water = columns["depth"], columns.get("ground_water", np.zeros(len(columns["depth"])))
     if "rigidity_index" in columns and "strength" in columns:  # what is linear between rows is G
         modulus = columns["rigidity_index"] * columns["strength"]
-        columns = {name: it for name, it in columns.items() if name != "rigidity_index"}
+        columns = {name: column for name, column in columns.items() if name != "rigidity_index"}
         columns["shear_modulus"] = modulus
     between = (depth[:-1] < water[:-1]) & (water[:-1] == water[1:]) & (water[1:] < depth[1:])
     for row in np.flatnonzero(between)[:1]:  # a level table is at one depth
         ends = slice(row, row + 2)
         return {
-            name: np.insert(it, row + 1, np.interp(water[row], depth[ends], it[ends]))
-            for name, it in columns.items()
+            name: np.insert(column, row + 1, np.interp(water[row], depth[ends], column[ends]))
+            for name, column in columns.items()
         }
     return columns
 
@@ -360,7 +366,7 @@ def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str
     """
     anisotropy = deviator / (2.0 * columns["strength"])
     _check_rows("stress_anisotropy by K0", anisotropy, ALLOWED["stress_anisotropy"])
-    rest = {name: it for name, it in columns.items() if name not in OF_EFFECTIVE_STRESS}
+    rest = {name: column for name, column in columns.items() if name not in OF_EFFECTIVE_STRESS}
     return rest | {"stress_anisotropy": anisotropy}
 
 
@@ -369,7 +375,9 @@ def units_of(name: str) -> Mapping[str, float]:
     if name in UNITS:
         return UNITS[name]
     of_laws = {
-        key: it.unit for law in loaded_laws() for key, it in other_law(law).parameters.items()
+        key: definition.unit
+        for law in loaded_laws()
+        for key, definition in other_law(law).parameters.items()
     }
     if name not in of_laws:
         raise refused(f"unknown column {name!r}{nearest_parameter(name, [*UNITS, *of_laws])}")
@@ -402,7 +410,7 @@ def _header(line: str) -> dict[str, float]:
         units = units_of(name)
         if unit not in units:
             given = f"has the unit [{unit}]" if unit else "has no unit"
-            known = " or ".join(f"[{it}]" for it in units)
+            known = " or ".join(f"[{known_unit}]" for known_unit in units)
             raise refused(f"column {name} {given}, must have {known}")
         if name in factors:
             raise refused(f"column {name} is there twice")

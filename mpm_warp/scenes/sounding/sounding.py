@@ -105,10 +105,13 @@ class Sounding(SoundingTest):
         }
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
         test: Any = ConePenetration.offered()
-        common = [it for it in parameters_of(type(self)) if it in parameters_of(test)]
+        common = [name for name in parameters_of(type(self)) if name in parameters_of(test)]
         values = {name: getattr(self, name) for name in common}
         # A window by default is that of the sounding; the test would derive another.
-        kept = {name: float(it) if isinstance(it, Derived) else it for name, it in values.items()}
+        kept = {
+            name: float(value) if isinstance(value, Derived) else value
+            for name, value in values.items()
+        }
         built: ConePenetration = test(**kept | of_ground | of_start | of_law)
         return built
 
@@ -132,9 +135,11 @@ class Sounding(SoundingTest):
         anisotropy = ground.stress_anisotropy_at(ground.depth, self.stress_anisotropy)
         rows = None
         if ground.of_law:
-            rows = tuple(self._test_in(*it).clay for it in enumerate(anisotropy.tolist()))
+            rows = tuple(
+                self._test_in(*numbered).clay for numbered in enumerate(anisotropy.tolist())
+            )
         else:  # its stress is within the yield surface everywhere
-            _ = [self._test_in(None, it) for it in {anisotropy.min(), anisotropy.max()}]
+            _ = [self._test_in(None, extreme) for extreme in {anisotropy.min(), anisotropy.max()}]
         variation = ground.variation(
             self.start_depth,
             self.stress_anisotropy,
@@ -157,9 +162,14 @@ class Sounding(SoundingTest):
             begin = max(begin, self.start_depth + self.surface_passed)
         depths, half = self.ground.depth, 0.5 * self.spacing
         borders = depths[1:][np.diff(depths) == 0.0]
-        sides = [it + side for it in borders for side in (-half, half) if begin < it + side < end]
+        sides = [
+            border + side
+            for border in borders
+            for side in (-half, half)
+            if begin < border + side < end
+        ]
         others = [] if self.ground_passed.is_uniform else [begin, *sides]
-        return {it: self._test_at(it) for it in ([*others, end] if begin < end else [])}
+        return {depth: self._test_at(depth) for depth in ([*others, end] if begin < end else [])}
 
     def _test_at(self, depth: float) -> ConePenetration:
         """That test in uniform clay as the ground is at a depth [m], its error to be measured."""
@@ -213,7 +223,7 @@ class Sounding(SoundingTest):
         do in the time of all.
         """
         tests = () if self.uncertainty == "known" else self.tests_by_depth.values()
-        return of_several([self._run_size, *(it.run_size() for it in tests)])
+        return of_several([self._run_size, *(test.run_size() for test in tests)])
 
     @property
     def _run_size(self) -> RunSize:
@@ -234,7 +244,7 @@ class Sounding(SoundingTest):
         tests = {} if self.uncertainty == "known" else self.tests_by_depth
         if not tests or why_not_as_measured(self.build(), expected_scene(self)):
             return super().compute(progress, execution)
-        sizes = [*(it.run_size() for it in tests.values()), self._run_size]
+        sizes = [*(further.run_size() for further in tests.values()), self._run_size]
         *parts, own = one_after_the_other(sizes, progress)
         made: list[xr.Dataset | str] = []
         for part, test in zip(parts, tests.values(), strict=True):
@@ -244,7 +254,7 @@ class Sounding(SoundingTest):
                 made.append(f"further runs: {error}")
         simulation = Simulation(self.build(), execution)
         results = self._recorded(simulation, own, measured_by(list(tests), made))
-        return with_cost(results, [it for it in made if isinstance(it, xr.Dataset)])
+        return with_cost(results, [further for further in made if isinstance(further, xr.Dataset)])
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the penetrometer through the ground.
