@@ -34,6 +34,7 @@ from mpm_warp.uncertainty.laws import (
     LARGEST_CELL,
     LARGEST_INERTIA,
     WIDEST_CELL,
+    Condition,
     ErrorLaws,
     growth_measure,
 )
@@ -91,8 +92,7 @@ class ConeRun(TestRun):
     @property
     def why_not_settled(self) -> list[str]:
         """Why the error of the run is not known whatever its laws; nothing where it has settled."""
-        reason = "settling: soil that the cone has not passed is still beside it"
-        return those_that_hold({reason: self.laws.way < self.laws.above + ALL_PASSED})
+        return those_that_hold(_not_settled(self.laws))
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
         """What is still to come, what more points change, and the noise of all runs."""
@@ -162,14 +162,26 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
     parts = {name: float(value) for name, value in laws.half_widths(run.factor).items()}
     parts["speed"] += APPROACH * run.factor
     reasons = [
-        *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_laws_do_not_hold(built)),
-        *those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL)),
-        *run.why_not_settled,
+        *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),
+        *why_laws_do_not_hold(laws),
     ]
     return run.stated(float(laws.correction), parts | run.own_parts(ALONE, [run]), reasons)
 
 
-def _why_laws_do_not_hold(built: Scene) -> list[str]:
+def why_laws_do_not_hold(laws: ErrorLaws) -> list[str]:
+    """Why the laws do not hold for a cone test, whatever was built; nothing where they do."""
+    return those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL) | _not_settled(laws))
+
+
+def _not_settled(laws: ErrorLaws) -> dict[str, Condition]:
+    return {
+        "settling: soil that the cone has not passed is still beside it": (
+            laws.way < laws.above + ALL_PASSED
+        )
+    }
+
+
+def _why_not_of_scene(built: Scene) -> list[str]:
     """Why the laws do not hold for a scene that is one of a cone test."""
     grid = built.grid
     tip = np.flatnonzero(grid.surface_radius == 0.0)[-1]

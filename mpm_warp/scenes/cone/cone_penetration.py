@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import xarray as xr
 
@@ -18,7 +18,12 @@ from mpm_warp.results import parameter_variables, variable
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.parameters import ConeTest, slowing_penetration, unsteady_penetration
+from mpm_warp.scenes.cone.parameters import (
+    DERIVED_BY_ERROR,
+    ConeTest,
+    slowing_penetration,
+    unsteady_penetration,
+)
 from mpm_warp.scenes.cone.penetration import (
     AXIS,
     PenetrationCurves,
@@ -51,7 +56,6 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, expected_scene, why_not_as_measured
-from mpm_warp.uncertainty.laws import ErrorLaws
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 SOURCE_HEIGHT = 2.0 / 3.0
@@ -192,7 +196,7 @@ class ConePenetration(ConeTest):
         Raises:
             ParameterError: one of them is outside the allowed range, or no law of the error holds.
         """
-        cone.check_measurable(self._laws(way=self.penetration))
+        cone.check_measurable(self.laws(way=self.penetration))
         wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
         # In a higher window the cone has more soil to pass, and it takes longer to settle.
         settling = cone.SETTLING * wider["domain_above"]
@@ -204,39 +208,26 @@ class ConePenetration(ConeTest):
             "speed": {"speed_ratio": cone.SLOWER * self.speed_ratio},
             "domain": wider,
         }
-        alone = replace(self, uncertainty="known")
-        return further_runs.further_tests(alone, changes, cone.DIFFERENCES)
+        return further_runs.further_tests(self._alone, changes, cone.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """A run of the test, as far as its error goes."""
         return cone.ConeRun(
-            laws=self._laws(way=float(recorded.penetration_reached)),
+            laws=self.laws(way=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
             recorded=recorded,
-        )
-
-    def _laws(self, way: float) -> ErrorLaws:
-        """The laws of the error after a way, over the cone's radius."""
-        return ErrorLaws(
-            rigidity_index=self.rigidity_index,
-            adhesion_factor=self.adhesion_factor,
-            stress_anisotropy=self.stress_anisotropy,
-            poissons_ratio=self.poissons_ratio - self.bounded,
-            bounded=self.bounded,
-            inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
-            cell_size=self.relative_cell_size,
-            cell_growth=self.cell_growth,
-            outer=self.domain_radius,
-            above=self.domain_above,
-            below=self.domain_below,
-            extent_ratio=self.extent_ratio,
-            way=way,
         )
 
     @property
     def _expected(self) -> Scene | None:
         """What a cone test of the catalogue builds of these parameters."""
-        return expected_scene(replace(self, uncertainty="known"))
+        return expected_scene(self._alone)
+
+    @property
+    def _alone(self) -> Self:
+        """The test without further runs, its method by default that of the test with them."""
+        kept: dict[str, Any] = {name: float(getattr(self, name)) for name in DERIVED_BY_ERROR}
+        return replace(self, uncertainty="known", **kept)
 
     def record(
         self, simulation: Simulation, progress: Progress, snapshots: Snapshots | None = None

@@ -7,7 +7,7 @@ for.
 import math
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from mpm_warp.parameters import Derived, parameter
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
-from mpm_warp.uncertainty.laws import APEX_ANGLE
+from mpm_warp.uncertainty import cone
+from mpm_warp.uncertainty.laws import APEX_ANGLE, ErrorLaws
 from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
@@ -32,6 +33,8 @@ BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
 the lower it is."""
 COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
 """Poisson's ratios that the bound of it is by default at least and at most."""
+DERIVED_BY_ERROR = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
+"""What follows by default from whether the error of a test is known."""
 STIFF, SOFT_SPEED_RATIO = 100.0, 0.05
 """Rigidity index below which the speed follows the inertia rho V^2 / su, and up to what speed."""
 SPARE = 4.5
@@ -229,9 +232,8 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     poissons_ratio_bound: float = parameter(
         None,
         "greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps (default: "
-        "0.4999; in perfectly plastic Tresca clay, apex 60 degrees, no friction, that of a bulk "
-        "modulus of 5000 su, 10000 su where accuracy is fine, 250 su where it is quick, but 0.45 "
-        "at least)",
+        "0.4999; where laws of the error take its effect off, that of a bulk modulus of 5000 su, "
+        "10000 su where accuracy is fine, 250 su where it is quick, but 0.45 at least)",
         minimum=0,
         maximum=0.4999,
     )
@@ -270,7 +272,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         return extents | {
             "cells_per_radius": self._cells_per_radius,
             "speed_ratio": self._speed_ratio,
-            "poissons_ratio_bound": self._poissons_ratio_bound,
+            "poissons_ratio_bound": self._bound if self._laws_hold else INCOMPRESSIBLE,
             "shaft_adhesion_factor": self.adhesion_factor,
             "approach_speed_ratio": min(SPEED_RATIO_OF_APPROACH, by_inertia),
             "approach": approach,
@@ -278,17 +280,38 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         }
 
     @property
-    def _poissons_ratio_bound(self) -> float:
-        """Greatest Poisson's ratio simulated by default: that of a bulk modulus over su.
-
-        Stiff clay hardly changes its volume even so, and what it changes is known; not so where no
-        law of the error takes it off, or where further runs of the same bound measure the error.
-        """
-        if not self._error_is_known:
-            return INCOMPRESSIBLE
+    def _bound(self) -> float:
+        """Poisson's ratio of the greatest bulk modulus over su that is simulated by default."""
         over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
         of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
         return min(INCOMPRESSIBLE, max(COMPRESSIBLE, of_bulk_modulus))
+
+    @property
+    def _laws_hold(self) -> bool:
+        """Whether laws take the error of the test off, that of a bound of Poisson's ratio too."""
+        if self.poissons_ratio_bound is not None or not self._error_is_known:
+            return False
+        unbounded = replace(self, poissons_ratio_bound=INCOMPRESSIBLE)
+        laws = unbounded.laws(way=unbounded.penetration)
+        return not cone.why_laws_do_not_hold(laws)
+
+    def laws(self, way: float) -> ErrorLaws:
+        """The laws of the error after a way, over the cone's radius."""
+        return ErrorLaws(
+            rigidity_index=self.rigidity_index,
+            adhesion_factor=self.adhesion_factor,
+            stress_anisotropy=self.stress_anisotropy,
+            poissons_ratio=self.poissons_ratio - self.bounded,
+            bounded=self.bounded,
+            inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
+            cell_size=self.relative_cell_size,
+            cell_growth=self.cell_growth,
+            outer=self.domain_radius,
+            above=self.domain_above,
+            below=self.domain_below,
+            extent_ratio=self.extent_ratio,
+            way=way,
+        )
 
     @property
     def bounded(self) -> float:
@@ -310,8 +333,12 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
 
     @property
     def _is_plain_tresca(self) -> bool:
-        """Whether the clay is one whose error is known: perfectly plastic, Tresca."""
-        return self.material == "tresca" and not self.strength_changes
+        """Whether the clay is one whose error is known: perfectly plastic, Tresca.
+
+        A scene of another package may build any other clay of the same parameters.
+        """
+        is_ours = type(self).__module__.partition(".")[0] == __package__.partition(".")[0]
+        return is_ours and self.material == "tresca" and not self.strength_changes
 
     @property
     def _speed_ratio(self) -> float:

@@ -15,9 +15,11 @@ from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import cone_penetration
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
+from mpm_warp.scenes.cone.parameters import DERIVED_BY_ERROR
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.built import why_not_as_measured
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
@@ -208,10 +210,39 @@ def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
         {"apex_angle": 90.0},
         {"friction_coefficient": 0.1},
         {"uncertainty": "measured"},
+        {"stress_anisotropy": 0.96},
+        {"rigidity_index": 2001.0},
+        {"cells_per_radius": 1.2},
+        {"domain_below": 10.0},
+        {"speed_ratio": 0.1},
+        {"penetration": 3.0},
     ],
 )
 def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
-    assert ConePenetration(rigidity_index=400.0, **changes).poissons_ratio_bound == 0.4999
+    test = ConePenetration(**{"rigidity_index": 400.0} | changes)
+    assert test.poissons_ratio_bound == 0.4999
+
+
+def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_error() -> None:
+    """It may build another clay, whose error no law takes off; if it does not, U is known."""
+
+    class OwnTest(ConePenetration):
+        pass
+
+    for index in (50.0, 400.0):
+        test = OwnTest(rigidity_index=index)
+        assert (test.poissons_ratio_bound, test.speed_ratio) == (0.4999, 0.03)
+        assert why_not_as_measured(test.build(), test._expected) == []
+
+
+def test_further_runs_have_the_method_by_default_of_the_test_whose_error_they_measure() -> None:
+    for index in (50.0, 500.0):
+        test = ConePenetration(rigidity_index=index, uncertainty="measured")
+        assert why_not_as_measured(test.build(), test._expected) == []
+        for choice, further in test.further_tests().items():
+            own = ["cells_per_radius"] * (choice == "mesh") + ["speed_ratio"] * (choice == "speed")
+            for name in {*DERIVED_BY_ERROR} - {*own}:
+                assert getattr(further, name) == getattr(test, name)
 
 
 def test_quick_tests_in_soft_clay_have_four_rows_beside_the_face() -> None:
