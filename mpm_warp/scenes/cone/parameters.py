@@ -384,7 +384,7 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
             strength=self.undrained_shear_strength,
             density=self.density,
             speed_up=speed / self.penetration_speed,
-            greatest_poissons_ratio=self.poissons_ratio_bound,
+            greatest_poissons_ratio=float(self.poissons_ratio_bound),
         )
 
     @property

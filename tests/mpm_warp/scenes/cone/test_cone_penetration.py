@@ -235,6 +235,13 @@ def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_
         assert why_not_as_measured(test.build(), test._expected) == []
 
 
+@pytest.mark.parametrize("accuracy", ["quick", "standard", "fine"])
+@pytest.mark.parametrize("index", [50.0, 400.0])
+def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: str) -> None:
+    test = ConePenetration(rigidity_index=index, accuracy=accuracy)
+    assert why_not_as_measured(test.build(), test._expected) == []
+
+
 def test_further_runs_have_the_method_by_default_of_the_test_whose_error_they_measure() -> None:
     for index in (50.0, 500.0):
         test = ConePenetration(rigidity_index=index, uncertainty="measured")
