@@ -16,9 +16,9 @@ from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameter
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.scenes.cone.penetrometer import ROUNDING, Penetrometer
 from mpm_warp.uncertainty import cone
-from mpm_warp.uncertainty.laws import APEX_ANGLE, ErrorLaws
+from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
 from mpm_warp.uncertainty.steadiness import forgetting, steady_penetration
 
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
@@ -205,9 +205,9 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
     )
     speed_ratio: float = parameter(
         None,
-        "penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is quick; "
-        "in perfectly plastic Tresca clay, accuracy standard, 0.3 / sqrt(Ir) below Ir 100, at most "
-        "0.05)",
+        "penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is quick, "
+        "less above Ir 1481; in perfectly plastic Tresca clay, accuracy standard, 0.3 / sqrt(Ir) "
+        "below Ir 100, at most 0.05)",
         minimum=1e-4,
         maximum=0.5,
         sane=(1e-4, 0.1),
@@ -345,11 +345,14 @@ class ConeTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         """Speed over that of shear waves by default: in soft clay of the inertia in stiff clay.
 
         In other clay no law of the error takes the effect of inertia off, so it is slower. So are
-        quick tests, which would gain little, and fine ones, whose uncertainty is small.
+        quick tests, which would gain little, and fine ones, whose uncertainty is small. In very
+        stiff clay quick tests have the greatest inertia whose effect is known.
         """
         ratio = SPEED_RATIO[self.accuracy]
-        if self.accuracy != "standard" or not self._is_plain_tresca:
+        if not self._is_plain_tresca:
             return ratio
+        if self.accuracy != "standard":
+            return min(ratio, math.sqrt((1.0 - ROUNDING) * LARGEST_INERTIA / self.rigidity_index))
         of_same_inertia = ratio * math.sqrt(STIFF / self.rigidity_index)
         return max(ratio, min(of_same_inertia, SOFT_SPEED_RATIO))
 

@@ -20,6 +20,8 @@ from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import why_not_as_measured
+from mpm_warp.uncertainty.cone import why_laws_do_not_hold
+from mpm_warp.uncertainty.laws import LARGEST_INERTIA
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
@@ -258,6 +260,13 @@ def test_quick_tests_in_soft_clay_have_four_rows_beside_the_face() -> None:
     )
     assert soft.relative_cell_size == pytest.approx(math.sqrt(3.0) / 4.0, rel=ROUNDING)
     assert stiff.relative_cell_size == pytest.approx(math.sqrt(3.0) / 3.0, rel=ROUNDING)
+
+
+def test_quick_tests_in_very_stiff_clay_are_no_faster_than_their_error_is_known() -> None:
+    test = ConePenetration(accuracy="quick", rigidity_index=2000.0)
+    assert why_laws_do_not_hold(test.laws(way=test.penetration)) == []
+    inertia = test.rigidity_index * test.speed_ratio**2
+    assert inertia == pytest.approx(LARGEST_INERTIA, rel=2.0 * ROUNDING)
 
 
 def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_value() -> None:
