@@ -133,15 +133,19 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
 
 @STYLED
 def _checks_figure(dataset: xr.Dataset) -> Figure:
-    """Errors of checks against their run times; runs that failed are left out."""
-    checks = dataset["check"].values
+    """Errors of checks against their run times, alike in a scene; failed runs are left out."""
+    scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
+    own = list(dict.fromkeys(scenes))
     figure, axes = empty_figure()
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * checks.size / 2)
-    for index, check in enumerate(checks):
-        curve = dataset.isel(check=index)
-        marker, colour = MARKERS[index % len(MARKERS)], series_colour(index, checks.size)
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(own) / 2)
+    for number, scene in enumerate(scenes):
+        curve, place = dataset.isel(check=number), own.index(scene)
         axes.loglog(
-            curve["run_time"], curve["error"], marker=marker, color=colour, label=plain(check)
+            curve["run_time"],
+            curve["error"].where(curve["error"] > 0.0),
+            marker=MARKERS[place % len(MARKERS)],
+            color=series_colour(place, len(own)),
+            label=once(axes, plain(scene)),
         )
     _dress(figure, axes, "error against the exact solution")
     return figure
