@@ -32,10 +32,6 @@ PLATEAU_SHARE = 0.25
 """The share of the displacement, at its end, over which the load has to stand still."""
 PLATEAU_CHANGE = 0.01
 """What its linear fit may change there by, over its mean."""
-PLATEAU_IS = (
-    f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes there by at "
-    f"most {PLATEAU_CHANGE:.0%}; else not a number"
-)
 LEAST_SAMPLES = 3
 """Samples that make a plateau, at least."""
 
@@ -51,12 +47,7 @@ class Bearing(CatalogueScene):
     below a cell, where the free surface is as sharp as the grid.
     """
 
-    method = (
-        "cells_per_radius",
-        "rigidity_index",
-        "displacement",
-        "speed_ratio",
-    )
+    method = ("cells_per_radius", "rigidity_index", "displacement", "speed_ratio")
 
     cells_per_radius: int = parameter(8, "cells per radius of the body", minimum=1, maximum=40)
     rigidity_index: float = parameter(10_000.0, "rigidity index G/su", minimum=100, maximum=1e6)
@@ -140,6 +131,12 @@ class Bearing(CatalogueScene):
         def sample() -> tuple[float, float]:
             return simulation.step_count * per_step, self.load(scene, forces.take())
 
+        def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
+            # A mean over the steps since the sample before stands in their middle.
+            middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
+            axis = (middles / RADIUS, "1", "displacement over radius")
+            return curves("displacement", axis, resistance=(load, "1", "load over area and su"))
+
         # There are fewer samples where there are fewer steps.
         shares = np.arange(1, SAMPLE_COUNT + 1) / SAMPLE_COUNT
         steps = np.rint(shares * self.final_displacement / per_step)
@@ -161,22 +158,18 @@ class Bearing(CatalogueScene):
     def _limit_beside_exact(self, limit: float) -> dict[str, xr.Variable]:
         """The limit load over area and su, and the exact one with the error where one is known."""
         meaning = "limit load over area and su"
-        found = labelled(role="headline", bearing_capacity=(limit, "1", meaning, PLATEAU_IS))
-        if self.exact is None:
-            return found
-        exact, source = self.exact
-        relative = "relative error of the plateau"
-        error = (abs(limit / exact - 1), "1", "error of the limit load", relative)
-        found |= labelled(bearing_capacity_exact=(exact, "1", f"{meaning}, exact", source))
-        return found | labelled(role="error", error=error)
-
-
-def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
-    """Load over area and su, means since the sample before, against displacement [m]."""
-    # A mean over the steps since the sample before stands in their middle.
-    middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
-    axis = (middles / RADIUS, "1", "displacement over radius")
-    return curves("displacement", axis, resistance=(load, "1", "load over area and su"))
+        is_mean = (
+            f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes "
+            f"there by at most {PLATEAU_CHANGE:.0%}; else not a number"
+        )
+        found = labelled(role="headline", bearing_capacity=(limit, "1", meaning, is_mean))
+        if self.exact is not None:
+            exact, source = self.exact
+            of_plateau = "relative error of the plateau"
+            error = (abs(limit / exact - 1), "1", "error of the limit load", of_plateau)
+            found |= labelled(bearing_capacity_exact=(exact, "1", f"{meaning}, exact", source))
+            found |= labelled(role="error", error=error)
+        return found
 
 
 def plateau(displacement: Floats, load: Floats) -> float:
