@@ -14,7 +14,7 @@ from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.results import Quantity, curves, labelled, variable
+from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import (
     PORE_PRESSURE_IS,
     Samples,
@@ -25,11 +25,10 @@ from mpm_warp.sampling import (
 )
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cavity.exact import ExactCavity
+from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.simulation import Simulation
 
-RADIUS = 1.0
 STRENGTH = 1e3
 DENSITY = 1700.0
 SAMPLE_COUNT = 150
@@ -83,8 +82,11 @@ class Cavity(ClayScene):
         """Planes and axes of symmetry, and the medium around the grid."""
 
     @abstractmethod
-    def wall_area(self, grid: Grid, radius: float) -> float:
-        """Area of the wall per radian [m2] when the cavity has a radius [m]."""
+    def wall_areas(self, grid: Grid) -> Floats:
+        """Areas of the wall's nodes at the start [m2 per radian], shape [row_count + 1].
+
+        They are what normal forces act on.
+        """
 
     @property
     def cell_size(self) -> float:
@@ -150,7 +152,6 @@ class Cavity(ClayScene):
             clay=clay,
             rigidity_index=self.rigidity_index,
             wall=self.wall,
-            radius=RADIUS,
             exponent=self.exponent,
             factor=self.factor,
             strength_share=self.von_mises_strength if self.material == "von_mises" else 1.0,
@@ -158,7 +159,8 @@ class Cavity(ClayScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Expand the cavity, and compare its pressure with the exact one, where that is known."""
-        grid, exact, strength = soil_scene(simulation).grid, self.exact, self.strength
+        grid, exact = soil_scene(simulation).grid, self.exact
+        area = float(self.wall_areas(grid).sum())
         times, radii, on_rows = [simulation.time], [RADIUS], list[Floats]()
 
         def sample() -> tuple[float, float] | None:
@@ -169,20 +171,16 @@ class Cavity(ClayScene):
             simulation.assign("wall.impulse", 0.0)
             times.append(simulation.time)
             radii.append(float(simulation.array("wall.motion")[0, 2]))
-            middle = 0.5 * (radii[-2] + radii[-1])
-            unit_force = self.wall_area(grid, middle) * strength
-            return middle / RADIUS, on_rows[-1].sum() / unit_force
+            middle = 0.5 * (radii[-2] + radii[-1]) / RADIUS
+            unit_force = area * middle ** (self.exponent - 1) * self.strength
+            return middle, on_rows[-1].sum() / unit_force
 
         def curve(expansion: Floats, pressure: Floats) -> xr.Dataset:
-            found: dict[str, Quantity] = {
-                "cavity_pressure": (pressure, "1", "excess pressure over su")
-            }
+            meaning = "excess pressure over su"
+            found: dict[str, Quantity] = {"cavity_pressure": (pressure, "1", meaning)}
             if exact is not None:
-                found["cavity_pressure_exact"] = (
-                    exact.pressure(expansion),
-                    "1",
-                    "excess pressure over su, exact",
-                )
+                of_exact = (exact.pressure(expansion), "1", f"{meaning}, exact")
+                found["cavity_pressure_exact"] = of_exact
             axis = (expansion, "1", "radius of the cavity over that at the start")
             return curves("expansion", axis, **found)
 
@@ -192,21 +190,17 @@ class Cavity(ClayScene):
             pore_pressure_profile(simulation, exact)
         )
         if exact is None:
-            pressure = variable(
-                recorded.cavity_pressure.values[-1],
-                meaning="excess cavity pressure at the end over su",
-                role="headline",
-            )
-            return recorded.assign(final_cavity_pressure=pressure)
+            last = recorded.cavity_pressure.values[-1]
+            final = (last, "1", "excess cavity pressure at the end over su")
+            return recorded.assign(labelled(role="headline", final_cavity_pressure=final))
         difference = recorded.cavity_pressure - recorded.cavity_pressure_exact
-        error = variable(
-            float(np.abs(difference.values).max()) / exact.limit(self.expansion),
-            meaning="error of the cavity pressure",
-            description="greatest difference over the whole curve, over the limit pressure, "
-            "or the exact one at the end where the strength changes",
-            role="headline",
+        largest = float(np.abs(difference.values).max()) / exact.limit(self.expansion)
+        over = (
+            "greatest difference over the whole curve, over the limit pressure, or the exact one "
+            "at the end where the strength changes"
         )
-        return recorded.assign(error=error)
+        error = (largest, "1", "error of the cavity pressure", over)
+        return recorded.assign(labelled(role="headline", error=error))
 
     def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
         """How well the cavity keeps its shape, from the forces on its wall by row of nodes [N]."""
@@ -228,14 +222,15 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
     profile = curves("distance", axis, excess_pore_pressure=computed)
     if exact is None:
         return profile
-    expected = exact.pore_pressure(distance, expansion=radius / exact.radius)
+    expected = exact.pore_pressure(distance, expansion=radius / RADIUS)
     of_profile = (expected, "Pa", "excess pore pressure, exact")
-    error = variable(
+    error = (
         np.abs(pressure - expected).max() / expected.max(),
-        meaning="error of the excess pore pressure",
-        description="greatest difference over the whole profile, over the exact one in the "
-        "innermost cell",
-        role="error",
+        "1",
+        "error of the excess pore pressure",
+        "greatest difference over the whole profile, over the exact one in the innermost cell",
     )
-    exactly = labelled(dims=("distance",), excess_pore_pressure_exact=of_profile)
-    return profile.assign(exactly).assign(pore_pressure_error=error)
+    return profile.assign(
+        labelled(dims=("distance",), excess_pore_pressure_exact=of_profile)
+        | labelled(role="error", pore_pressure_error=error)
+    )

@@ -26,6 +26,8 @@ from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scenes.material.known_paths import shear_stress
 
+RADIUS = 1.0
+"""Of the cavity at the start [m]."""
 SMALLEST, LARGEST = 1e-9, 60.0
 """Strains between which the integral is worked out: tau rises linearly below, e^-60 is left."""
 PANELS, POINTS = 4000, 3
@@ -65,7 +67,6 @@ class ExactCavity:
     clay: UndrainedClay  # the clay
     rigidity_index: float  # G/su of the clay
     wall: MovingWall  # how the wall moves, in the time of the run
-    radius: float  # of the cavity at the start [m]
     exponent: int  # m, 2 for the cylinder and 3 for the sphere
     factor: float  # k, 1 for the cylinder and 4/3 for the sphere
     # half the difference of the stresses along and across the wall at yield, over the strength: 1
@@ -136,9 +137,9 @@ class ExactCavity:
     def _shear_stress(self, strain: Floats, expansion: float) -> Floats:
         """Half the difference of the stresses along and across the radius [Pa], shape [n]."""
         # The speed of the wall rises with the root of its travel (MovingWall).
-        travel = (expansion - 1.0) * self.radius
+        travel = (expansion - 1.0) * RADIUS
         speed = self.wall.speed * min(1.0, math.sqrt(travel / self.wall.ramp_travel))
-        growth_rate = speed / (expansion * self.radius)
+        growth_rate = speed / (expansion * RADIUS)
         rate = strain_rate(
             strain, exponent=self.exponent, growth_rate=growth_rate, expansion=expansion
         )
