@@ -12,15 +12,13 @@ from mpm_warp.results import curves, labelled, variable
 from mpm_warp.sampling import Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.elastic.columns import Column, confined
+from mpm_warp.scenes.elastic.columns import DENSITY, HEIGHT, Column, confined
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
-HEIGHT = 1.0
 CONSTRAINED_MODULUS = 1e7
 POISSONS_RATIO = 0.3
-DENSITY = 1700.0
 STRAIN = 1e-5
 """Greatest strain: small, since the exact solutions are those of small strain."""
 PRESSURE = CONSTRAINED_MODULUS * STRAIN
@@ -78,32 +76,31 @@ class ElasticColumnWave(CatalogueScene):
     cell_count: int = parameter(40, "cells along the height", minimum=4, maximum=1000)
     period_count: int = parameter(10, "periods of the standing wave", minimum=2, maximum=1_000_000)
 
+    @property
+    def _followed_periods(self) -> int:
+        """The front of a sudden load is followed through one period."""
+        return 1 if self.excitation == "sudden_load" else self.period_count
+
     def run_size(self) -> RunSize:
         """Cells of the column, and the steps of all periods."""
-        period_count = 1 if self.excitation == "sudden_load" else self.period_count
-        size = size_in_grid(self.build(), period_count * PERIOD)
-        sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / period_count)
+        size = size_in_grid(self.build(), self._followed_periods * PERIOD)
+        sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / self._followed_periods)
         return replace(size, curve_bytes=SAMPLE_BYTES * sampled)
 
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""
-        sudden = self.excitation == "sudden_load"
+        column = Column(self.cell_count)
+        loads = [column.pressure_on_top(PRESSURE)] if self.excitation == "sudden_load" else []
         return Scene(
-            grid=self._column.grid,
+            grid=column.grid,
             material=confined(CONSTRAINED_MODULUS, POISSONS_RATIO, DENSITY),
-            parts=(
-                *([self._column.pressure_on_top(PRESSURE)] if sudden else []),
-                self._column.fixed,
-            ),
+            parts=(*loads, column.fixed),
         )
-
-    @property
-    def _column(self) -> Column:
-        return Column(height=HEIGHT, cell_count=self.cell_count)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Follow the front through a period, or the standing wave through many."""
-        time_step, column, array = simulation.plan.time_step, self._column, simulation.array
+        column, array = Column(self.cell_count), simulation.array
+        time_step = simulation.plan.time_step
 
         def front() -> tuple[float, float, float]:
             velocity = column.mean_over_sections(
@@ -123,16 +120,16 @@ class ElasticColumnWave(CatalogueScene):
             energy = 0.5 * np.sum(mass * velocity[:, 1] ** 2) + strain_energy
             return simulation.time / PERIOD, top, energy
 
-        if self.excitation == "sudden_load":
-            samples, steps = Samples(front, front_curves), _sampled_steps(time_step, 1)
-            recorded = follow(simulation, steps, simulation.advance_to_step, [samples], progress)
-            return recorded.assign(error=front_error(recorded))
-        height = array("particle.position")[:, 1]
-        velocity = STRAIN * WAVE_SPEED * np.sin(math.pi / (2 * HEIGHT) * height)
-        simulation.assign("particle.velocity", np.stack([0.0 * velocity, velocity], axis=-1))
-        samples = Samples(standing_wave, standing_wave_curves)
-        steps = _sampled_steps(time_step, self.period_count)
+        samples = Samples(front, front_curves)
+        if self.excitation == "standing_wave":
+            height = array("particle.position")[:, 1]
+            velocity = STRAIN * WAVE_SPEED * np.sin(math.pi / (2 * HEIGHT) * height)
+            simulation.assign("particle.velocity", np.stack([0.0 * velocity, velocity], axis=-1))
+            samples = Samples(standing_wave, standing_wave_curves)
+        steps = _sampled_steps(time_step, self._followed_periods)
         recorded = follow(simulation, steps, simulation.advance_to_step, [samples], progress)
+        if self.excitation == "sudden_load":
+            return recorded.assign(error=front_error(recorded))
         factor = wave_factor(soil_scene(simulation), 2 * math.pi / PERIOD, time_step)
         return recorded.assign(standing_wave_errors(recorded, abs(factor) ** (2 / time_step)))
 

@@ -20,17 +20,17 @@ from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
+"""Of any column [m]."""
 GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Column:
-    """A column of square cells on a fixed base, from z = 0 up."""
+    """A column of square cells on a fixed base, from z = 0 up to `HEIGHT`."""
 
-    height: float  # height [m], > 0
     cell_count: int  # cells along the height, >= 1
 
     @cached_property
@@ -38,9 +38,9 @@ class Column:
         """One cell from the axis outward."""
         return Grid(
             columns=np.array([0.0, 1.0]),
-            rows=np.linspace(0.0, self.height, self.cell_count + 1),
+            rows=np.linspace(0.0, HEIGHT, self.cell_count + 1),
             surface_radius=np.zeros(self.cell_count + 1),
-            fitted_radius=self.height / self.cell_count,
+            fitted_radius=HEIGHT / self.cell_count,
         )
 
     @property
@@ -104,26 +104,21 @@ class GravityColumn(CatalogueScene):
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""
-        material = self.material
+        column, material = Column(self.cell_count), self.material
         # Twice the angular frequency of the first mode, pi c / 2 H.
         damping = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(
-            grid=self._column.grid,
+            grid=column.grid,
             material=material,
-            parts=(Gravity(GRAVITY), Damping(damping), self._column.fixed),
+            parts=(Gravity(GRAVITY), Damping(damping), column.fixed),
         )
-
-    @property
-    def _column(self) -> Column:
-        return Column(height=HEIGHT, cell_count=self.cell_count)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the column come to rest, and compare stress and settlement with the exact ones."""
         position = simulation.array("particle.position").copy()
         steps = even_steps(round(self.end_time / simulation.plan.time_step))
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
-        column = self._column
-        mass = simulation.array("particle.mass")
+        column, mass = Column(self.cell_count), simulation.array("particle.mass")
         change = simulation.array("particle.position")[:, 1] - position[:, 1]
         displacement = column.mean_over_sections(change, mass)
         height = column.mean_over_sections(position[:, 1], mass)
@@ -142,7 +137,7 @@ class GravityColumn(CatalogueScene):
             "the greater of the greatest error of the vertical stress, over that at the base, and "
             "the relative error of the settlement"
         )
-        error_quantity = (error, "1", "error of stress and settlement", description)
+        shown = (error, "1", "error of stress and settlement", description)
         along = curves(
             "height",
             (middles, "m", "height of the cell's middle"),
@@ -150,7 +145,7 @@ class GravityColumn(CatalogueScene):
             stress_exact=(exact_stress, "Pa", "vertical stress, exact"),
         )
         return recorded.merge(along).assign(
-            labelled(role="headline", error=error_quantity)
+            labelled(role="headline", error=shown)
             | labelled(
                 settlement=(settlement, "m", "settlement of the top"),
                 settlement_exact=(exact_settlement, "m", "settlement of the top, exact"),

@@ -247,23 +247,19 @@ class StruckColumn(Impact):
     density = 1700.0
     time_step_fraction = 0.2
 
-    @property
-    def column(self) -> Column:
-        """The column before the impact."""
-        return Column(height=LENGTH, cell_count=self.cell_count)
-
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""
+        column = Column(self.cell_count)
         return Scene(
-            grid=self.column.grid,
+            grid=column.grid,
             material=confined(self.modulus, POISSONS_RATIO, self.density),
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=BULK_VISCOSITY,
-            parts=(self.column.fixed, FreeSurface()),
+            parts=(column.fixed, FreeSurface()),
         )
 
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
         """Points at each height, two rows of them in a cell, weighted by mass."""
-        mass = simulation.array("particle.mass").copy()
-        heights = self.column.mean_over_sections(simulation.array("particle.position")[:, 1], mass)
-        return heights, mass.reshape(len(heights), -1)
+        mass, position = simulation.array("particle.mass"), simulation.array("particle.position")
+        heights = Column(self.cell_count).mean_over_sections(position[:, 1], mass)
+        return heights, mass.copy().reshape(len(heights), -1)

@@ -90,14 +90,12 @@ class StretchedBar(CatalogueScene):
 
     def run_size(self) -> RunSize:
         """Cells along the bar as it is drawn out, its points, and steps as they are at the end."""
-        wave_speed = math.sqrt(YOUNGS_MODULUS * self.stretch / DENSITY)
-        crossing = self.cell_size / wave_speed
-        damping_ratio = self.retardation_time / crossing
-        time_step = TIME_STEP_FRACTION * crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
+        (bar,) = self.build().bodies
+        critical_time_step = bar.critical_time_step(self.cell_size, thinning=self.stretch)
         return size_of_body(
             cell_count=12 * self._half_count,
-            particle_count=POINTS_PER_CELL * len(self.lattice),
-            step_count=self.duration / time_step,
+            particle_count=bar.particle_count,
+            step_count=self.duration / (TIME_STEP_FRACTION * critical_time_step),
         )
 
     def build(self) -> BodyScene:
@@ -142,9 +140,8 @@ class StretchedBar(CatalogueScene):
         moments = evenly(self.duration, SAMPLE_COUNT)
         recorded = follow(simulation, moments, simulation.advance_to, [samples], progress)
         last = recorded.isel(progress=-1)
-        at_end = np.array([last.stress_least, last.stress_greatest]) / float(
-            last.stress_greatest_exact
-        )
+        at_end = np.array([last.stress_least, last.stress_greatest])
+        at_end /= float(last.stress_greatest_exact)
         error = np.abs(recorded.stretch / recorded.stretch_exact - 1.0).max()
         meaning = "greatest error of the stretch of the middle half"
         of_stress = "greatest error of the stress of the middle half at its stretch, at the end"

@@ -68,45 +68,35 @@ class ThickCylinder(CatalogueScene):
 
     def build(self) -> Scene:
         """The ring under pressure, damped until it is at rest."""
-        grid, material = self._grid(), self.material
-        # Of the order of the lowest frequency, shear wave speed over mean radius.
-        damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
-        return Scene(
-            grid=grid,
-            material=material,
-            parts=(self._load(grid), Damping(damping), self._fixed(grid)),
-        )
-
-    def _grid(self) -> Grid:
-        outer = self.radius_ratio * INNER_RADIUS
+        material, outer = self.material, self.radius_ratio * INNER_RADIUS
         columns = np.linspace(0.0, 1.0, self.cell_count + 1)
+        # `wall` holds the integrals of N n over the inner wall.
         if self.section == "plane_strain":
-            return PolarGrid(
+            polar = PolarGrid(
                 columns=columns,
                 rows=np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1),
                 surface_radius=np.full(self.cell_count + 1, INNER_RADIUS),
                 fitted_radius=outer,
                 planar=True,
             )
-        return Grid(
-            columns=columns,
-            rows=np.array([0.0, (outer - INNER_RADIUS) / self.cell_count]),
-            surface_radius=np.full(2, INNER_RADIUS),
-            fitted_radius=outer,
-        )
-
-    def _load(self, grid: Grid) -> NodalLoad:
-        """The pressure on the nodes of the inner wall: integrals of N n over it."""
-        vectors = np.outer(np.full(2, 0.5 * INNER_RADIUS * np.ptp(grid.rows)), [1.0, 0.0])
-        if isinstance(grid, PolarGrid):
-            vectors = grid.wall_vectors
+            grid: Grid = polar
+            wall = polar.wall_vectors
+            fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])  # two planes of symmetry
+        else:
+            height = (outer - INNER_RADIUS) / self.cell_count
+            grid = Grid(
+                columns=columns,
+                rows=np.array([0.0, height]),
+                surface_radius=np.full(2, INNER_RADIUS),
+                fitted_radius=outer,
+            )
+            wall = np.outer(np.full(2, 0.5 * INNER_RADIUS * height), [1.0, 0.0])
+            fixed = Fixed.on(grid, vertical=["everywhere"])
         nodes = grid.node(0, np.arange(grid.row_count + 1))
-        return NodalLoad(nodes=nodes, forces=PRESSURE * vectors)
-
-    def _fixed(self, grid: Grid) -> Fixed:
-        if grid.polar:  # two planes of symmetry
-            return Fixed.on(grid, radial=["bottom"], vertical=["top"])
-        return Fixed.on(grid, vertical=["everywhere"])
+        # Of the order of the lowest frequency, shear wave speed over mean radius.
+        damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
+        load = NodalLoad(nodes=nodes, forces=PRESSURE * wall)
+        return Scene(grid=grid, material=material, parts=(load, Damping(damping), fixed))
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the ring come to rest, and compare stresses and displacement with the exact ones."""

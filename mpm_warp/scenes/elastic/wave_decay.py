@@ -15,6 +15,8 @@ is a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by
 angular frequency.
 """
 
+from functools import partial
+
 import numpy as np
 import scipy  # loads sparse matrices where they are first used: no other scene waits for them
 
@@ -43,6 +45,7 @@ def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> com
 
 def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     """The matrix of a step, of the unknowns (v_p, v_i, sigma_zz, sigma_rz)."""
+    diagonal, identity = scipy.sparse.diags_array, scipy.sparse.eye_array
     grid, material, fixed = scene.grid, scene.material, scene.find(Fixed)
     seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     particle_mass = material.density * seed.volume
@@ -56,27 +59,24 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     # At the right and at the upper nodes of a cell +, else -: X and Y of the correction.
     across, up = np.array([-1.0, 1.0, -1.0, 1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
     part = (1.0 - scene.particles_per_side**-2.0) / 24.0 * material.density * grid.cell_volumes
-    differences = [_by_cell(grid, np.tile(sign, (grid.cell_count, 1))) for sign in (across, up)]
-    correction = sum(of.T @ scipy.sparse.diags_array(part) @ of for of in differences)
-    pulls = [_by_cell(grid, grid.gradient_integrals[..., axis]) for axis in (1, 0)]
+    in_cells = partial(_from_nodes, grid, grid.cell_nodes)
+    differences = [in_cells(np.tile(sign, (grid.cell_count, 1))) for sign in (across, up)]
+    correction = sum(of.T @ diagonal(part) @ of for of in differences)
+    pulls = [in_cells(grid.gradient_integrals[..., axis]) for axis in (1, 0)]
 
-    before_by_particles = (
-        scipy.sparse.diags_array(1.0 / mass) @ share @ scipy.sparse.diags_array(particle_mass)
-    )
-    before_by_nodes = (
-        scipy.sparse.diags_array(1.0 / np.maximum(mass, 2.0 * least_mass)) @ correction
-    )
-    gain = scipy.sparse.diags_array(time_step / np.maximum(mass, least_mass))
-    before = [before_by_particles, before_by_nodes, *(0.0 * pull.T for pull in pulls)]
-    held = scipy.sparse.diags_array(free)
+    by_velocities = [
+        diagonal(1.0 / mass) @ share @ diagonal(particle_mass),
+        diagonal(1.0 / np.maximum(mass, 2.0 * least_mass)) @ correction,
+    ]
+    gain = diagonal(time_step / np.maximum(mass, least_mass))
+    before = [*by_velocities, *(0.0 * pull.T for pull in pulls)]
     after = [
-        held @ part
-        for part in (before_by_particles, before_by_nodes, *(-gain @ pull.T for pull in pulls))
+        diagonal(free) @ part for part in (*by_velocities, *(-gain @ pull.T for pull in pulls))
     ]
     assert isinstance(material, LinearElastic)
     constrained = material.bulk_modulus + 4.0 / 3.0 * material.shear_modulus
     stressing = [
-        scipy.sparse.diags_array(time_step * modulus / grid.cell_volumes) @ pull
+        diagonal(time_step * modulus / grid.cell_volumes) @ pull
         for modulus, pull in zip((constrained, material.shear_modulus), pulls, strict=True)
     ]
     rows = [
@@ -84,34 +84,27 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
         after,
         *([stress @ new for new in after] for stress in stressing),
     ]
-    points, cells = (
-        scipy.sparse.eye_array(len(particle_mass)),
-        scipy.sparse.eye_array(grid.cell_count),
-    )
-    unchanged = scipy.sparse.block_diag(
-        [points, scipy.sparse.csc_array((grid.node_count,) * 2), cells, cells]
-    )
+    points, cells = identity(len(particle_mass)), identity(grid.cell_count)
+    no_nodes = scipy.sparse.csc_array((grid.node_count, grid.node_count))
+    unchanged = scipy.sparse.block_diag([points, no_nodes, cells, cells])
     return scipy.sparse.csc_array(scipy.sparse.block_array(rows) + unchanged, dtype=complex)
 
 
 def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_array:
     """Shape functions of the nodes at particles, of shape [node_count, particle_count]."""
     column, row = cell.T
-    xi = (position[:, 0] / grid.fitted_radius - grid.columns[column]) / np.diff(grid.columns)[
-        column
-    ]
+    along = position[:, 0] / grid.fitted_radius - grid.columns[column]
+    xi = along / np.diff(grid.columns)[column]
     eta = (position[:, 1] - grid.rows[row]) / np.diff(grid.rows)[row]
-    values, nodes = bilinear(xi, eta)[0].T, grid.cell_nodes[row * grid.column_count + column]
-    particle = np.repeat(np.arange(len(row)), 4)
-    shape = (grid.node_count, len(row))
-    return scipy.sparse.csc_array((values.ravel(), (nodes.ravel(), particle)), shape=shape)
+    nodes = grid.cell_nodes[row * grid.column_count + column]
+    return _from_nodes(grid, nodes, bilinear(xi, eta)[0].T).T.tocsc()
 
 
-def _by_cell(grid: Grid, values: Floats) -> scipy.sparse.csc_array:
-    """From values of nodes to sums over the nodes of each cell, of shape [cell_count, node_count].
+def _from_nodes(grid: Grid, nodes: Integers, values: Floats) -> scipy.sparse.csc_array:
+    """From values of all nodes to sums over four of them, each multiplied by its value, [n, 4].
 
-    Each node of a cell is multiplied by its value of `values`, of shape [cell_count, 4].
+    The matrix has the shape [n, node_count].
     """
-    cell = np.repeat(np.arange(grid.cell_count), 4)
-    shape = (grid.cell_count, grid.node_count)
-    return scipy.sparse.csc_array((values.ravel(), (cell, grid.cell_nodes.ravel())), shape=shape)
+    row = np.repeat(np.arange(len(nodes)), 4)
+    shape = (len(nodes), grid.node_count)
+    return scipy.sparse.csc_array((values.ravel(), (row, nodes.ravel())), shape=shape)
