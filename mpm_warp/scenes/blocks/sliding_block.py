@@ -80,7 +80,7 @@ class SlidingBlock(BlockOnBase):
         sampler = SlidingCurves(simulation, self, self._frame.along)
         moments = [self.start + since for since in evenly(self.duration, SAMPLE_COUNT)]
         curves = follow(simulation, moments, simulation.advance_to, [sampler], progress)
-        return curves.assign(sampler.balances()).assign(sampler.comparison())
+        return curves.assign(sampler.comparison())
 
     @property
     def _frame(self) -> InterfaceFrame:
@@ -123,9 +123,6 @@ class SlidingBlock(BlockOnBase):
         # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
         crossing = self.height / material.shear_wave_speed
         return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None
-
-
-Variables = dict[str, xr.Variable]
 
 
 class SlidingCurves:
@@ -231,27 +228,15 @@ class SlidingCurves:
             viscous_work=curve("viscous_work", "J", "work taken by damping"),
         )
 
-    def balances(self) -> Variables:
-        """Errors of the momentum and the energy balance of a whole run, and the greatest ones.
+    def comparison(self) -> dict[str, xr.Variable]:
+        """Of a whole run: exact curves, scalars over its second half, and what balances lack.
 
-        They are over the loads' impulse at the end, and over their greatest work.
+        That of momentum is over the loads' impulse at the end, that of energy over their greatest
+        work.
         """
-        run = self._recorded
+        since, run, motion = self._since, self._recorded, self._scene.motion
         momentum = run["momentum_lack"] / np.linalg.norm(run["impulse"][-1])
         energy = run["energy_lack"] / float(np.abs(run["load_work"]).max())
-        return labelled(
-            dims=("progress",),
-            momentum_balance=(momentum[1:], "1", "error of the momentum balance"),
-            energy_balance=(energy[1:], "1", "error of the energy balance"),
-        ) | labelled(
-            role="error",
-            momentum_error=(np.abs(momentum).max(), "1", "greatest error of the momentum balance"),
-            energy_error=(np.abs(energy).max(), "1", "greatest error of the energy balance"),
-        )
-
-    def comparison(self) -> Variables:
-        """Exact curves of a whole run, and scalars over its second half."""
-        since, run, motion = self._since, self._recorded, self._scene.motion
         exact_velocity, exact_displacement, exact_shear = motion.at(since)
         exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
         half = len(exact_shear) // 2
@@ -264,21 +249,19 @@ class SlidingCurves:
         )
         creep, acceleration_error, shear_error = math.nan, math.nan, math.nan
         if motion.slides:
-            acceleration_error = abs(acceleration / exact_acceleration - 1.0)
+            error = acceleration_error = abs(acceleration / exact_acceleration - 1.0)
         else:
             moved = run["displacement"]
             settled = np.flatnonzero(since >= self._scene.settled_time)[0]
-            creep = float(abs(moved[-1] - moved[settled])) / self._scene.length
+            error = creep = float(abs(moved[-1] - moved[settled])) / self._scene.length
         if exact_base_shear > 0.0:
             shear_error = abs(base_shear / exact_base_shear - 1.0)
-        error = (
-            acceleration_error if motion.slides else creep,
-            "1",
-            "relative error of the acceleration, or the creep of a block that sticks",
-        )
+        which = "relative error of the acceleration, or the creep of a block that sticks"
         return (
             labelled(
                 dims=("progress",),
+                momentum_balance=(momentum[1:], "1", "error of the momentum balance"),
+                energy_balance=(energy[1:], "1", "error of the energy balance"),
                 velocity_exact=(exact_velocity[1:], "m s-1", "exact velocity"),
                 displacement_exact=(exact_displacement[1:], "m", "exact displacement"),
                 shear_force_exact=(exact_shear, "N", "exact base shear"),
@@ -291,11 +274,17 @@ class SlidingCurves:
             )
             | labelled(
                 role="error",
+                momentum_error=(
+                    np.abs(momentum).max(),
+                    "1",
+                    "greatest error of the momentum balance",
+                ),
+                energy_error=(np.abs(energy).max(), "1", "greatest error of the energy balance"),
                 acceleration_error=(acceleration_error, "1", "relative error of the acceleration"),
                 base_shear_error=(shear_error, "1", "relative error of the base shear"),
                 creep=(creep, "1", "displacement over length of a block that sticks, once at rest"),
             )
-            | labelled(role="headline", error=error)
+            | labelled(role="headline", error=(error, "1", which))
         )
 
 

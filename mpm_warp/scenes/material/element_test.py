@@ -115,17 +115,14 @@ class ElementTest(ClayScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Shear the point, and read strength and stiffness off its curves."""
         names = self.clay.state
-        numbers = {
-            name: names.index(name) for name in (EFFECTIVE_STRESS, PORE_PRESSURE) if name in names
-        }
 
         def take() -> list[float]:
             stress = simulation.array("particle.stress")[0]
-            state = [simulation.array("particle.state")[0][place] for place in numbers.values()]
+            state = simulation.array("particle.state")[0] if names else ()
             return [simulation.step_count / self.step_count, *stress, *state]
 
         def labelled_curves(share: Floats, *rows: Floats) -> xr.Dataset:
-            stress, state = np.stack(rows[:4], axis=-1), dict(zip(numbers, rows[4:], strict=True))
+            stress, state = np.stack(rows[:4], axis=-1), dict(zip(names, rows[4:], strict=True))
             return self._curves(self.greatest_shear_strain * share, stress, state)
 
         steps = np.unique(np.geomspace(1, self.step_count, SAMPLE_COUNT).round().astype(int))
@@ -178,18 +175,18 @@ class ElementTest(ClayScene):
             share = (half - mobilised[before]) / (mobilised[beyond] - mobilised[before])
             halfway = half / (strain[before] + share * (strain[beyond] - strain[before]))
         is_half = "shear modulus at 50 % of the strength"
-        found = labelled(
-            role="headline", strength=(strength, "Pa", "shear strength, half of s1 - s3 at the end")
-        ) | labelled(
-            peak_strength=(peak, "Pa", "shear strength, half of s1 - s3 at the peak"),
+        is_half_of = "shear strength, half of s1 - s3"
+        of_end = (strength, "Pa", f"{is_half_of} at the end")
+        found = labelled(role="headline", strength=of_end) | labelled(
+            peak_strength=(peak, "Pa", f"{is_half_of} at the peak"),
             small_strain_shear_modulus=(at_first, "Pa", "shear modulus at small strain"),
             half_strength_shear_modulus=(halfway, "Pa", is_half, "secant from the start"),
             small_strain_rigidity_index=(at_first / strength, "1", "G at small strain over su"),
             half_strength_rigidity_index=(halfway / strength, "1", "G at 50 % over su"),
         )
         exact = self.clay.undrained_strength(self.test)
-        if exact is None:
-            return found
-        error = (abs(strength / exact - 1.0), "1", "error of the strength")
-        found |= labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
-        return found | labelled(role="error", error=error)
+        if exact is not None:
+            error = (abs(strength / exact - 1.0), "1", "error of the strength")
+            found |= labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
+            found |= labelled(role="error", error=error)
+        return found

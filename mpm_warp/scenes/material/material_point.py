@@ -121,19 +121,15 @@ class MaterialPoint(ClayScene):
         """Follow the paths to their ends, and compare the stress there with the exact one."""
         steps = even_steps(self.step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
-        return recorded.merge(self._at_the_end(simulation))
-
-    def _at_the_end(self, simulation: Simulation) -> xr.Dataset:
-        """Stresses at the ends of the paths, and how far any was beyond the yield surface."""
         paths = self._paths
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
+        shown = labelled(dims=tuple(axes), stress=(stress, "1", "stress over su"))
         if not self._is_known:
             shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
             greatest = (shear, "1", "greatest shear stress in the plane over su")
-            shown = labelled(dims=("path", "component"), stress=(stress, "1", "stress over su"))
             shown |= labelled(role="headline", shear_stress=greatest)
-            return xr.Dataset(shown, coords=axes)
+            return recorded.assign_coords(axes).assign(shown)
         exact = np.array([path.exact for path in paths])
         error = (
             np.abs(stress - exact).max(),
@@ -147,10 +143,6 @@ class MaterialPoint(ClayScene):
             "stress beyond the yield surface",
             "greatest shear stress over strength, less 1, on any path at any step",
         )
-        shown = labelled(
-            dims=("path", "component"),
-            stress=(stress, "1", "stress over su"),
-            stress_exact=(exact, "1", "stress over su, exact"),
-        )
+        shown |= labelled(dims=tuple(axes), stress_exact=(exact, "1", "stress over su, exact"))
         shown |= labelled(role="headline", error=error) | labelled(yield_excess=excess)
-        return xr.Dataset(shown, coords=axes)
+        return recorded.assign_coords(axes).assign(shown)
