@@ -237,6 +237,7 @@ class SlidingCurves:
         since, run, motion = self._since, self._recorded, self._scene.motion
         momentum = run["momentum_lack"] / np.linalg.norm(run["impulse"][-1])
         energy = run["energy_lack"] / float(np.abs(run["load_work"]).max())
+        of_momentum, of_energy = (np.abs(lack).max() for lack in (momentum, energy))
         exact_velocity, exact_displacement, exact_shear = motion.at(since)
         exact_shear = 0.5 * (exact_shear[1:] + exact_shear[:-1])
         half = len(exact_shear) // 2
@@ -274,12 +275,8 @@ class SlidingCurves:
             )
             | labelled(
                 role="error",
-                momentum_error=(
-                    np.abs(momentum).max(),
-                    "1",
-                    "greatest error of the momentum balance",
-                ),
-                energy_error=(np.abs(energy).max(), "1", "greatest error of the energy balance"),
+                momentum_error=(of_momentum, "1", "greatest error of the momentum balance"),
+                energy_error=(of_energy, "1", "greatest error of the energy balance"),
                 acceleration_error=(acceleration_error, "1", "relative error of the acceleration"),
                 base_shear_error=(shear_error, "1", "relative error of the base shear"),
                 creep=(creep, "1", "displacement over length of a block that sticks, once at rest"),
