@@ -76,38 +76,25 @@ class UniformGrid:
 
 
 @wp.func
-def first_node(x: real, node_count: int) -> int:
-    """Lowest of the three nodes of a place x, over h from the lowest node; the others exist too."""
-    return wp.clamp(int(wp.floor(x - half)), 0, node_count - 3)
+def first_node(where: real, node_count: int) -> int:
+    """Lowest of the three nodes of a place, over h from the lowest of all; the others exist too."""
+    return wp.clamp(int(wp.floor(where - half)), 0, node_count - 3)
 
 
 @wp.func
-def local_coordinate(x: real, first: int) -> real:
-    """The coordinate f of a place.
+def spline(where: real, h: real, node_count: int):
+    """Lowest of the three nodes of a place, and of the three N, dN/dx [1/m] and X - x [m].
 
-    It is limited to its range: a particle that has left the grid stays finite until the watch finds
+    f is limited to its range: a particle that has left the grid stays finite until the watch finds
     it.
     """
-    return wp.clamp(x - real(first), half, high)
-
-
-@wp.func
-def weights(f: real) -> vec3:
-    """N of the three nodes."""
-    return vec3(
+    first = first_node(where, node_count)
+    f = wp.clamp(where - real(first), half, high)
+    weights = vec3(
         half * (high - f) * (high - f),
         low - (f - one) * (f - one),
         half * (f - half) * (f - half),
     )
-
-
-@wp.func
-def slopes(f: real) -> vec3:
-    """The slopes h dN/dx of the three nodes."""
-    return vec3(f - high, two * (one - f), f - half)
-
-
-@wp.func
-def offsets(f: real) -> vec3:
-    """The distances (X - x) / h of the three nodes."""
-    return vec3(-f, one - f, two - f)
+    slopes = vec3(f - high, two * (one - f), f - half)
+    offsets = vec3(-f, one - f, two - f)
+    return first, weights, slopes / h, h * offsets

@@ -35,7 +35,7 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_whole
 from mpm_warp.bodies.body import Body, add_loads, add_particles, clock
 from mpm_warp.bodies.contact import add_contact
-from mpm_warp.bodies.grid import UniformGrid, first_node, local_coordinate, offsets, slopes, weights
+from mpm_warp.bodies.grid import UniformGrid, spline
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.kernel_types import half, kernel, mat22, one, real, vec2, vec3, vec4, vec5, zero
@@ -83,16 +83,15 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_zeros("field.momentum", "vec3", scene.field_shape)
     if damped:
         plan.add_zeros("particle.viscous_stress", "vec4", plan.particle_count)
-    surface = None
     if scene.contact is not None:
-        surface = plan.add_zeros("field.surface", "vec2", scene.field_shape)
+        plan.add_zeros("field.surface", "vec2", scene.field_shape)
     plan.add_launch(
-        make_body_to_grid(grid.axisymmetric, damped, loaded, surface is not None),
+        make_body_to_grid(grid.axisymmetric, damped, loaded, scene.contact is not None),
         plan.particle_count,
         particle_viscous_stress=plan.find("particle.viscous_stress"),
         particle_load=plan.find("particle.load"),
         **grid.kernel_arguments,
-        field_surface=surface,
+        field_surface=plan.find("field.surface"),
     )
     held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
     plan.add_array("field.held", "int", held)
@@ -140,12 +139,8 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
         b = particle_body[p]
         x = particle_position[p]
         where = (x - lower) / h
-        i = first_node(where[0], node_counts[0])
-        j = first_node(where[1], node_counts[1])
-        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
-        Nx, Ny = weights(fx), weights(fy)
-        dNx, dNy = slopes(fx) / h, slopes(fy) / h
-        dx, dy = offsets(fx), offsets(fy)
+        i, Nx, dNx, dx = spline(where[0], h, node_counts[0])
+        j, Ny, dNy, dy = spline(where[1], h, node_counts[1])
         m, V, v, B, sigma = (
             particle_mass[p],
             particle_volume[p],
@@ -169,7 +164,7 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
                     G += vec2(N / x[0], real(0.0))
                 if wp.static(loaded):
                     force += N * particle_load[p]
-                d = h * vec2(dx[column], dy[row])
+                d = vec2(dx[column], dy[row])
                 share = N * m * (v + B * d) + time_step * force
                 wp.atomic_add(field_momentum, b, node, vec3(N * m, share[0], share[1]))
                 if wp.static(contact):
@@ -208,19 +203,17 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
     materials = [body.material for body in scene.bodies]
     moduli = np.array([(elastic.shear_modulus, elastic.bulk_modulus) for elastic in materials])
     plan.add_array("body.moduli", "vec2", moduli)
-    retardation, viscous_stress, dissipated = None, None, None
     if scene.is_damped:
         times = np.array([body.retardation_time or 0.0 for body in scene.bodies])
-        retardation = plan.add_array("body.retardation_time", "real", times)
-        viscous_stress = "particle.viscous_stress"
-        dissipated = plan.add_zeros("particle.dissipated", "real", plan.particle_count)
+        plan.add_array("body.retardation_time", "real", times)
+        plan.add_zeros("particle.dissipated", "real", plan.particle_count)
     plan.add_launch(
         make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
         plan.particle_count,
-        body_retardation_time=retardation,
+        body_retardation_time=plan.find("body.retardation_time"),
         **scene.grid.kernel_arguments,
-        particle_viscous_stress=viscous_stress,
-        particle_dissipated=dissipated,
+        particle_viscous_stress=plan.find("particle.viscous_stress"),
+        particle_dissipated=plan.find("particle.dissipated"),
     )
 
 
@@ -250,12 +243,8 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
         b = particle_body[p]
         x = particle_position[p]
         where = (x - lower) / h
-        i = first_node(where[0], node_counts[0])
-        j = first_node(where[1], node_counts[1])
-        fx, fy = local_coordinate(where[0], i), local_coordinate(where[1], j)
-        Nx, Ny = weights(fx), weights(fy)
-        dNx, dNy = slopes(fx) / h, slopes(fy) / h
-        dx, dy = offsets(fx), offsets(fy)
+        i, Nx, dNx, dx = spline(where[0], h, node_counts[0])
+        j, Ny, dNy, dy = spline(where[1], h, node_counts[1])
 
         v = vec2()
         B = mat22()
@@ -265,7 +254,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
                 node = (j + row) * node_counts[0] + i + column
                 v_i = field_velocity[b, node]
                 N = Nx[column] * Ny[row]
-                d = h * vec2(dx[column], dy[row])
+                d = vec2(dx[column], dy[row])
                 v += N * v_i
                 B += wp.outer(N * v_i, d)
                 gradient += wp.outer(v_i, vec2(dNx[column] * Ny[row], Nx[column] * dNy[row]))

@@ -45,13 +45,12 @@ def sample(simulation: Simulation, step_count: int) -> tuple[float, float]:
 
 def steps_within(simulation: Simulation, seconds: float) -> int:
     """Number of steps that take about so long [s]; the run is warm after it is found out."""
-    count = LEAST_STEPS
+    count, taken = LEAST_STEPS // 2, 0.0
     # The first steps load kernels and record launches: only many tell how long one takes.
-    while True:
-        taken, _ = sample(simulation, count)
-        if taken >= WARM_FRACTION * seconds:
-            return max(LEAST_STEPS, math.ceil(count * seconds / taken))
+    while taken < WARM_FRACTION * seconds:
         count *= 2
+        taken, _ = sample(simulation, count)
+    return max(LEAST_STEPS, math.ceil(count * seconds / taken))
 
 
 def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
@@ -162,27 +161,21 @@ class StepCost(CatalogueScene):
                 gains.append(rate / sample(alone, step_count)[1])
             progress((number + 1) / self.samples)
         simulation.check()
+        per_second = "particle updates per second"
+        of_samples = "of all cases together; median of the samples"
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
-        rate, of_samples = float(np.median(rates)), "of all cases together; median of the samples"
-        result = (
-            labelled(
-                role="headline",
-                update_rate=(rate, "s-1", "particle updates per second", of_samples),
-            )
-            | labelled(
-                role="measured",
-                update_rate_lowest=(min(rates), "s-1", "least particle updates per second"),
-                update_rate_highest=(max(rates), "s-1", "most particle updates per second"),
-            )
-            | labelled(
-                array_bytes=(
-                    byte_count / simulation.plan.particle_count,
-                    "byte",
-                    "arrays on the device per material point",
-                )
-            )
-            | cost(simulation)
+        per_point = byte_count / simulation.plan.particle_count
+        result = labelled(
+            role="headline",
+            update_rate=(float(np.median(rates)), "s-1", per_second, of_samples),
         )
+        result |= labelled(
+            role="measured",
+            update_rate_lowest=(min(rates), "s-1", f"least {per_second}"),
+            update_rate_highest=(max(rates), "s-1", f"most {per_second}"),
+        )
+        in_arrays = (per_point, "byte", "arrays on the device per material point")
+        result |= labelled(array_bytes=in_arrays) | cost(simulation)
         if gains:
             beside = "each sample beside one of one thread right after it; median"
             gain = float(np.median(gains)), "1", "times as fast as on one thread", beside
@@ -191,9 +184,8 @@ class StepCost(CatalogueScene):
             times = stage_times(simulation, CLOCKED_STEPS)
             result["stage"] = xr.Variable("stage", list(times))
             taken = 1e9 * np.array(list(times.values())) / simulation.particle_count
-            result |= labelled(
-                dims=("stage",), stage_time=(taken, "ns", "time of a stage per material point")
-            )
+            shown = (taken, "ns", "time of a stage per material point")
+            result |= labelled(dims=("stage",), stage_time=shown)
         return xr.Dataset(result)
 
     def _stirred(self, execution: Execution) -> Simulation:
