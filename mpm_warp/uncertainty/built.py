@@ -135,19 +135,14 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
     if _names(in_order) == _names(others_in_order):
         # The order counts among parts that act at one place of a step, and among no others.
         for place in PLACES:
-            one, other = (
-                _names(
-                    [
-                        part
-                        for part in them
-                        if getattr(type(part), place) is not getattr(Part, place)
-                    ]
-                )
-                for them in (parts, others)
-            )
+            one, other = (_names(_acting_at(place, them)) for them in (parts, others))
             yield one, other, "the order of its parts"
         parts, others = tuple(in_order), tuple(others_in_order)
     yield from ((*pair, "part") for pair in zip(parts, others, strict=True))
+
+
+def _acting_at(place: str, parts: Sequence[Part]) -> list[Part]:
+    return [part for part in parts if getattr(type(part), place) is not getattr(Part, place)]
 
 
 def _names(parts: Sequence[Part]) -> str:
@@ -165,24 +160,18 @@ def _called(part: object) -> tuple[str, str]:
 def _difference(built: object, expected: object, where: str) -> str | None:
     """What differs, as "friction = 0.2 instead of 0"; None where nothing does."""
     if type(built) is not type(expected):
-        return " instead of ".join(
-            "none" if scene is None else built_name(scene) for scene in (built, expected)
-        )
+        called = ("none" if it is None else built_name(it) for it in (built, expected))
+        return " instead of ".join(called)
     if isinstance(expected, np.ndarray):
         return None if np.array_equal(np.asarray(built), expected) else f"with other {where}"
     if isinstance(built, tuple) and isinstance(expected, tuple) and len(built) == len(expected):
-        found = [_difference(one, other, where) for one, other in zip(built, expected, strict=True)]
-    elif isinstance(expected, Part) and not is_dataclass(expected):
-        found = [
-            _difference(value, vars(expected).get(name), name)
-            for name, value in vars(built).items()
-        ]
+        pairs = [(one, other, where) for one, other in zip(built, expected, strict=True)]
     elif is_dataclass(expected) and not isinstance(expected, type):
         names = [field.name for field in fields(expected)]
-        found = [_difference(getattr(built, name), getattr(expected, name), name) for name in names]
+        pairs = [(getattr(built, name), getattr(expected, name), name) for name in names]
+    elif isinstance(expected, Part):
+        pairs = [(value, vars(expected).get(name), name) for name, value in vars(built).items()]
     else:
-        shown = (
-            f"{scene:g}" if isinstance(scene, float) else str(scene) for scene in (built, expected)
-        )
-        found = [None if built == expected else f"{where} = {' instead of '.join(shown)}"]
-    return next(filter(None, found), None)
+        shown = (f"{it:g}" if isinstance(it, float) else str(it) for it in (built, expected))
+        return None if built == expected else f"{where} = {' instead of '.join(shown)}"
+    return next(filter(None, (_difference(*pair) for pair in pairs)), None)
