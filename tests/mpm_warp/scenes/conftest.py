@@ -1,12 +1,13 @@
 """The observed order of a scene's error."""
 
 import math
-from collections.abc import Callable
 
-import xarray as xr
+from mpm_warp.scenes import CatalogueScene
 
 
-def order(run: Callable[[int], xr.Dataset], resolution: int) -> float:
-    """The order of `error` between a resolution and its double, from runs at both."""
-    coarse, fine = (float(run(it).error) for it in (resolution, 2 * resolution))
-    return math.log2(coarse / fine)
+def order_and_errors(
+    scene: type[CatalogueScene], resolution: str, coarse: int, **given: object
+) -> tuple[float, float, float]:
+    """The order of `error` between a resolution and its double, and the error at each."""
+    errors = [float(scene(**given, **{resolution: it}).run().error) for it in (coarse, 2 * coarse)]
+    return math.log2(errors[0] / errors[1]), *errors

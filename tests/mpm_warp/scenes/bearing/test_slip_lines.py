@@ -10,18 +10,21 @@ DISC = 0.5 * math.pi
 CONE = math.radians(30.0)
 
 
-@pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
-def test_a_wedge_in_uniform_soil_has_its_closed_form(adhesion_factor: float) -> None:
-    """1 + beta + D + cos D + alpha cot(beta / 2), D = asin(alpha): each step is exact there."""
-    lines = SlipLines(half_angle=CONE, adhesion_factor=adhesion_factor, planar=True)
+@pytest.mark.parametrize(
+    ("half_angle", "adhesion_factor"), [(CONE, 0.0), (CONE, 0.5), (CONE, 1.0), (DISC, 0.0)]
+)
+def test_a_wedge_in_uniform_soil_has_its_closed_form(
+    half_angle: float, adhesion_factor: float
+) -> None:
+    """1 + beta + D + cos D + alpha cot(beta / 2), D = asin(alpha): each step is exact there.
+
+    That of a smooth strip is 2 + pi.
+    """
+    lines = SlipLines(half_angle=half_angle, adhesion_factor=adhesion_factor, planar=True)
     turn = math.asin(adhesion_factor)
-    shear = adhesion_factor / math.tan(CONE)
-    exact = 1.0 + 2.0 * CONE + turn + math.cos(turn) + shear
+    shear = adhesion_factor / math.tan(half_angle)
+    exact = 1.0 + 2.0 * half_angle + turn + math.cos(turn) + shear
     assert lines.limit_load == pytest.approx(exact, rel=1e-9)
-
-
-def test_a_strip_in_uniform_soil_bears_2_plus_pi() -> None:
-    assert SlipLines(half_angle=DISC, planar=True).limit_load == pytest.approx(2 + math.pi)
 
 
 def test_a_strip_bears_more_than_its_lower_bound() -> None:

@@ -9,7 +9,7 @@ from mpm_warp.errors import SimulationDiverged
 from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.scenes.conftest import order
+from tests.mpm_warp.scenes.conftest import order_and_errors
 
 pytestmark = pytest.mark.slow
 
@@ -26,7 +26,8 @@ def test_stress_on_strain_paths(material: str) -> None:
 
 
 def test_rotation_is_of_second_order() -> None:
-    assert order(lambda n: MaterialPoint(step_count=n).run(), 500) == pytest.approx(2, abs=0.1)
+    order, *_ = order_and_errors(MaterialPoint, "step_count", 500)
+    assert order == pytest.approx(2, abs=0.1)
 
 
 @pytest.mark.parametrize("rigidity_index", [2, 50, 500])
