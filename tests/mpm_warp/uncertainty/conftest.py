@@ -1,0 +1,20 @@
+"""What a steady run would leave behind, at once."""
+
+import numpy as np
+import xarray as xr
+
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+
+
+def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:
+    """Of a cone test, of a cone factor; its mean over two radii has risen so much, in su."""
+    resistance = factor * np.ones(60)
+    resistance[:-20] -= rise
+    return xr.Dataset(
+        {
+            "penetration_resistance": ("penetration", test.undrained_shear_strength * resistance),
+            "cone_factor_simulated": factor,
+            "cone_factor_shear": 0.0,
+            "penetration_reached": test.penetration,
+        }
+    )
