@@ -7,7 +7,7 @@ radius, so that a larger penetrometer has its places in proportion.
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -88,8 +88,7 @@ def sleeve_mean(heights: Floats, values: Floats) -> float:
     return float(np.trapezoid(np.interp(at, heights, values), at)) / SLEEVE_LENGTH
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PenetrometerForces:
+class PenetrometerForces(NamedTuple):
     """Forces on the penetrometer per radian, upward positive [N]."""
 
     face_normal: float  # from the normal traction on the cone's face
@@ -98,9 +97,14 @@ class PenetrometerForces:
     contact_share: float  # share of face and shaft that the soil touches, dimensionless
 
     @property
+    def on_face(self) -> float:
+        """The force on the cone's face [N]."""
+        return self.face_normal + self.face_shear
+
+    @property
     def upward(self) -> float:
         """The whole force [N]."""
-        return self.face_normal + self.face_shear + self.shaft_shear
+        return self.on_face + self.shaft_shear
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

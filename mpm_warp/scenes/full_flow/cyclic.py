@@ -29,7 +29,7 @@ from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
@@ -118,8 +118,7 @@ class CyclicPenetration(FullFlowPenetrometer):
         loops = ResistanceLoops(simulation, self)
         moments = [self.window.time_to(way) for way in loops.ways]
         recorded = follow(simulation, moments, simulation.advance_to, [loops], progress)
-        results = recorded.assign(self._ratio(recorded))
-        results = with_energy_error(results, simulation, loops.work)
+        results = recorded.assign(self._ratio(recorded) | energy_error(simulation, loops.work))
         check_energy(results)
         return results
 

@@ -15,7 +15,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
+from mpm_warp.uncertainty.laws import TOP, top_error
 from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
@@ -125,19 +125,13 @@ def error_of_samples(
         return ground.mean_strength_around(depth, AROUND * radius)
 
     around = strength_around(depth)
-    laws = ErrorLaws(
+    laws = sounding.error_laws(
         rigidity_index=ground.shear_modulus_at(depth) / ground.strength_at(depth),
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         poissons_ratio=sounding.poissons_ratio,
         bounded=0.0,
         inertia=sounding.dynamic_pressure / around,
-        cell_size=cell / radius,
-        cell_growth=sounding.cell_growth,
-        outer=sounding.domain_radius,
-        above=sounding.domain_above,
-        below=sounding.domain_below,
-        extent_ratio=sounding.extent_ratio,
         way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
     )
     surface = {}
@@ -171,7 +165,7 @@ def _pore_pressure(
     adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
     correction, half_width = shoulder_error(
         simulated / strength,
-        cell_size=sounding.cell_size / radius,
+        cell_size=sounding.relative_cell_size,
         adhesion_factor=adhesion,
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
     )

@@ -20,7 +20,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
-from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
@@ -269,14 +269,11 @@ class Sounding(SoundingTest):
         self, simulation: Simulation, progress: Progress, measured: MeasuredError | None
     ) -> xr.Dataset:
         """What `record` gives, with the error as measured, or as known where it was not."""
-        curves = PenetrationCurves(
-            simulation, radius=self.cone_radius, unsteady=math.inf, tolerance=0.0
-        )
+        curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: float(self.shaft_adhesion_at(self.start_depth + travel)),
-            slowing=None,
         )
         why_none: list[str] = []
         if measured is None:
@@ -296,7 +293,7 @@ class Sounding(SoundingTest):
         layer = layer_values(self, over_depth, is_known=laws_hold)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
-        results = with_energy_error(over_depth.assign(values), simulation, curves.work)
+        results = over_depth.assign(values | energy_error(simulation, curves.work))
         if not self.starts_at_surface or self.travel >= self.surface_passed:
             check_energy(results)
         return results

@@ -15,7 +15,7 @@ from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import cone_penetration
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
-from mpm_warp.scenes.cone.parameters import DERIVED_BY_ERROR
+from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
@@ -109,7 +109,7 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
 
     class Noted(PenetrationCurves):
         def dataset(self) -> xr.Dataset:
-            expected.append(transferred_energy(self._simulation) / self.work)
+            expected.append(transferred_energy(self.simulation) / self.work)
             return super().dataset()
 
     monkeypatch.setattr(cone_penetration, "PenetrationCurves", Noted)
