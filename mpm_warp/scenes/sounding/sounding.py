@@ -105,7 +105,7 @@ class Sounding(SoundingTest):
         }
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
         test: Any = ConePenetration.offered()
-        common = [name for name in parameters_of(type(self)) if name in parameters_of(test)]
+        common = parameters_of(type(self)).keys() & parameters_of(test).keys()
         values = {name: getattr(self, name) for name in common}
         # A window by default is that of the sounding; the test would derive another.
         kept = {
