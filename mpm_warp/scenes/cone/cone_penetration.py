@@ -16,31 +16,13 @@ from mpm_warp.parts.history import History
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
-from mpm_warp.results import labelled, parameter_variables
+from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, ConeTestByDefault
-from mpm_warp.scenes.cone.penetration import (
-    AXIS,
-    PenetrationCurves,
-    PenetrationSnapshots,
-    steady_values,
-)
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.cone.pore_pressure import (
-    pore_pressure_curves,
-    pore_pressure_factors,
-    stated_beside_shaft,
-)
-from mpm_warp.scenes.cone.soundness import (
-    check_balance,
-    check_bound,
-    check_energy,
-    check_levelled,
-    energy_balance_curves,
-    energy_error,
-)
 from mpm_warp.scenes.run_size import (
     POINT_BYTES,
     STATE_BYTES,
@@ -86,7 +68,7 @@ class ConePenetration(ConeTestByDefault):
     summary = "cone penetration test in undrained clay, to steady state"
     version = 16
     comparable = "cone_factor"
-    snapshots_over = AXIS
+    snapshots_over = penetration.AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -195,11 +177,7 @@ class ConePenetration(ConeTestByDefault):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the greatest penetration.
-
-        With the uncertainty to be measured, those of the largest run, and the steps that it would
-        do in the time of all.
-        """
+        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         further = {} if self.uncertainty == "known" else self.further_tests()
         return of_several([test._run_size for test in (self, *further.values())])
 
@@ -303,21 +281,22 @@ class ConePenetration(ConeTestByDefault):
                 greatest penetration it still changes.
         """
         built, strength = soil_scene(simulation), self.undrained_shear_strength
-        pressures = pore_pressure_curves(
+        pressures = pore_pressure.pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: self.shaft_adhesion_factor,
         )
-        curves = PenetrationCurves(
+        curves = penetration.PenetrationCurves(
             simulation,
             radius=self.cone_radius,
             forgetting=forgetting(self.rigidity_index),
             tolerance=self.steady_tolerance,
         )
-        balances = [energy_balance_curves(simulation)] if self.energy_audit == "balance" else []
-        views = []
+        balances, views = [], []
+        if self.energy_audit == "balance":
+            balances = [soundness.energy_balance_curves(simulation)]
         if snapshots is not None:
-            views = [PenetrationSnapshots(curves, snapshots, parameter_variables(self, [AXIS]))]
+            views = [penetration.PenetrationSnapshots(self, curves, snapshots)]
         spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(
@@ -332,18 +311,18 @@ class ConePenetration(ConeTestByDefault):
             view.sample(is_last=True)
         most_steps = math.ceil(self.end_time / simulation.plan.time_step)
         results = recorded.assign(
-            steady_values(recorded, strength)
-            | pore_pressure_factors(recorded, strength)
+            penetration.steady_values(recorded, strength)
+            | pore_pressure.pore_pressure_factors(recorded, strength)
             | labelled(step_count_bound=(most_steps, "1", "time steps to the greatest penetration"))
-            | energy_error(simulation, curves.work)
+            | soundness.energy_error(simulation, curves.work)
         )
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
-        results = results.assign(stated_beside_shaft(self, results, built.material))
+        results = results.assign(pore_pressure.stated_beside_shaft(self, results, built.material))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
-        check_energy(results)
+        soundness.check_energy(results)
         if balances:
-            check_balance(results)
+            soundness.check_balance(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
-            check_levelled(results)
-        check_bound(results, built, strength)
+            soundness.check_levelled(results)
+        soundness.check_bound(results, built, strength)
         return results

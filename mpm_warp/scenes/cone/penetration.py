@@ -7,7 +7,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.parts.window import Window
-from mpm_warp.results import Quantity, curves, labelled
+from mpm_warp.results import Quantity, curves, labelled, parameter_variables
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import (
     SLEEVE_LENGTH,
@@ -94,7 +94,7 @@ class PenetrationCurves:
         normal, shear, shaft, share = np.array(self.forces).reshape(-1, 4).T
         resistance = without_slowing((normal + shear) / base_area, self._window, self.radius)
         given = "not a number where the penetrometer slows down at the end of its approach"
-        shaft_stress = shaft / self.contact.shaft_area
+        shaft_stress = shaft / self.contact.shaft_areas.sum()
         sleeve = np.array(self._sleeve)
         force = sleeve * (2.0 * math.pi * SLEEVE_LENGTH * self.radius**2)
         above = "mean shear stress on a standard sleeve; not a number if it ends above the window"
@@ -156,17 +156,15 @@ AXIS = "penetration"
 
 
 class PenetrationSnapshots:
-    """Takes snapshots of a scene with a `History`, each time `curves` has sampled the forces.
+    """Takes snapshots of a test with a `History`, each time `curves` has sampled the forces.
 
     The moments are penetrations over the radius of the penetrometer.
     """
 
-    def __init__(
-        self, curves: PenetrationCurves, snapshots: Snapshots, parameters: Variables
-    ) -> None:
+    def __init__(self, test: object, curves: PenetrationCurves, snapshots: Snapshots) -> None:
         self._curves, self._snapshots = curves, snapshots
         places = grid_places(curves.simulation) | surface_places(curves)
-        same = {**parameters, **places}
+        same = parameter_variables(test, [AXIS]) | places
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 
     def sample(self, *, is_last: bool = False) -> None:

@@ -47,8 +47,6 @@ PLACES: Mapping[str, str] = {
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
 """The places by their names in results."""
-NOT_GIVEN = "not a number above the window, and where the penetrometer slows down"
-"""Where there is no pressure."""
 SMEARED_ROWS = 2
 """Rows above the shoulder that are not read."""
 READ_TO, LEAST_ROWS = 3.2, 3
@@ -92,11 +90,12 @@ def pore_pressure_curves(
 
     def over_penetration(*at_places: Floats) -> xr.Dataset:
         by_place: dict[str, Quantity] = {}
+        not_given = "not a number above the window, and where the penetrometer slows down"
         for (name, place), pressure in zip(PLACES.items(), at_places, strict=True):
             before = np.append(0.0, pressure[:-1])
             mean = without_slowing(0.5 * (before + pressure), window, penetrometer.radius)
             meaning = f"excess pore pressure, {name}"
-            what = f"{place}; {PORE_PRESSURE_IS}; {NOT_GIVEN}"
+            what = f"{place}; {PORE_PRESSURE_IS}; {not_given}"
             by_place[f"excess_pore_pressure_{name}"] = mean, "Pa", meaning, what
         return curves("penetration", penetration_axis(len(at_places[0])), **by_place)
 

@@ -49,7 +49,6 @@ MEANING = {
     "penetrometer's",
 }
 """Where the work goes."""
-RESIDUAL = "work of the penetrometer that is not found again, over all of it"
 
 
 def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
@@ -155,7 +154,8 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
                 f"work_share_{name}": (work / body, "1", meaning)
                 for (name, meaning), work in zip(MEANING.items(), found, strict=True)
             }
-            shares["energy_residual"] = residual / body, "1", RESIDUAL
+            lost = "work of the penetrometer that is not found again, over all of it"
+            shares["energy_residual"] = residual / body, "1", lost
         return xr.Dataset(labelled(dims=(), role=None, **shares))
 
     return Samples(works_so_far, shares_of_work)

@@ -217,11 +217,7 @@ class Sounding(SoundingTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the last depth of the stretch.
-
-        With the uncertainty to be measured, those of the largest run, and the steps that it would
-        do in the time of all.
-        """
+        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         tests = () if self.uncertainty == "known" else self.tests_by_depth.values()
         return of_several([self._run_size, *(test.run_size() for test in tests)])
 
@@ -253,22 +249,18 @@ class Sounding(SoundingTest):
             except FAILURES as error:
                 made.append(f"further runs: {error}")
         simulation = Simulation(self.build(), execution)
-        results = self._recorded(simulation, own, measured_by(list(tests), made))
+        results = self.record(simulation, own, measured_by(list(tests), made))
         return with_cost(results, [further for further in made if isinstance(further, xr.Dataset)])
 
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Push the penetrometer through the ground.
+    def record(
+        self, simulation: Simulation, progress: Progress, measured: MeasuredError | None = None
+    ) -> xr.Dataset:
+        """Push the penetrometer through the ground; the error is as measured, or as known.
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work; not while the
                 surface is in the window, where no accuracy is stated.
         """
-        return self._recorded(simulation, progress, None)
-
-    def _recorded(
-        self, simulation: Simulation, progress: Progress, measured: MeasuredError | None
-    ) -> xr.Dataset:
-        """What `record` gives, with the error as measured, or as known where it was not."""
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(
             simulation,
