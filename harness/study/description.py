@@ -26,7 +26,7 @@ from harness.study.study import Study
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
-from mpm_warp.scenes.sounding.profile import PROFILE, columns_of, units_of
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of
 
 MOST_BUILT = 1000
 """Cases of a study that are made to count them; of more it takes too long to wait for."""

@@ -16,7 +16,8 @@ from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
 from mpm_warp.scenes import scene_names
-from mpm_warp.scenes.sounding.profile import PROFILE, Profile, columns_of, text_of
+from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of, text_of
 
 STUDY_NAME = r"\w[\w.-]*"
 """What the name of a study looks like, as a pattern."""

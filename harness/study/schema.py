@@ -22,7 +22,7 @@ from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.sounding.profile import PROFILE
+from mpm_warp.scenes.sounding.table import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}

@@ -26,8 +26,14 @@ NEEDED = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Clay:
-    """Parameters of clay of one stiffness, over its strength."""
+class ClayScene(CatalogueScene):
+    """A scene in clay of one stiffness and one strength, or of a law of another package.
+
+    Raises:
+        mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
+            strain rate, a remoulded strength without a ductility, a strength that falls too
+            steeply, or a parameter of another law than that of `material`.
+    """
 
     rigidity_index: float = parameter(
         Derived(100.0), "rigidity index G/su", minimum=2, maximum=5000
@@ -39,12 +45,6 @@ class Clay:
         choices=(*CRITERIA, *other_laws()),
     )
     poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ChangingStrength:
-    """Parameters of strength that plastic strain and its rate change."""
-
     rate_factor: float = parameter(
         0.0,
         "rate factor mu: what a log cycle of strain rate above the reference adds to su, "
@@ -77,17 +77,6 @@ class ChangingStrength:
     def strength_changes(self) -> bool:
         """Whether strain or its rate changes the strength of the clay."""
         return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClayScene(ChangingStrength, Clay, CatalogueScene):
-    """A scene in clay of one stiffness and one strength, or of a law of another package.
-
-    Raises:
-        mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
-            strain rate, a remoulded strength without a ductility, a strength that falls too
-            steeply, or a parameter of another law than that of `material`.
-    """
 
     @classmethod
     def offered(cls) -> type[CatalogueScene]:
@@ -144,11 +133,8 @@ class ClayScene(ChangingStrength, Clay, CatalogueScene):
             object.__setattr__(self, name, Derived(strength))
         elif su is not None:
             strength = su
-        of_law = "shear_modulus" not in other_law(self.material).given
-        if of_law and isinstance(self.rigidity_index, Derived):
-            index = self.own_clay.ground_shear_modulus / strength
-            object.__setattr__(self, "rigidity_index", Derived(index))
-            fill_in(self, {"rigidity_index": index})
+        if "shear_modulus" not in other_law(self.material).given:
+            fill_in(self, {"rigidity_index": self.own_clay.ground_shear_modulus / strength})
         if (deviator := self.own_clay.deviator_at_rest) is not None:
             if not hasattr(self, "stress_anisotropy"):
                 raise ParameterError(

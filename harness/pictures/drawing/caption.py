@@ -27,7 +27,7 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.materials.other_laws import loaded_laws, other_law
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.scenes.sounding.profile import PROFILE, columns_of, replaced_by
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""

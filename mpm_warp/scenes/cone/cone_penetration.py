@@ -4,46 +4,25 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+import numpy as np
 import xarray as xr
 
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Grid, growing
+from mpm_warp.grid.fitted import Floats, Grid, growing
+from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.history import History
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
-from mpm_warp.parts.window import Window
-from mpm_warp.results import parameter_variables, variable
+from mpm_warp.parts.window import Approach, Window
+from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.parameters import (
-    DERIVED_BY_ERROR,
-    ConeTest,
-    slowing_penetration,
-    unsteady_penetration,
-)
-from mpm_warp.scenes.cone.penetration import (
-    AXIS,
-    PenetrationCurves,
-    PenetrationSnapshots,
-    steady_values,
-)
+from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
+from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, ConeTestByDefault
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.cone.pore_pressure import (
-    pore_pressure_curves,
-    pore_pressure_factors,
-    stated_beside_shaft,
-)
-from mpm_warp.scenes.cone.soundness import (
-    check_balance,
-    check_bound,
-    check_energy,
-    check_levelled,
-    energy_balance_curves,
-    with_energy_error,
-)
 from mpm_warp.scenes.run_size import (
     POINT_BYTES,
     STATE_BYTES,
@@ -56,17 +35,27 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, expected_scene, why_not_as_measured
-from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
+from mpm_warp.uncertainty.laws import APEX_ANGLE
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, forgetting, steady_penetration
 
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
 the middle of the volume that it puts into the ground."""
+RAMP, SLOWING = 1.0, 2.0
+"""Penetration in which the speed rises from rest, and that in which it falls to the final one, in
+cone radii."""
+SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
+"""Slots for material points beside those that fill the grid, over their number: the cells along a
+rough shaft come to hold the many small ones from near the axis, with friction more of them."""
+SANE_INERTIA, GREATEST_INERTIA = 5.0, 10.0
+"""rho V^2 / su up to which nearly all random cases complete, and beyond which few do: the soil is
+thrown off, and the transfers dissipate much of the work."""
 BALANCE_BYTES = 24.0
 """Memory of what the energy balance keeps of a point [byte]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConePenetration(ConeTest):
+class ConePenetration(ConeTestByDefault):
     """A penetrometer pushed at constant speed into uniform, weightless, undrained clay.
 
     The strength of the clay may fall with plastic strain, and rise with the rate that the strain
@@ -79,12 +68,69 @@ class ConePenetration(ConeTest):
     summary = "cone penetration test in undrained clay, to steady state"
     version = 16
     comparable = "cone_factor"
-    snapshots_over = AXIS
+    snapshots_over = penetration.AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.uncertainty == "measured":
             self.further_tests()  # all are allowed
+
+    @property
+    def likely_failure(self) -> str:
+        """See `CatalogueScene`: soil is thrown off where the cone is fast for its strength."""
+        inertia = self.rigidity_index * self.speed_ratio**2
+        if inertia <= GREATEST_INERTIA:
+            return ""
+        return (
+            f"rho V^2 is {inertia:.3g} su, and above {GREATEST_INERTIA:g} su soil is thrown off; "
+            f"try speed_ratio = {math.sqrt(SANE_INERTIA / self.rigidity_index):.2g} or less"
+        )
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
+        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
+        return np.array([horizontal, 0.0, 0.0, horizontal])
+
+    @property
+    def clay(self) -> Material:
+        """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        return self.clay_with(
+            strength=self.undrained_shear_strength,
+            density=self.density,
+            speed_up=speed / self.penetration_speed,
+            greatest_poissons_ratio=float(self.poissons_ratio_bound),
+        )
+
+    @property
+    def window(self) -> Window:
+        """The travel of the grid; without an approach where that would be no faster, or too short.
+
+        The last of the way, in which the resistance may become steady, is at the final speed.
+        """
+        speed = self.speed_ratio * self.clay.shear_wave_speed
+        travel = min(self.approach, self.penetration - steady_penetration(self.rigidity_index))
+        faster = None
+        if travel > RAMP + SLOWING and self.approach_speed_ratio > self.speed_ratio:
+            faster = Approach(
+                speed=speed * self.approach_speed_ratio / self.speed_ratio,
+                travel=travel * self.cone_radius,
+                slowing_travel=SLOWING * self.cone_radius,
+            )
+        rubs = self.friction_coefficient > 0.0
+        # Beside a blunter face than the standard one points stay for long and gather velocities of
+        # their own, which must not push as the soil's strength does: rho w^2 is at most su.
+        is_blunt = self.apex_angle > APEX_ANGLE
+        strength = self.undrained_shear_strength
+        return Window(
+            speed=speed,
+            ramp_travel=RAMP * self.cone_radius,
+            approach=faster,
+            spare_fraction=SPARE_SLOTS_WITH_FRICTION if rubs else SPARE_SLOTS,
+            stray_speed=math.sqrt(strength / self.density) if is_blunt else None,
+        )
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
@@ -131,15 +177,9 @@ class ConePenetration(ConeTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the greatest penetration.
-
-        With the uncertainty to be measured, those of the largest run, and the steps that it would
-        do in the time of all.
-        """
-        if self.uncertainty == "known":
-            return self._run_size
-        tests = (self, *self.further_tests().values())
-        return of_several([test._run_size for test in tests])
+        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
+        further = {} if self.uncertainty == "known" else self.further_tests()
+        return of_several([test._run_size for test in (self, *further.values())])
 
     @property
     def _run_size(self) -> RunSize:
@@ -240,27 +280,23 @@ class ConePenetration(ConeTest):
             UnfinishedRun: a steady resistance was asked for (`steady_tolerance` > 0), and at the
                 greatest penetration it still changes.
         """
-        built = soil_scene(simulation)
-        window = built[Window]
-        slowing = slowing_penetration(window, self.cone_radius)
-        pressures = pore_pressure_curves(
+        built, strength = soil_scene(simulation), self.undrained_shear_strength
+        pressures = pore_pressure.pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: self.shaft_adhesion_factor,
-            slowing=slowing,
         )
-        curves = PenetrationCurves(
+        curves = penetration.PenetrationCurves(
             simulation,
             radius=self.cone_radius,
-            unsteady=unsteady_penetration(window, self.cone_radius, self.rigidity_index),
-            slowing=slowing,
+            forgetting=forgetting(self.rigidity_index),
             tolerance=self.steady_tolerance,
         )
-        balances = [energy_balance_curves(simulation)] if self.energy_audit == "balance" else []
-        views = []
+        balances, views = [], []
+        if self.energy_audit == "balance":
+            balances = [soundness.energy_balance_curves(simulation)]
         if snapshots is not None:
-            parameters = parameter_variables(self, [AXIS])
-            views = [PenetrationSnapshots(simulation, snapshots, curves, parameters)]
+            views = [penetration.PenetrationSnapshots(self, curves, snapshots)]
         spacing = SAMPLE_SPACING * self.cone_radius
         sample_count = round(self.penetration / SAMPLE_SPACING)
         recorded = follow(
@@ -272,22 +308,21 @@ class ConePenetration(ConeTest):
             is_over=curves.is_steady,
         )
         for view in views:
-            view.finish()
-        strength = self.undrained_shear_strength
-        steady = steady_values(recorded, strength) | pore_pressure_factors(recorded, strength)
-        bound = variable(
-            math.ceil(self.end_time / simulation.plan.time_step),
-            meaning="time steps to the greatest penetration",
+            view.sample(is_last=True)
+        most_steps = math.ceil(self.end_time / simulation.plan.time_step)
+        results = recorded.assign(
+            penetration.steady_values(recorded, strength)
+            | pore_pressure.pore_pressure_factors(recorded, strength)
+            | labelled(step_count_bound=(most_steps, "1", "time steps to the greatest penetration"))
+            | soundness.energy_error(simulation, curves.work)
         )
-        results = recorded.assign(steady).assign(step_count_bound=bound)
-        results = with_energy_error(results, simulation, curves.work)
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
-        results = results.assign(stated_beside_shaft(self, results, built.material))
+        results = results.assign(pore_pressure.stated_beside_shaft(self, results, built.material))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
-        check_energy(results)
+        soundness.check_energy(results)
         if balances:
-            check_balance(results)
+            soundness.check_balance(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
-            check_levelled(results)
-        check_bound(results, built, strength)
+            soundness.check_levelled(results)
+        soundness.check_bound(results, built, strength)
         return results

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import Quantity, curves, labelled
+from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.parts.window import Window
+from mpm_warp.results import Quantity, curves, labelled, parameter_variables
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import (
     SLEEVE_LENGTH,
@@ -24,8 +25,10 @@ from mpm_warp.uncertainty.steadiness import (
     steady_mean,
 )
 
-Slowing = tuple[float, float]
-"""Begin and end of the penetration in which the penetrometer slows down, over its radius."""
+PUSHED = 0.5
+"""Penetration after the approach in which the soil that was slowed down still pushes, in radii."""
+FROM_REST = 2.0
+"""Penetration without an approach before which no resistance counts as steady, in radii."""
 
 
 class PenetrationCurves:
@@ -37,10 +40,8 @@ class PenetrationCurves:
     Args:
         simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
         radius: of the penetrometer [m].
-        unsteady: penetration before which no resistance counts as steady, over the radius.
-        tolerance: change of the resistance over two radii at which it counts as steady.
-        slowing: penetration between which the resistance is not given, over the radius: the
-            penetrometer slows down there, and the inertia of the soil pushes it; or none.
+        forgetting: penetration in which the soil forgets an approach, over the radius.
+        tolerance: change of the resistance over two radii at which it counts as steady; 0: never.
     """
 
     def __init__(
@@ -48,81 +49,63 @@ class PenetrationCurves:
         simulation: Simulation,
         *,
         radius: float,
-        unsteady: float,
-        tolerance: float,
-        slowing: Slowing | None = None,
+        forgetting: float = 0.0,
+        tolerance: float = 0.0,
     ) -> None:
         scene = soil_scene(simulation)
-        self._simulation = simulation
-        self._contact = scene[PenetrometerContact]
-        heights = scene.grid.node_positions[self._contact.nodes, 1]
-        self._above_shoulder = heights / radius - 1.0 / math.tan(self._contact.half_angle)
-        self.radius = radius
-        self._unsteady = unsteady
-        self._slowing = slowing
+        self.simulation, self.radius = simulation, radius
+        self.contact, self._window = scene[PenetrometerContact], scene[Window]
+        heights = scene.grid.node_positions[self.contact.nodes, 1]
+        self._above_shoulder = heights / radius - 1.0 / math.tan(self.contact.half_angle)
+        approach = self._window.approach
+        self._unsteady = FROM_REST if approach is None else approach.travel / radius + forgetting
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
-        self._moved: list[float] = []  # in each sample [m]
+        self._reached = [0.0]  # travel at the begin of each sample, and at the end of the last [m]
         self._sleeve: list[float] = []  # shear stress in each sample [Pa]
         self.forces: list[PenetrometerForces] = []
-        self._sampled_at = 0.0
 
     def sample(self) -> None:
         """Record the mean forces since the sample before."""
-        reached = self._simulation.travel
-        if reached > self._sampled_at:  # one step may go past several samples
+        if self.simulation.travel > self._reached[-1]:  # one step may go past several samples
             self.nodal_forces = self._contact_forces.take()
-        self.forces.append(self._contact.forces(self.nodal_forces))
-        shaft_stress = self._contact.shaft_shear_stress(self.nodal_forces)
+        self.forces.append(self.contact.forces(self.nodal_forces))
+        shaft_stress = self.contact.shaft_shear_stress(self.nodal_forces)
         self._sleeve.append(sleeve_mean(self._above_shoulder, shaft_stress))
-        self._moved.append(reached - self._sampled_at)
-        self._sampled_at = reached
+        self._reached.append(self.simulation.travel)
 
     @property
     def work(self) -> float:
         """Of the penetrometer so far, per radian [J]."""
-        parts = zip(self.forces, self._moved, strict=True)
+        parts = zip(self.forces, np.diff(self._reached).tolist(), strict=True)
         return math.fsum(force.upward * moved for force, moved in parts)
 
     def is_steady(self) -> bool:
         """Whether the resistance is steady: the mean over two radii is that over two before."""
-        earliest = len(self._moved) - 2 * STEADY_SAMPLES
+        earliest = len(self.forces) - 2 * STEADY_SAMPLES
         if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
             return False
-        resistance = [force.face_normal + force.face_shear for force in self.forces[earliest:]]
+        resistance = [force.on_face for force in self.forces[earliest:]]
         return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
 
     def dataset(self) -> xr.Dataset:
         """Resistance, its shear part, friction of shaft and sleeve, and contact."""
         base_area, net = 0.5 * self.radius**2, "net cone resistance"
-        normal, shear, shaft, share = (
-            np.array([getattr(force, name) for force in self.forces])
-            for name in ("face_normal", "face_shear", "shaft_shear", "contact_share")
-        )
+        normal, shear, shaft, share = np.array(self.forces).reshape(-1, 4).T
+        resistance = without_slowing((normal + shear) / base_area, self._window, self.radius)
+        given = "not a number where the penetrometer slows down at the end of its approach"
+        shaft_stress = shaft / self.contact.shaft_areas.sum()
         sleeve = np.array(self._sleeve)
-        sleeve_area = 2.0 * math.pi * SLEEVE_LENGTH * self.radius**2
+        force = sleeve * (2.0 * math.pi * SLEEVE_LENGTH * self.radius**2)
+        above = "mean shear stress on a standard sleeve; not a number if it ends above the window"
         return curves(
             "penetration",
-            penetration_axis(len(self._moved)),
-            penetration_resistance=(
-                without_slowing((normal + shear) / base_area, self._slowing),
-                "Pa",
-                net,
-                "not a number where the penetrometer slows down at the end of its approach",
-            ),
+            penetration_axis(len(self.forces)),
+            penetration_resistance=(resistance, "Pa", net, given),
             penetration_resistance_shear=(shear / base_area, "Pa", f"{net}, shear part"),
-            shaft_friction=(
-                shaft / self._contact.shaft_area,
-                "Pa",
-                "mean shear stress on the shaft",
-            ),
-            sleeve_friction=(
-                sleeve,
-                "Pa",
-                "mean sleeve friction",
-                "mean shear stress on a standard sleeve; not a number if it ends above the window",
-            ),
-            sleeve_force=(sleeve * sleeve_area, "N", "total sleeve friction"),
+            shaft_friction=(shaft_stress, "Pa", "mean shear stress on the shaft"),
+            sleeve_friction=(sleeve, "Pa", "mean sleeve friction", above),
+            sleeve_force=(force, "N", "total sleeve friction"),
             contact_share=(share, "1", "share of cone and shaft in contact"),
         )
 
@@ -133,13 +116,18 @@ def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
     return middles, "1", f"penetration over {over}"
 
 
-def without_slowing(values: Floats, slowing: Slowing | None) -> Floats:
-    """A curve that is not a number where the penetrometer slows down, shape [sample_count]."""
-    if slowing is None:
+def without_slowing(values: Floats, window: Window, radius: float) -> Floats:
+    """A curve that is not a number where the penetrometer slows down, shape [sample_count].
+
+    The inertia of the soil then takes from the resistance up to 1.3 su.
+    """
+    approach = window.approach
+    if approach is None:
         return values
+    begin = (approach.travel - approach.slowing_travel) / radius
+    end = approach.travel / radius + PUSHED
     penetration = (np.arange(len(values)) + 0.5) * SAMPLE_SPACING
-    slowed = (penetration > slowing[0]) & (penetration < slowing[1])
-    return np.where(slowed, np.nan, values)
+    return np.where((penetration > begin) & (penetration < end), np.nan, values)
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
@@ -147,37 +135,19 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
     resistance, over = steady_mean(recorded.penetration_resistance)
     shear, _ = steady_mean(recorded.penetration_resistance_shear)
     sleeve, _ = steady_mean(recorded.sleeve_friction)
+    variation = np.ptp(last_part(recorded.penetration_resistance)) / resistance
+    reached = recorded.sizes["penetration"] * SAMPLE_SPACING
+    simulated = f"mean resistance {over}, over su: before any correction"
+    of_shear = f"what the shear traction on the face adds to Nc, mean {over}"
+    of_range = f"range {over} of penetration, over the mean"
+    of_sleeve = f"mean sleeve friction over su, mean {over}"
+    end = "where the resistance was steady, or the greatest penetration"
     return labelled(
-        cone_factor_simulated=(
-            resistance / strength,
-            "1",
-            "cone factor, as simulated",
-            f"mean resistance {over}, over su: before any correction",
-        ),
-        cone_factor_shear=(
-            shear / strength,
-            "1",
-            "cone factor, shear part",
-            f"what the shear traction on the face adds to Nc, mean {over}",
-        ),
-        cone_factor_variation=(
-            np.ptp(last_part(recorded.penetration_resistance)) / resistance,
-            "1",
-            "variation of the cone factor",
-            f"range {over} of penetration, over the mean",
-        ),
-        sleeve_friction_factor=(
-            sleeve / strength,
-            "1",
-            "sleeve friction factor",
-            f"mean sleeve friction over su, mean {over}",
-        ),
-        penetration_reached=(
-            recorded.sizes["penetration"] * SAMPLE_SPACING,
-            "1",
-            "penetration reached over cone radius",
-            "where the resistance was steady, or the greatest penetration",
-        ),
+        cone_factor_simulated=(resistance / strength, "1", "cone factor, as simulated", simulated),
+        cone_factor_shear=(shear / strength, "1", "cone factor, shear part", of_shear),
+        cone_factor_variation=(variation, "1", "variation of the cone factor", of_range),
+        sleeve_friction_factor=(sleeve / strength, "1", "sleeve friction factor", of_sleeve),
+        penetration_reached=(reached, "1", "penetration reached over cone radius", end),
     )
 
 
@@ -186,77 +156,52 @@ AXIS = "penetration"
 
 
 class PenetrationSnapshots:
-    """Takes snapshots at samples of a penetration, which are over the radius of the penetrometer.
+    """Takes snapshots of a test with a `History`, each time `curves` has sampled the forces.
 
-    The scene has a window, a `History` and a `PenetrometerContact`; each time, `curves` has sampled
-    the forces on it before.
+    The moments are penetrations over the radius of the penetrometer.
     """
 
-    def __init__(
-        self,
-        simulation: Simulation,
-        snapshots: Snapshots,
-        curves: PenetrationCurves,
-        parameters: Variables,
-    ) -> None:
-        scene = soil_scene(simulation)
-        contact = scene[PenetrometerContact]
-        self._simulation = simulation
-        self._snapshots = snapshots
-        self._curves = curves
-        self._contact = contact
-        self._sample_count = 0
-        places = surface_places(contact, scene.grid.node_positions[contact.nodes])
-        same = {**parameters, **grid_places(simulation), **places}
+    def __init__(self, test: object, curves: PenetrationCurves, snapshots: Snapshots) -> None:
+        self._curves, self._snapshots = curves, snapshots
+        places = grid_places(curves.simulation) | surface_places(curves)
+        same = parameter_variables(test, [AXIS]) | places
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 
-    @property
-    def _penetration(self) -> float:
-        return round(self._sample_count * SAMPLE_SPACING, 9)
-
-    def sample(self) -> None:
-        """Take the snapshots that are due."""
-        self._sample_count += 1
-        self._snapshots.take(self._penetration, self._fields)
-
-    def finish(self) -> None:
-        """At the end of a run take one for all that it has not reached."""
-        self._snapshots.take(self._penetration, self._fields, is_last=True)
+    def sample(self, *, is_last: bool = False) -> None:
+        """Take the snapshots that are due; at the end of a run, one for all it has not reached."""
+        penetration = round(len(self._curves.forces) * SAMPLE_SPACING, 9)
+        self._snapshots.take(penetration, self._fields, is_last=is_last)
 
     def dataset(self) -> xr.Dataset:
         """Nothing: fields are no curves; the snapshots have them."""
         return xr.Dataset()
 
     def _fields(self) -> Variables:
-        nodal = self._curves.nodal_forces
-        forces = self._contact.forces(nodal)
-        base_area = 0.5 * self._curves.radius**2
-        resistance = (forces.face_normal + forces.face_shear) / base_area
-        over = "over the tenth of a radius before, as the traction on the surface is"
+        simulation = self._curves.simulation
+        resistance = self._curves.forces[-1].on_face / (0.5 * self._curves.radius**2)
+        mean = "mean over the tenth of a radius before, as the traction on the surface is"
         scalars = labelled(
-            time=(self._simulation.time, "s", "time"),
-            travel=(self._simulation.travel, "m", "penetration"),
-            speed=(self._simulation.array("window.motion")[1], "m s-1", "penetration speed"),
-            resistance=(resistance, "Pa", "net cone resistance", f"mean {over}"),
+            time=(simulation.time, "s", "time"),
+            travel=(simulation.travel, "m", "penetration"),
+            speed=(simulation.array("window.motion")[1], "m s-1", "penetration speed"),
+            resistance=(resistance, "Pa", "net cone resistance", mean),
         )
-        traction = surface_traction(self._contact, nodal)
-        return scalars | soil_fields(self._simulation) | traction
+        return scalars | soil_fields(simulation) | surface_traction(self._curves)
 
 
-def surface_places(contact: PenetrometerContact, position: Floats) -> dict[str, xr.Variable]:
+def surface_places(curves: PenetrationCurves) -> dict[str, xr.Variable]:
     """Places on the surface: nodes of the face from the tip on, then of the shaft.
 
-    The shoulder is among both, for the shear traction is another on either side of it. `position`
-    is that of the contact's nodes (r, z) [m], shape [node_count, 2].
+    The shoulder is among both, for the shear traction is another on either side of it.
     """
-    face, shaft = contact.face_areas > 0.0, contact.shaft_areas > 0.0
-    r, z = np.concatenate([position[face], position[shaft]]).T
+    numbers, face_count = _surface_nodes(curves.contact)
+    nodes = curves.contact.nodes[numbers]
+    r, z = soil_scene(curves.simulation).grid.node_positions[nodes].T
+    part = np.repeat(["face", "shaft"], [face_count, len(r) - face_count])
     number = np.arange(len(r), dtype=np.int32)
-    part = np.repeat(["face", "shaft"], [face.sum(), shaft.sum()])
-    labels = {"long_name": "part of the surface"}
     return {
         "surface": xr.Variable("surface", number, {"long_name": "number of the surface's node"}),
-        "surface_part": xr.Variable("surface", part, labels),
+        "surface_part": xr.Variable("surface", part, {"long_name": "part of the surface"}),
     } | labelled(
         dims=("surface",),
         surface_r=(r, "m", "radius of the surface's node"),
@@ -264,29 +209,27 @@ def surface_places(contact: PenetrometerContact, position: Floats) -> dict[str, 
     )
 
 
-def surface_traction(contact: PenetrometerContact, nodal: Floats) -> dict[str, xr.Variable]:
-    """Traction along the surface, at the places that `surface_places` gives.
+def surface_traction(curves: PenetrationCurves) -> dict[str, xr.Variable]:
+    """Traction along the surface in the last sample, at the places that `surface_places` gives.
 
     It is linear between nodes: with the radius as weight it integrates to the forces exactly.
-    `nodal` are normal and tangential forces from the soil at the nodes [N], [node_count, 2].
     """
-    face, shaft = contact.face_areas > 0.0, contact.shaft_areas > 0.0
-    pressure = nodal[:, 0] / contact.normal_areas
-    shear_on_face = contact.shear_on_face(nodal)
-    on_face = shear_on_face[face] / contact.face_areas[face]
-    on_shaft = (nodal[:, 1] - shear_on_face)[shaft] / contact.shaft_areas[shaft]
+    contact, nodal = curves.contact, curves.nodal_forces
+    numbers, face_count = _surface_nodes(contact)
+    face, shaft = np.split(numbers, [face_count])
+    pressure = nodal[numbers, 0] / contact.normal_areas[numbers]
+    on_face = contact.shear_on_face(nodal)[face] / contact.face_areas[face]
+    shear = np.concatenate([on_face, contact.shaft_shear_stress(nodal)[shaft]])
+    over = "that over the in-situ stress, pressing positive"
+    upward = "upward positive"
     return labelled(
         dims=("surface",),
-        normal_traction=(
-            np.concatenate([pressure[face], pressure[shaft]]),
-            "Pa",
-            "normal traction on the penetrometer",
-            "that over the in-situ stress, pressing positive",
-        ),
-        shear_traction=(
-            np.concatenate([on_face, on_shaft]),
-            "Pa",
-            "shear traction on the penetrometer",
-            "upward positive",
-        ),
+        normal_traction=(pressure, "Pa", "normal traction on the penetrometer", over),
+        shear_traction=(shear, "Pa", "shear traction on the penetrometer", upward),
     )
+
+
+def _surface_nodes(contact: PenetrometerContact) -> tuple[Integers, int]:
+    """Numbers of the contact's nodes on face and shaft, and how many of them are on the face."""
+    face, shaft = (np.flatnonzero(areas) for areas in (contact.face_areas, contact.shaft_areas))
+    return np.concatenate([face, shaft]), len(face)

@@ -7,7 +7,7 @@ radius, so that a larger penetrometer has its places in proportion.
 
 import math
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -88,8 +88,7 @@ def sleeve_mean(heights: Floats, values: Floats) -> float:
     return float(np.trapezoid(np.interp(at, heights, values), at)) / SLEEVE_LENGTH
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PenetrometerForces:
+class PenetrometerForces(NamedTuple):
     """Forces on the penetrometer per radian, upward positive [N]."""
 
     face_normal: float  # from the normal traction on the cone's face
@@ -98,9 +97,14 @@ class PenetrometerForces:
     contact_share: float  # share of face and shaft that the soil touches, dimensionless
 
     @property
+    def on_face(self) -> float:
+        """The force on the cone's face [N]."""
+        return self.face_normal + self.face_shear
+
+    @property
     def upward(self) -> float:
         """The whole force [N]."""
-        return self.face_normal + self.face_shear + self.shaft_shear
+        return self.on_face + self.shaft_shear
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,11 +170,6 @@ class PenetrometerContact(SurfaceContact):
             half_angle=half,
         )
 
-    @property
-    def shaft_area(self) -> float:
-        """Area of the shaft within the grid, per radian [m2]."""
-        return float(self.shaft_areas.sum())
-
     def forces(self, nodal: Floats) -> PenetrometerForces:
         """Forces on face and shaft.
 
@@ -182,8 +181,7 @@ class PenetrometerContact(SurfaceContact):
             nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
-        limits = self._shear_limits(normal)
-        on_face = _shear_on_face(shear, limits)
+        limits, on_face = self._shear_limits(normal), self.shear_on_face(nodal)
         face_shear = float(on_face.sum())
         tip_shear = float(limits[0, 0] * on_face[1] / limits[0, 1]) if limits[0, 1] > 0.0 else 0.0
         upward_from_tip = tip_shear * math.cos(self.half_angle)
@@ -199,7 +197,11 @@ class PenetrometerContact(SurfaceContact):
 
     def shear_on_face(self, nodal: Floats) -> Floats:
         """The face's part of the shear forces at the nodes [N], shape [node_count]."""
-        return _shear_on_face(nodal[:, 1], self._shear_limits(nodal[:, 0]))
+        limits = self._shear_limits(nodal[:, 0])
+        of_face, of_both = limits[0], limits.sum(axis=0)
+        share = np.divide(of_face, of_both, out=np.zeros_like(of_face), where=of_face > 0.0)
+        on_face: Floats = nodal[:, 1] * share
+        return on_face
 
     def shaft_shear_stress(self, nodal: Floats) -> Floats:
         """Shear stress on the shaft at its nodes, from below, 0 on the face [Pa], [node_count]."""
@@ -215,10 +217,3 @@ class PenetrometerContact(SurfaceContact):
         on_face = (self.face_adhesion + rubbing) * self.face_areas
         on_shaft = (self.shaft_adhesion + rubbing) * self.shaft_areas
         return np.stack([on_face, on_shaft])
-
-
-def _shear_on_face(shear: Floats, limits: Floats) -> Floats:
-    """Part of the nodes' shear forces that acts on the face [N], [node_count]."""
-    part = np.divide(limits[0], limits.sum(axis=0), out=np.zeros_like(shear), where=limits[0] > 0.0)
-    on_face: Floats = shear * part
-    return on_face

@@ -25,31 +25,28 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
-from mpm_warp.results import Quantity, curves, variable
+from mpm_warp.parts.window import Window
+from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import PORE_PRESSURE_IS, Samples, excess_pore_pressure, soil_scene
-from mpm_warp.scenes.cone.parameters import ConeTest
-from mpm_warp.scenes.cone.penetration import Slowing, penetration_axis, without_slowing
+from mpm_warp.scenes.cone.defaults import ConeTestByDefault
+from mpm_warp.scenes.cone.penetration import penetration_axis, without_slowing
 from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
 from mpm_warp.uncertainty.pore_pressure import share_of_wedge, stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.steadiness import steady_mean
 
-SHOULDER_FILTER = 0.5 * SLEEVE_BEGIN
-"""Height of the filter u2 above the shoulder, in the middle of the cylindrical part of the cone,
-over the radius."""
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
 """Height of a filter over the radius: 5 mm."""
-SHAFT_FILTER = SLEEVE_BEGIN + SLEEVE_LENGTH + 0.5 * SLEEVE_BEGIN
-"""Height of the filter u3 above the shoulder, 5 mm over the sleeve, over the radius."""
+SHOULDER_FILTER, SHAFT_FILTER = FILTER_HEIGHT, SLEEVE_BEGIN + SLEEVE_LENGTH + FILTER_HEIGHT
+"""Heights of u2 and u3 above the shoulder, over the radius: in the middle of the cylindrical part
+of the cone, and 5 mm over the sleeve."""
 PLACES: Mapping[str, str] = {
     "face": "u1: in the middle of the cone's face",
     "shoulder": f"u2: on the shaft, {SHOULDER_FILTER:.2g} radii above the shoulder",
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
 """The places by their names in results."""
-NOT_GIVEN = "not a number above the window, and where the penetrometer slows down"
-"""Where there is no pressure."""
 SMEARED_ROWS = 2
 """Rows above the shoulder that are not read."""
 READ_TO, LEAST_ROWS = 3.2, 3
@@ -67,7 +64,6 @@ def pore_pressure_curves(
     *,
     penetrometer: Penetrometer,
     adhesion_factor: Callable[[float], float],
-    slowing: Slowing | None,
 ) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
@@ -75,7 +71,8 @@ def pore_pressure_curves(
     of the shaft at a travel [m]; the grid is fitted to the penetrometer. While it slows down no
     pressure is given.
     """
-    grid, height = soil_scene(simulation).grid, penetrometer.cone_height
+    scene = soil_scene(simulation)
+    grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
     readings = (
         _on_face(grid, 0.5 * height),
         _behind_shoulder(grid, penetrometer, columns=(0,)),
@@ -93,14 +90,13 @@ def pore_pressure_curves(
 
     def over_penetration(*at_places: Floats) -> xr.Dataset:
         by_place: dict[str, Quantity] = {}
+        not_given = "not a number above the window, and where the penetrometer slows down"
         for (name, place), pressure in zip(PLACES.items(), at_places, strict=True):
             before = np.append(0.0, pressure[:-1])
-            by_place[f"excess_pore_pressure_{name}"] = (
-                without_slowing(0.5 * (before + pressure), slowing),
-                "Pa",
-                f"excess pore pressure, {name}",
-                f"{place}; {PORE_PRESSURE_IS}; {NOT_GIVEN}",
-            )
+            mean = without_slowing(0.5 * (before + pressure), window, penetrometer.radius)
+            meaning = f"excess pore pressure, {name}"
+            what = f"{place}; {PORE_PRESSURE_IS}; {not_given}"
+            by_place[f"excess_pore_pressure_{name}"] = mean, "Pa", meaning, what
         return curves("penetration", penetration_axis(len(at_places[0])), **by_place)
 
     return Samples(take, over_penetration)
@@ -108,19 +104,24 @@ def pore_pressure_curves(
 
 def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
     """What `pore_pressure_curves` come to at the end over su [Pa], at each place."""
-    factors = {}
+    factors: dict[str, Quantity] = {}
     for name, place in PLACES.items():
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])
-        factors[f"pore_pressure_factor_{name}"] = variable(
-            pressure / strength,
-            meaning=f"pore pressure factor, {name}",
-            description=f"excess pore pressure over su, mean {over}; {place}",
+        meaning, what = (
+            f"pore pressure factor, {name}",
+            f"excess pore pressure over su, mean {over}",
         )
-    return factors
+        factors[f"pore_pressure_factor_{name}"] = (
+            pressure / strength,
+            "1",
+            meaning,
+            f"{what}; {place}",
+        )
+    return labelled(dims=(), role=None, **factors)
 
 
 def stated_beside_shaft(
-    test: ConeTest, results: xr.Dataset, material: Material
+    test: ConeTestByDefault, results: xr.Dataset, material: Material
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2, corrected, with their uncertainty; and that of sleeve friction.
 
@@ -143,9 +144,14 @@ def stated_beside_shaft(
     )
 
 
+def _middles(edges: Floats) -> Floats:
+    middles: Floats = 0.5 * (edges[:-1] + edges[1:])
+    return middles
+
+
 def _in_first_column(grid: Grid, height: float) -> Reading:
     """Linear between the middles of the first cells; not a number above the highest."""
-    middles = 0.5 * (grid.rows[:-1] + grid.rows[1:])
+    middles = _middles(grid.rows)
     row = int(np.clip(np.searchsorted(middles, height), 1, grid.row_count - 1))
     upper = (height - middles[row - 1]) / (middles[row] - middles[row - 1])
     if upper > 1.0:
@@ -156,7 +162,7 @@ def _in_first_column(grid: Grid, height: float) -> Reading:
 def _on_face(grid: Grid, height: float) -> Reading:
     """The line through the middles of the first two columns, drawn on to the surface."""
     cells, weights = _in_first_column(grid, height)
-    first, second = 0.5 * (grid.columns[:2] + grid.columns[1:3])
+    first, second = _middles(grid.columns)[:2]
     outward = first / (second - first)
     drawn_on = np.concatenate([(1.0 + outward) * weights, -outward * weights])
     return np.concatenate([cells, cells + 1]), drawn_on
@@ -164,8 +170,7 @@ def _on_face(grid: Grid, height: float) -> Reading:
 
 def _behind_shoulder(grid: Grid, penetrometer: Penetrometer, columns: tuple[int, ...]) -> Reading:
     """Mean over the filter of a + b ln(z/R + offset), fitted to the mean of columns by rows."""
-    middles = 0.5 * (grid.rows[:-1] + grid.rows[1:])
-    heights = (middles - penetrometer.cone_height) / penetrometer.radius
+    heights = (_middles(grid.rows) - penetrometer.cone_height) / penetrometer.radius
     first = int(np.searchsorted(heights, 0.0)) + SMEARED_ROWS
     count = max(LEAST_ROWS, int(np.searchsorted(heights, READ_TO)) - first)
     rows = np.arange(first, min(first + count, grid.row_count))

@@ -17,7 +17,7 @@ from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.results import variable
+from mpm_warp.results import Quantity, labelled, variable
 from mpm_warp.sampling import Samples, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
@@ -49,11 +49,10 @@ MEANING = {
     "penetrometer's",
 }
 """Where the work goes."""
-RESIDUAL = "work of the penetrometer that is not found again, over all of it"
 
 
-def with_energy_error(results: xr.Dataset, simulation: Simulation, work: float) -> xr.Dataset:
-    """Results with what the transfers of the run made of the penetrometer's work [J]."""
+def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
+    """What the transfers of a run made of the penetrometer's work [J], as a share of it."""
     error = variable(
         transferred_energy(simulation) / work,
         meaning="energy error",
@@ -61,7 +60,7 @@ def with_energy_error(results: xr.Dataset, simulation: Simulation, work: float) 
         "created, dissipated if < 0, over the work of the penetrometer",
         limit=LARGEST_ENERGY_ERROR,
     )
-    return results.assign(energy_error=error)
+    return {"energy_error": error}
 
 
 def check_energy(results: xr.Dataset) -> None:
@@ -141,32 +140,25 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
 
     at_first = works_so_far()
 
-    def shares(*by_work: Floats) -> xr.Dataset:
+    def shares_of_work(*by_work: Floats) -> xr.Dataset:
         """Over the last two radii, or the last half of the way."""
         works = np.vstack([at_first, np.stack(by_work, axis=-1)])
         count = min(STEADY_SAMPLES, len(works) // 2)
         done = works[-1] - works[-1 - count]
         body, to_soil, by_ground, kinetic, least_mass, viscous, plastic, elastic, created = done
-        goes_to = {
-            "plastic": plastic,
-            "sliding": body - to_soil,
-            "elastic": elastic,
-            "ground": -by_ground,
-            "kinetic": kinetic + created,
-            "transfers": -created,
-            "viscous": viscous,
-            "least_mass": -least_mass,
-        }
-        residual = body - sum(goes_to.values())
+        turned = kinetic + created, -created
+        found = (plastic, body - to_soil, elastic, -by_ground, *turned, viscous, -least_mass)
+        residual = body - sum(found)
         with np.errstate(invalid="ignore"):  # without an audited step no share is a number
-            found = {
-                f"work_share_{name}": variable(work / body, meaning=MEANING[name])
-                for name, work in goes_to.items()
+            shares: dict[str, Quantity] = {
+                f"work_share_{name}": (work / body, "1", meaning)
+                for (name, meaning), work in zip(MEANING.items(), found, strict=True)
             }
-            found["energy_residual"] = variable(residual / body, meaning=RESIDUAL)
-        return xr.Dataset(found)
+            lost = "work of the penetrometer that is not found again, over all of it"
+            shares["energy_residual"] = residual / body, "1", lost
+        return xr.Dataset(labelled(dims=(), role=None, **shares))
 
-    return Samples(works_so_far, shares)
+    return Samples(works_so_far, shares_of_work)
 
 
 def check_balance(results: xr.Dataset) -> None:

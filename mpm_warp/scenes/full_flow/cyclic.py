@@ -29,7 +29,7 @@ from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
@@ -118,8 +118,7 @@ class CyclicPenetration(FullFlowPenetrometer):
         loops = ResistanceLoops(simulation, self)
         moments = [self.window.time_to(way) for way in loops.ways]
         recorded = follow(simulation, moments, simulation.advance_to, [loops], progress)
-        results = recorded.assign(self._ratio(recorded))
-        results = with_energy_error(results, simulation, loops.work)
+        results = recorded.assign(self._ratio(recorded) | energy_error(simulation, loops.work))
         check_energy(results)
         return results
 
@@ -127,15 +126,14 @@ class CyclicPenetration(FullFlowPenetrometer):
         """What is left of the resistance, and what that says of the clay."""
         factor = recorded.cyclic_resistance_factor
         first, last = float(factor[0]), float(factor[-2:].mean())
-        what = "mean of penetration and extraction, over that of the first passage"
-        left = (last / first, "1", "resistance left in the last cycle", what)
+        mean = "mean of penetration and extraction, over that of the first passage"
+        left = (last / first, "1", "resistance left in the last cycle", mean)
         ratio = labelled(role="headline", resistance_ratio=left)
         if str(recorded.built_law.values) in CRITERIA:
-            error = abs(last / first - 1.0)
             what = "of perfectly plastic clay, which does not degrade"
-            ratio |= labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
-            of_error = (error, "1", "error of the resistance ratio", what)
-            return ratio | labelled(role="error", error=of_error)
+            error = (abs(last / first - 1.0), "1", "error of the resistance ratio", what)
+            exact = labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
+            return ratio | exact | labelled(role="error", error=error)
         if self.remoulded_strength_ratio == 1.0 or factor.size <= FITTED:
             return ratio
         return ratio | self.fitted(fitted_degradation(factor["cycle"].values, factor.values))
@@ -147,22 +145,16 @@ class CyclicPenetration(FullFlowPenetrometer):
             values if known else math.nan
             for values in (fit.cycles, fit.remoulded_share, fit.intact)
         )
+        of_cycles = "cycles n_95 to 95 % of the loss of resistance"
+        of_remoulded = "remoulded over intact resistance, fitted"
+        before = f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0"
         of_intact = "resistance factor of intact clay, fitted"
+        left = "root mean square of what it leaves, over the fitted resistance of intact clay"
         return labelled(
-            fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
-            fitted_remoulded_ratio=(
-                remoulded,
-                "1",
-                "remoulded over intact resistance, fitted",
-                f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0",
-            ),
+            fitted_cycles=(cycles, "1", of_cycles, BEYOND),
+            fitted_remoulded_ratio=(remoulded, "1", of_remoulded, before),
             fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
-            fit_misfit=(
-                fit.misfit,
-                "1",
-                "misfit of the fit",
-                "root mean square of what it leaves, over the fitted resistance of intact clay",
-            ),
+            fit_misfit=(fit.misfit, "1", "misfit of the fit", left),
         )
 
 
@@ -232,18 +224,10 @@ class ResistanceLoops(ResistanceSamples):
         is_middle = np.abs(place - 0.5 * self._stroke) < 0.5 * MIDDLE
         factor = np.abs(loops[:, is_middle].mean(axis=1)) / self._strength
         numbered = "that of the middle of a passage: 0.25 down, 0.75 up, 1.25 down, ..."
-        of_loops = (
-            loops,
-            "Pa",
-            "resistance over projected area",
-            "upward positive: below 0 on the way up",
-        )
-        of_middle = (
-            factor,
-            "1",
-            "resistance over projected area and su",
-            f"size of the mean over the middle {MIDDLE:g} radii of the stroke",
-        )
+        upward = "upward positive: below 0 on the way up"
+        of_loops = (loops, "Pa", "resistance over projected area", upward)
+        size = f"size of the mean over the middle {MIDDLE:g} radii of the stroke"
+        of_middle = (factor, "1", "resistance over projected area and su", size)
         cycles = (cycle, "1", "number of the cycle", numbered)
         axis = (place, "1", "penetration over radius of the body")
         return xr.Dataset(

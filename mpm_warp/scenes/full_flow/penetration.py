@@ -17,7 +17,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
@@ -61,11 +61,6 @@ class FullFlowPenetration(FullFlowPenetrometer):
             self.further_tests()  # all are allowed
 
     @property
-    def _alone(self) -> Self:
-        """The test without its further runs."""
-        return replace(self, uncertainty="none")
-
-    @property
     def window(self) -> Window:
         """The travel of the grid: the speed is reached after a radius."""
         return Window(speed=self.speed, ramp_travel=self.body.radius, spare_fraction=SPARE_FRACTION)
@@ -88,15 +83,15 @@ class FullFlowPenetration(FullFlowPenetrometer):
             report(0.0)
             return test.record(simulation, report)
 
+        alone = replace(self, uncertainty="none")
         if self.uncertainty == "none":
-            return self.with_exact_value(run(self, progress))
-        reasons = why_not_as_measured(self.build(), expected_scene(self._alone))
-        if reasons:
-            alone = run(self._alone, progress)
-            stated = self.error_of(alone).stated(0.0, {}, reasons)
-            return self.with_exact_value(alone.assign(stated))
-        measured = further_runs.with_measured_error(self._alone, run, progress)
-        return self.with_exact_value(measured)
+            results = run(alone, progress)
+        elif reasons := why_not_as_measured(self.build(), expected_scene(alone)):
+            results = run(alone, progress)
+            results = results.assign(self.error_of(results).stated(0.0, {}, reasons))
+        else:
+            results = further_runs.with_measured_error(alone, run, progress)
+        return self.with_exact_value(results)
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error, by choice; `ParameterError` where one is refused."""
@@ -109,7 +104,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
             "mesh_and_speed": finer | slower,
             "domain": {"domain_extent": math.ceil(full_flow.WIDER * self.domain_extent)},
         }
-        return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
+        alone = replace(self, uncertainty="none")
+        return further_runs.further_tests(alone, changes, full_flow.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
         """A run of the test, as far as its error goes."""
@@ -137,15 +133,14 @@ class FullFlowPenetration(FullFlowPenetrometer):
         spacing = SAMPLE_SPACING * self.body.radius
         moments = [k * spacing for k in range(1, round(self.penetration / SAMPLE_SPACING) + 1)]
         recorded = follow(simulation, moments, simulation.travel_to, [curve], progress)
-        empty_cells = (
-            float(_empty_cells(simulation, NEAR * self.body.radius)),
-            "1",
-            "cells near the body that no material point is in",
-            f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind",
+        empty = float(_empty_cells(simulation, NEAR * self.body.radius))
+        near = "cells near the body that no material point is in"
+        holes = f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind"
+        results = recorded.assign(
+            self._steady_values(recorded.penetration_resistance)
+            | labelled(empty_cells=(empty, "1", near, holes))
+            | energy_error(simulation, curve.work)
         )
-        steady = self._steady_values(recorded.penetration_resistance)
-        steady |= labelled(empty_cells=empty_cells)
-        results = with_energy_error(recorded.assign(steady), simulation, curve.work)
         check_energy(results)
         change = float(results.resistance_factor_change)
         if not abs(change) <= LARGEST_CHANGE:
@@ -159,20 +154,16 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def _steady_values(self, resistance: xr.DataArray) -> dict[str, xr.Variable]:
         mean, over = steady_mean(resistance)
         before, _ = steady_mean(resistance[:-STEADY_SAMPLES])
-        of_mean = (
-            mean / self.undrained_shear_strength,
-            "1",
-            "resistance over projected area and su",
-            f"mean {over}, of the excess over the in-situ stress",
+        in_the_end = f"mean {over}, of the excess over the in-situ stress"
+        of_mean = "resistance over projected area and su"
+        of_change = "change of the mean resistance over two radii"
+        since = f"mean {over} less that over the two before, over it"
+        factor = labelled(
+            role="headline",
+            resistance_factor=(mean / self.undrained_shear_strength, "1", of_mean, in_the_end),
         )
-        change = (
-            1.0 - before / mean,
-            "1",
-            "change of the mean resistance over two radii",
-            f"mean {over} less that over the two before, over it",
-        )
-        factor = labelled(role="headline", resistance_factor=of_mean)
-        return factor | labelled(resistance_factor_change=change) | by_mode(self, **factor)
+        change = labelled(resistance_factor_change=(1.0 - before / mean, "1", of_change, since))
+        return factor | change | by_mode(self, **factor)
 
 
 def _empty_cells(simulation: Simulation, height: float) -> int:

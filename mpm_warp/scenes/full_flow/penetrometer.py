@@ -23,7 +23,7 @@ from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround
+from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.cone.penetration import penetration_axis
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
@@ -143,7 +143,7 @@ class FullFlowPenetrometer(FieldClayScene):
         maximum=0.1,
     )
     cells_per_radius: int = parameter(4, "cells per radius of the body", minimum=2, maximum=40)
-    cell_growth: float = redefined(ConeGrid, "cell_growth")
+    cell_growth: float = redefined(ConeInGround, "cell_growth")
     particles_per_cell: int = parameter(9, "material points per cell", choices=(4, 9, 16))
     domain_extent: int = parameter(
         8,

@@ -15,7 +15,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import TOP, ErrorLaws, top_error
+from mpm_warp.uncertainty.laws import TOP, top_error
 from mpm_warp.uncertainty.pore_pressure import shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
@@ -28,6 +28,8 @@ NOISE = 0.002
 """Half width of the noise of a mean over a radius, over the resistance."""
 PRESSURE_NOISE = 0.1
 """Half width of the noise of one sample of u2, over strength."""
+HALF_WIDTH = "half width, 95 %"
+"""What an uncertainty is."""
 UNDISTURBED = 20
 """Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
 
@@ -52,54 +54,34 @@ def sounding_curves(
     vertical = ground.vertical_stress_at(depth)
     simulated = given.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
-    by_laws = np.isfinite(error.half_width) & (measured is None)
-    pressure, pressure_half_width = _pore_pressure(
-        sounding, depth, given.excess_pore_pressure_shoulder.values, by_laws
-    )
-    net = simulated + error.correction * around
+    net, of_net = simulated + error.correction * around, error.half_width
+    by_laws = np.isfinite(of_net) & (measured is None)
+    simulated_u2 = given.excess_pore_pressure_shoulder.values
+    u2, of_u2 = _pore_pressure(sounding, depth, simulated_u2, by_laws)
     at_depth = "when the tip is at the depth"
-    half_width = "half width, 95 %, of a sample; not a number where the error is not known"
+    corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
+    sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
+    half_width = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
+    resistance, pressure = "net cone resistance", "excess pore pressure u2"
+    beside = f"behind the shoulder {at_depth}"
+    over_mean = "net resistance over mean strength around the tip"
+    near = f"from {AROUND:g} radii above the tip to {AROUND:g} below it"
     own = curves(
         "depth",
         (depth, "m", "depth of the tip"),
-        net_resistance=(
-            net,
-            "Pa",
-            "net cone resistance",
-            "qt - sigma_v0, as simulated and corrected for mesh, speed and window",
-        ),
-        net_resistance_uncertainty=(
-            error.half_width,
-            "Pa",
-            "uncertainty of the net cone resistance",
-            half_width,
-        ),
+        net_resistance=(net, "Pa", resistance, corrected),
+        net_resistance_uncertainty=(of_net, "Pa", f"uncertainty of the {resistance}", half_width),
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
-        sleeve_friction=(
-            given.sleeve_friction.values,
-            "Pa",
-            "sleeve friction",
-            f"mean shear stress on the sleeve of 150 cm2 {at_depth}",
-        ),
-        excess_pore_pressure=(
-            pressure,
-            "Pa",
-            "excess pore pressure u2",
-            f"behind the shoulder {at_depth}",
-        ),
+        sleeve_friction=(given.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
+        excess_pore_pressure=(u2, "Pa", pressure, beside),
         excess_pore_pressure_uncertainty=(
-            pressure_half_width,
+            of_u2,
             "Pa",
-            "uncertainty of the excess pore pressure u2",
+            f"uncertainty of the {pressure}",
             half_width,
         ),
         cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
-        cone_factor_around_tip=(
-            net / around,
-            "1",
-            "net resistance over mean strength around the tip",
-            f"from {AROUND:g} radii above the tip to {AROUND:g} below it",
-        ),
+        cone_factor_around_tip=(net / around, "1", over_mean, near),
         strength=(strength, "Pa", "undrained shear strength"),
         vertical_stress=(vertical, "Pa", "in-situ vertical total stress"),
         contact_share=(given.contact_share.values, "1", "share of cone and shaft in contact"),
@@ -125,19 +107,13 @@ def error_of_samples(
         return ground.mean_strength_around(depth, AROUND * radius)
 
     around = strength_around(depth)
-    laws = ErrorLaws(
+    laws = sounding.error_laws(
         rigidity_index=ground.shear_modulus_at(depth) / ground.strength_at(depth),
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         poissons_ratio=sounding.poissons_ratio,
         bounded=0.0,
         inertia=sounding.dynamic_pressure / around,
-        cell_size=cell / radius,
-        cell_growth=sounding.cell_growth,
-        outer=sounding.domain_radius,
-        above=sounding.domain_above,
-        below=sounding.domain_below,
-        extent_ratio=sounding.extent_ratio,
         way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
     )
     surface = {}
@@ -171,7 +147,7 @@ def _pore_pressure(
     adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
     correction, half_width = shoulder_error(
         simulated / strength,
-        cell_size=sounding.cell_size / radius,
+        cell_size=sounding.relative_cell_size,
         adhesion_factor=adhesion,
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
     )
@@ -192,15 +168,12 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
     last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
     greatest = float(half_width.max(skipna=False))  # one that is not known is the greatest
-    factor = (
-        float(last.cone_factor_at_tip.mean()),
-        "1",
-        "cone factor over strength at the tip, at the end",
-        f"mean over the last {count * SAMPLE_SPACING:g} radii",
-    )
-    described = "half width, 95 %: the greatest of its samples"
-    uncertainty = (greatest, "1", "uncertainty of the cone factor at the end", described)
-    return labelled(role="headline", last_cone_factor=factor) | labelled(
+    factor = float(last.cone_factor_at_tip.mean())
+    meaning = "cone factor over strength at the tip, at the end"
+    over = f"mean over the last {count * SAMPLE_SPACING:g} radii"
+    of_samples = f"{HALF_WIDTH}: the greatest of its samples"
+    uncertainty = (greatest, "1", "uncertainty of the cone factor at the end", of_samples)
+    return labelled(role="headline", last_cone_factor=(factor, "1", meaning, over)) | labelled(
         role="uncertainty", last_cone_factor_uncertainty=uncertainty
     )
 
@@ -225,20 +198,12 @@ def layer_values(
         return _ways_felt(distance, share)
     in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
     reached = float(np.nanmax(share[in_layer], initial=-math.inf))
-    share_reached = (
-        reached,
-        "1",
-        "share of the layer's resistance that is reached",
-        "greatest change, mean over a radius, over that in a layer without end",
-    )
-    uncertainty = (
-        _half_width(sounding, reached, factor) if is_known else math.nan,
-        "1",
-        "uncertainty of the share of the layer's resistance",
-        "half width, 95 %",
-    )
-    return labelled(role="headline", layer_share=share_reached) | labelled(
-        role="uncertainty", layer_share_uncertainty=uncertainty
+    half_width = _half_width(sounding, reached, factor) if is_known else math.nan
+    meaning = "share of the layer's resistance that is reached"
+    what = "greatest change, mean over a radius, over that in a layer without end"
+    of_share = "uncertainty of the share of the layer's resistance"
+    return labelled(role="headline", layer_share=(reached, "1", meaning, what)) | labelled(
+        role="uncertainty", layer_share_uncertainty=(half_width, "1", of_share, HALF_WIDTH)
     )
 
 
@@ -272,19 +237,13 @@ def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
     That is told by the share of its change that is reached at distances below the border, over the
     cone's radius, both of shape [n].
     """
+    before, behind = _first(-distance, share > FELT), _first(distance, share > 1.0 - FELT)
+    changed = f"the resistance has changed by {FELT:.0%} of its whole change"
+    lacks = f"the resistance lacks {FELT:.0%} of its whole change"
+    above = "way above the border from which on it is felt, over cone radius"
+    below = "way below the border up to which it is felt, over cone radius"
     return labelled(
-        felt_before=(
-            _first(-distance, share > FELT),
-            "1",
-            "way above the border from which on it is felt, over cone radius",
-            f"the resistance has changed by {FELT:.0%} of its whole change",
-        ),
-        felt_behind=(
-            _first(distance, share > 1.0 - FELT),
-            "1",
-            "way below the border up to which it is felt, over cone radius",
-            f"the resistance lacks {FELT:.0%} of its whole change",
-        ),
+        felt_before=(before, "1", above, changed), felt_behind=(behind, "1", below, lacks)
     )
 
 

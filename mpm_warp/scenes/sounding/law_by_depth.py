@@ -13,7 +13,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import OtherLaw, other_law, other_laws
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.sounding.profile import (
+from mpm_warp.scenes.sounding.table import (
     EARTH_PRESSURE,
     MEAN_STRESS,
     OF_EFFECTIVE_STRESS,
@@ -22,6 +22,7 @@ from mpm_warp.scenes.sounding.profile import (
     effective_vertical_stress,
     refused,
     with_anisotropy,
+    without_effective_stress,
 )
 
 PARTS = 10
@@ -77,8 +78,8 @@ def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[
             f"there is no effective vertical stress at {where:g} m, which the law needs: begin the "
             "ground deeper"
         )
-    rest = {name: column for name, column in columns.items() if name not in OF_EFFECTIVE_STRESS}
-    return rest | {VERTICAL: vertical, HORIZONTAL: columns["K0"] * vertical}
+    stresses = {VERTICAL: vertical, HORIZONTAL: columns["K0"] * vertical}
+    return without_effective_stress(columns) | stresses
 
 
 def _of_stresses(rows: dict[str, Floats], own: Collection[str]) -> Floats | None:

@@ -12,10 +12,10 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.cone.parameters import ConeGrid, ConeInGround, FittedToCone
+from mpm_warp.scenes.cone.parameters import FittedToCone
 from mpm_warp.scenes.sounding.law_by_depth import with_strength
-from mpm_warp.scenes.sounding.profile import PROFILE, Profile, columns_of, refused
+from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of, refused
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -39,7 +39,7 @@ has left the window above, nothing of the surface is in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
+class SoundingTest(FittedToCone, FieldClayScene):
     """Ground, penetrometer and method of a sounding."""
 
     method = (
@@ -128,11 +128,10 @@ class SoundingTest(ConeGrid, ConeInGround, FittedToCone, FieldClayScene):
         }
 
     @property
-    def default_extents(self) -> dict[str, float]:
-        """Extents of a window that the resistance hardly depends on, over cone radius."""
+    def greatest_rigidity_index(self) -> float:
+        """See `FittedToCone`."""
         ground = self.ground
-        index = float((ground.shear_modulus / ground.strength).max())
-        return ConePenetration(rigidity_index=index).default_extents
+        return float((ground.shear_modulus / ground.strength).max())
 
     @property
     def ground(self) -> Profile:

@@ -20,7 +20,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
-from mpm_warp.scenes.cone.soundness import check_energy, with_energy_error
+from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.run_size import RunSize, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
@@ -105,7 +105,7 @@ class Sounding(SoundingTest):
         }
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
         test: Any = ConePenetration.offered()
-        common = [name for name in parameters_of(type(self)) if name in parameters_of(test)]
+        common = parameters_of(type(self)).keys() & parameters_of(test).keys()
         values = {name: getattr(self, name) for name in common}
         # A window by default is that of the sounding; the test would derive another.
         kept = {
@@ -217,11 +217,7 @@ class Sounding(SoundingTest):
         )
 
     def run_size(self) -> RunSize:
-        """Cells and material points of the grid, and the steps to the last depth of the stretch.
-
-        With the uncertainty to be measured, those of the largest run, and the steps that it would
-        do in the time of all.
-        """
+        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         tests = () if self.uncertainty == "known" else self.tests_by_depth.values()
         return of_several([self._run_size, *(test.run_size() for test in tests)])
 
@@ -253,30 +249,23 @@ class Sounding(SoundingTest):
             except FAILURES as error:
                 made.append(f"further runs: {error}")
         simulation = Simulation(self.build(), execution)
-        results = self._recorded(simulation, own, measured_by(list(tests), made))
+        results = self.record(simulation, own, measured_by(list(tests), made))
         return with_cost(results, [further for further in made if isinstance(further, xr.Dataset)])
 
-    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Push the penetrometer through the ground.
+    def record(
+        self, simulation: Simulation, progress: Progress, measured: MeasuredError | None = None
+    ) -> xr.Dataset:
+        """Push the penetrometer through the ground; the error is as measured, or as known.
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work; not while the
                 surface is in the window, where no accuracy is stated.
         """
-        return self._recorded(simulation, progress, None)
-
-    def _recorded(
-        self, simulation: Simulation, progress: Progress, measured: MeasuredError | None
-    ) -> xr.Dataset:
-        """What `record` gives, with the error as measured, or as known where it was not."""
-        curves = PenetrationCurves(
-            simulation, radius=self.cone_radius, unsteady=math.inf, tolerance=0.0
-        )
+        curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(
             simulation,
             penetrometer=self.penetrometer,
             adhesion_factor=lambda travel: float(self.shaft_adhesion_at(self.start_depth + travel)),
-            slowing=None,
         )
         why_none: list[str] = []
         if measured is None:
@@ -296,7 +285,7 @@ class Sounding(SoundingTest):
         layer = layer_values(self, over_depth, is_known=laws_hold)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
-        results = with_energy_error(over_depth.assign(values), simulation, curves.work)
+        results = over_depth.assign(values | energy_error(simulation, curves.work))
         if not self.starts_at_surface or self.travel >= self.surface_passed:
             check_energy(results)
         return results

@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,16 +11,11 @@ from mpm_warp import Snapshots
 from mpm_warp.errors import InaccurateRun, SimulationDiverged
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.sampling import ContactForces, transferred_energy
-from mpm_warp.scenes.cone import cone_penetration
+from mpm_warp.scenes.cone import penetration
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
-from mpm_warp.scenes.cone.parameters import DERIVED_BY_ERROR
-from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import why_not_as_measured
-from mpm_warp.uncertainty.cone import why_laws_do_not_hold
-from mpm_warp.uncertainty.laws import LARGEST_INERTIA
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
@@ -107,12 +101,12 @@ def test_the_energy_error_is_what_the_transfers_made_of_the_penetrometers_work(
     """They dissipate noise, create nothing."""
     expected: list[float] = []
 
-    class Noted(PenetrationCurves):
+    class Noted(penetration.PenetrationCurves):
         def dataset(self) -> xr.Dataset:
-            expected.append(transferred_energy(self._simulation) / self.work)
+            expected.append(transferred_energy(self.simulation) / self.work)
             return super().dataset()
 
-    monkeypatch.setattr(cone_penetration, "PenetrationCurves", Noted)
+    monkeypatch.setattr(penetration, "PenetrationCurves", Noted)
     result = ConePenetration(cells_per_radius=2.0, penetration=2.0, steady_tolerance=0).run()
     assert [float(result.energy_error)] == expected
     assert -LARGEST_ENERGY_ERROR < expected[0] < 0.0
@@ -156,124 +150,6 @@ def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     assert end.value.status == "inaccurate"
     assert end.value.curves.sizes["penetration"] == 10
     assert end.value.curves.cone_factor > 0.0
-
-
-@pytest.mark.parametrize(
-    ("rigidity_index", "ratio"), [(100.0, 0.25), (5000.0, math.sqrt(7.0 / 5000.0))]
-)
-def test_the_approach_is_as_fast_as_its_inertia_allows(rigidity_index: float, ratio: float) -> None:
-    test = ConePenetration(rigidity_index=rigidity_index)
-    assert test.approach_speed_ratio == pytest.approx(ratio, rel=ROUNDING)
-    assert ConePenetration(approach_speed_ratio=0.2).approach_speed_ratio == 0.2
-
-
-@pytest.mark.parametrize(
-    ("changes", "ratio"),
-    [
-        ({"rigidity_index": 64.0}, 0.0375),
-        ({"rigidity_index": 25.0}, 0.05),
-        ({"rigidity_index": 400.0}, 0.03),
-        ({"rigidity_index": 25.0, "accuracy": "quick"}, 0.045),
-        ({"rigidity_index": 25.0, "accuracy": "fine"}, 0.03),
-        ({"rigidity_index": 64.0, "material": "von_mises"}, 0.03),
-        ({"rigidity_index": 64.0, "remoulded_strength_ratio": 0.5, "ductility": 10.0}, 0.03),
-    ],
-)
-def test_soft_clay_whose_error_is_known_is_penetrated_with_the_inertia_of_stiffer_clay(
-    changes: dict[str, float | str], ratio: float
-) -> None:
-    """Ir V^2 over the square of the shear wave's speed is that at Ir 100, 0.09."""
-    assert ConePenetration(**changes).speed_ratio == pytest.approx(ratio, rel=ROUNDING)
-
-
-@pytest.mark.parametrize(
-    ("changes", "bulk_modulus"),
-    [
-        ({"rigidity_index": 200.0}, 5e3),
-        ({"rigidity_index": 20.0, "accuracy": "quick"}, 250.0),
-        ({"rigidity_index": 400.0, "accuracy": "fine"}, 1e4),
-    ],
-)
-def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
-    changes: dict[str, Any], bulk_modulus: float
-) -> None:
-    """K / G = 2 (1 + nu) / (3 (1 - 2 nu)), and K is given over su."""
-    test = ConePenetration(**changes)
-    bound = test.poissons_ratio_bound
-    over_shear = 2.0 * (1.0 + bound) / (3.0 * (1.0 - 2.0 * bound))
-    assert over_shear * test.rigidity_index == pytest.approx(bulk_modulus, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"material": "von_mises"},
-        {"remoulded_strength_ratio": 0.5, "ductility": 10.0},
-        {"apex_angle": 90.0},
-        {"friction_coefficient": 0.1},
-        {"uncertainty": "measured"},
-        {"stress_anisotropy": 0.96},
-        {"rigidity_index": 2001.0},
-        {"cells_per_radius": 1.2},
-        {"domain_below": 10.0},
-        {"speed_ratio": 0.1},
-        {"penetration": 3.0},
-    ],
-)
-def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
-    test = ConePenetration(**{"rigidity_index": 400.0} | changes)
-    assert test.poissons_ratio_bound == 0.4999
-
-
-def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_error() -> None:
-    """It may build another clay, whose error no law takes off; if it does not, U is known."""
-
-    class OwnTest(ConePenetration):
-        pass
-
-    for index in (50.0, 400.0):
-        test = OwnTest(rigidity_index=index)
-        assert (test.poissons_ratio_bound, test.speed_ratio) == (0.4999, 0.03)
-        assert why_not_as_measured(test.build(), test._expected) == []
-
-
-@pytest.mark.parametrize("accuracy", ["quick", "standard", "fine"])
-@pytest.mark.parametrize("index", [50.0, 400.0])
-def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: str) -> None:
-    test = ConePenetration(rigidity_index=index, accuracy=accuracy)
-    assert why_not_as_measured(test.build(), test._expected) == []
-
-
-def test_further_runs_have_the_method_by_default_of_the_test_whose_error_they_measure() -> None:
-    for index in (50.0, 500.0):
-        test = ConePenetration(rigidity_index=index, uncertainty="measured")
-        assert why_not_as_measured(test.build(), test._expected) == []
-        for choice, further in test.further_tests().items():
-            own = ["cells_per_radius"] * (choice == "mesh") + ["speed_ratio"] * (choice == "speed")
-            for name in {*DERIVED_BY_ERROR} - {*own}:
-                assert getattr(further, name) == getattr(test, name)
-
-
-def test_quick_tests_in_soft_clay_have_four_rows_beside_the_face() -> None:
-    soft, stiff = (
-        ConePenetration(accuracy="quick", rigidity_index=index) for index in (99.0, 100.0)
-    )
-    assert soft.relative_cell_size == pytest.approx(math.sqrt(3.0) / 4.0, rel=ROUNDING)
-    assert stiff.relative_cell_size == pytest.approx(math.sqrt(3.0) / 3.0, rel=ROUNDING)
-
-
-def test_quick_tests_in_very_stiff_clay_are_no_faster_than_their_error_is_known() -> None:
-    test = ConePenetration(accuracy="quick", rigidity_index=2000.0)
-    assert why_laws_do_not_hold(test.laws(way=test.penetration)) == []
-    inertia = test.rigidity_index * test.speed_ratio**2
-    assert inertia == pytest.approx(LARGEST_INERTIA, rel=2.0 * ROUNDING)
-
-
-def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_value() -> None:
-    assert ConePenetration().poissons_ratio_bound > ConePenetration().poissons_ratio
-    assert ConePenetration(rigidity_index=2000.0).poissons_ratio_bound == 0.45
-    soft = ConePenetration(rigidity_index=2.0, accuracy="fine")
-    assert soft.poissons_ratio_bound == 0.4999
 
 
 @pytest.mark.parametrize(

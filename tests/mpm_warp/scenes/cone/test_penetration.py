@@ -31,7 +31,7 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
         return taken[-1]
 
     monkeypatch.setattr(ContactForces, "take", noted)
-    curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius, unsteady=1.0, tolerance=0.0)
+    curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius)
     way, work = 0.0, 0.0
     for number in range(1, 11):
         simulation.travel_to(number * SAMPLE_SPACING * SMOOTH.cone_radius)
@@ -50,7 +50,7 @@ def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
 
 def test_a_step_past_several_samples_gives_each_the_same_forces() -> None:
     simulation = Simulation(SMOOTH.build())
-    curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius, unsteady=1.0, tolerance=0.0)
+    curves = PenetrationCurves(simulation, radius=SMOOTH.cone_radius)
     simulation.travel_to(SAMPLE_SPACING * SMOOTH.cone_radius)
     curves.sample()
     curves.sample()

@@ -1,0 +1,129 @@
+"""What the method of a cone test is by default, and the laws of its error, on which that depends.
+
+Laws that take the error of a method off allow a method of less cost.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from mpm_warp.scenes.cone.parameters import ConeTest
+from mpm_warp.scenes.cone.penetrometer import ROUNDING
+from mpm_warp.uncertainty import cone
+from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
+from mpm_warp.uncertainty.steadiness import steady_penetration
+
+CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
+WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
+SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
+"""Cells per cone radius, extents of the window over those of `default_extents`, and speed over that
+of shear waves in stiff clay, by accuracy."""
+SOFT_CELLS_PER_RADIUS = 2.31
+"""The same where accuracy is quick, below the rigidity index `STIFF`: four rows, not three."""
+BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
+"""Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
+the lower it is."""
+COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
+"""Poisson's ratios that the bound of it is by default at least and at most."""
+DERIVED_BY_ERROR = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
+"""What follows by default from whether the error of a test is known."""
+STIFF, SOFT_SPEED_RATIO = 100.0, 0.05
+"""Rigidity index below which the speed follows the inertia rho V^2 / su, and up to what speed."""
+SPARE = 4.5
+"""Penetration that is left for a resistance that becomes steady late, in cone radii."""
+INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
+"""What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConeTestByDefault(ConeTest):
+    """A cone test whose method follows from its clay where it is not given."""
+
+    def derived(self) -> Mapping[str, float]:
+        """The shaft is as rough as the face; window and approach follow the rigidity index."""
+        extents = {
+            name: WINDOW[self.accuracy] * by_law for name, by_law in self.default_extents.items()
+        }
+        above = extents["domain_above"] if self.domain_above is None else self.domain_above
+        # Soil that the cone has never passed has then left the window.
+        approach = above + 1.0 if self.approach is None else self.approach
+        by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
+        return extents | {
+            "cells_per_radius": self._cells_per_radius,
+            "speed_ratio": self._speed_ratio,
+            "poissons_ratio_bound": self._bound,
+            "shaft_adhesion_factor": self.adhesion_factor,
+            "approach_speed_ratio": min(SPEED_RATIO_OF_APPROACH, by_inertia),
+            "approach": approach,
+            "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
+        }
+
+    @property
+    def _bound(self) -> float:
+        """Poisson's ratio of the greatest bulk modulus over su that is simulated by default.
+
+        It is bounded where laws take the error of the test off, that of the bound too.
+        """
+        if self.poissons_ratio_bound is not None or not self._error_is_known:
+            return INCOMPRESSIBLE
+        unbounded = replace(self, poissons_ratio_bound=INCOMPRESSIBLE)
+        if cone.why_laws_do_not_hold(unbounded.laws(way=unbounded.penetration)):
+            return INCOMPRESSIBLE
+        over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
+        of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
+        return min(INCOMPRESSIBLE, max(COMPRESSIBLE, of_bulk_modulus))
+
+    def laws(self, way: float) -> ErrorLaws:
+        """The laws of the error after a way, over the cone's radius."""
+        return self.error_laws(
+            rigidity_index=self.rigidity_index,
+            adhesion_factor=self.adhesion_factor,
+            stress_anisotropy=self.stress_anisotropy,
+            poissons_ratio=self.poissons_ratio - self.bounded,
+            bounded=self.bounded,
+            inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
+            way=way,
+        )
+
+    @property
+    def bounded(self) -> float:
+        """What the bound takes off Poisson's ratio."""
+        return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
+
+    @property
+    def _cells_per_radius(self) -> float:
+        """Cells per radius by default: more in quick tests in soft clay, whose factor is small."""
+        if self.accuracy == "quick" and self.rigidity_index < STIFF and self._error_is_known:
+            return SOFT_CELLS_PER_RADIUS
+        return CELLS_PER_RADIUS[self.accuracy]
+
+    @property
+    def _error_is_known(self) -> bool:
+        """Whether laws take the error off, and not further runs of the same method."""
+        is_as_measured = self.apex_angle == APEX_ANGLE and self.friction_coefficient == 0.0
+        return self._is_plain_tresca and is_as_measured and self.uncertainty == "known"
+
+    @property
+    def _is_plain_tresca(self) -> bool:
+        """Whether the clay is one whose error is known: perfectly plastic, Tresca.
+
+        A scene of another package may build any other clay of the same parameters.
+        """
+        is_ours = type(self).__module__.partition(".")[0] == __package__.partition(".")[0]
+        return is_ours and self.material == "tresca" and not self.strength_changes
+
+    @property
+    def _speed_ratio(self) -> float:
+        """Speed over that of shear waves by default: in soft clay of the inertia in stiff clay.
+
+        In other clay no law of the error takes the effect of inertia off, so it is slower. So are
+        quick tests, which would gain little, and fine ones, whose uncertainty is small. In very
+        stiff clay quick tests have the greatest inertia whose effect is known.
+        """
+        ratio = SPEED_RATIO[self.accuracy]
+        if not self._is_plain_tresca:
+            return ratio
+        if self.accuracy != "standard":
+            return min(ratio, math.sqrt((1.0 - ROUNDING) * LARGEST_INERTIA / self.rigidity_index))
+        of_same_inertia = ratio * math.sqrt(STIFF / self.rigidity_index)
+        return max(ratio, min(of_same_inertia, SOFT_SPEED_RATIO))

@@ -1,0 +1,217 @@
+"""The text of a ground by depth: a table of columns with units.
+
+The text has a header that names columns and units, and a row for each depth; rows are parted by
+new lines or by semicolons, values by commas:
+
+    depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
+    0, 40, 100, 18
+    2, 15, 100, 17
+    12, 35, 100, 17
+    12, 80, 150, 19
+    20, 90, 150, 19
+
+Two rows of one depth make the border of two layers. A row that begins with # is a remark. Ground of
+a law with parameters of its own may have these as columns too, by their names.
+
+In place of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress,
+and ground_water [m], the depth of the water table. At each row they give
+
+    Delta = (1 - K0) (sigma_v0 - u0) / (2 su),   u0 = 9.81 kN/m3 below the table
+
+and its effective stress is linear between rows; where the water table lies between two rows, a row
+is added there. A law of effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
+"""
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range
+from mpm_warp.errors import ParameterError
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.other_laws import loaded_laws, other_law
+from mpm_warp.parameters import nearest_parameter
+
+PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "depth": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "strength": PRESSURES,
+    "rigidity_index": {"1": 1.0},
+    "shear_modulus": PRESSURES,
+    "unit_weight": {"N/m3": 1.0, "kN/m3": 1e3},
+    "adhesion_factor": {"1": 1.0},
+    "stress_anisotropy": {"1": 1.0},
+    "K0": {"1": 1.0},
+    "ground_water": {"m": 1.0},
+}
+"""Units of each column, and what they are in SI units."""
+OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
+"""What a column may be called too."""
+OF_EFFECTIVE_STRESS = ("K0", "ground_water")
+"""Columns that give the stress anisotropy together."""
+MEAN_STRESS, EARTH_PRESSURE = "mean_effective_stress", "earth_pressure_at_rest"
+"""What a law of effective stress calls its p0' and K0; these columns give them too."""
+OF_REST = ("K0", EARTH_PRESSURE, "vertical_overconsolidation_ratio")
+"""Columns by which there is a stress anisotropy."""
+OWN = tuple(name for name in UNITS if name not in ("rigidity_index", *OF_EFFECTIVE_STRESS))
+"""Columns that all ground may have."""
+STIFFNESS = ("rigidity_index", "shear_modulus")
+UNIT_WEIGHT, UNIT_WEIGHT_OF_WATER = 17e3, 9.81e3
+"""Of ground where no column has it, and of water [N/m3]."""
+PROFILE = "profile"
+"""The parameter of a sounding that holds such a text, and the table of a study that gives it."""
+ALLOWED = {
+    "depth": NOT_NEGATIVE,
+    "unit_weight": NOT_NEGATIVE,
+    "adhesion_factor": Range(minimum=0.0, maximum=1.0),
+    "stress_anisotropy": Range(above=-1.0, below=1.0),
+    "ground_water": NOT_NEGATIVE,
+}
+"""What the values of a column must be; the others are positive."""
+
+
+def refused(problem: str) -> ParameterError:
+    """The error of a profile, in one line."""
+    return ParameterError(PROFILE, f"{PROFILE}: {problem}")
+
+
+def check_rows(name: str, values: Floats, allowed: Range | None = None) -> None:
+    """Check that a column has no value that is not allowed; by default see `ALLOWED`."""
+    allowed = allowed or ALLOWED.get(name, POSITIVE)
+    for row, value in enumerate(values.tolist(), 1):
+        if not allowed.holds(value, value):
+            raise refused(f"{name} in row {row} is {value:g}, must be {allowed.allowed}")
+
+
+def columns_of(text: str) -> dict[str, Floats]:
+    """The columns of a table, by name, in SI units, each of shape [row_count].
+
+    Raises:
+        ParameterError: header or rows are malformed.
+    """
+    lines = [piece.strip() for piece in re.split(r"[;\n]", text)]
+    header, *lines = [line for line in lines if line and not line.startswith("#")] or [""]
+    factors = _header(header)
+    if not lines:
+        raise refused("has no rows below its header")
+    table = np.array([_row(number, line, factors) for number, line in enumerate(lines, 1)])
+    columns = dict(zip(factors, (table * list(factors.values())).T, strict=True))
+    if not columns.keys() & {*OF_EFFECTIVE_STRESS}:
+        return columns
+    columns = _with_row_at_water_table(columns)
+    vertical = effective_vertical_stress(columns)
+    if "strength" not in columns:  # of a law that has its own; see `with_strength`
+        return columns
+    check_rows("strength", columns["strength"])
+    return with_anisotropy(columns, (1.0 - columns["K0"]) * vertical)
+
+
+def _with_row_at_water_table(columns: dict[str, Floats]) -> dict[str, Floats]:
+    """Columns with a row where the water begins, as the effective stress has a kink there."""
+    depth, water = columns["depth"], columns.get("ground_water", np.zeros(len(columns["depth"])))
+    if "rigidity_index" in columns and "strength" in columns:  # what is linear between rows is G
+        columns["shear_modulus"] = columns.pop("rigidity_index") * columns["strength"]
+    between = (depth[:-1] < water[:-1]) & (water[:-1] == water[1:]) & (water[1:] < depth[1:])
+    for row in np.flatnonzero(between)[:1]:  # a level table is at one depth
+        ends = slice(row, row + 2)
+        return {
+            name: np.insert(column, row + 1, np.interp(water[row], depth[ends], column[ends]))
+            for name, column in columns.items()
+        }
+    return columns
+
+
+def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:
+    """sigma_v0 - u0 at the rows [Pa], of columns that have K0 and ground water."""
+    for name in OF_EFFECTIVE_STRESS:
+        if name not in columns:
+            raise refused(f"column {name} is missing; K0 and ground_water go together")
+    if "stress_anisotropy" in columns:
+        raise refused("has K0 and stress_anisotropy; keep one of them")
+    columns = {"unit_weight": np.full_like(columns["depth"], UNIT_WEIGHT)} | dict(columns)
+    for name in ("depth", "unit_weight", *OF_EFFECTIVE_STRESS):
+        check_rows(name, columns[name])
+    depth, weight = columns["depth"], columns["unit_weight"]
+    between = np.diff(depth) * 0.5 * (weight[1:] + weight[:-1])
+    stress = weight[0] * depth[0] + np.concatenate([[0.0], np.cumsum(between)])
+    pressure = UNIT_WEIGHT_OF_WATER * np.maximum(0.0, depth - columns["ground_water"])
+    effective: Floats = stress - pressure
+    return effective
+
+
+def without_effective_stress(columns: Mapping[str, Floats]) -> dict[str, Floats]:
+    """The columns beside K0 and ground water."""
+    return {name: column for name, column in columns.items() if name not in OF_EFFECTIVE_STRESS}
+
+
+def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str, Floats]:
+    """Columns with the stress anisotropy in the place of K0 and ground water.
+
+    `deviator` is vertical less horizontal stress at the rows [Pa]; the strength is among `columns`.
+    """
+    anisotropy = deviator / (2.0 * columns["strength"])
+    check_rows("stress_anisotropy by K0", anisotropy, ALLOWED["stress_anisotropy"])
+    return without_effective_stress(columns) | {"stress_anisotropy": anisotropy}
+
+
+def units_of(name: str) -> Mapping[str, float]:
+    """Units of a column: of the ground, or a parameter of a law; the first is that of SI."""
+    if name in UNITS:
+        return UNITS[name]
+    of_laws = {
+        key: definition.unit
+        for law in loaded_laws()
+        for key, definition in other_law(law).parameters.items()
+    }
+    if name not in of_laws:
+        raise refused(f"unknown column {name!r}{nearest_parameter(name, [*UNITS, *of_laws])}")
+    return PRESSURES if of_laws[name] == "Pa" else {of_laws[name]: 1.0}
+
+
+def text_of(columns: Mapping[str, Floats]) -> str:
+    """A table of one line of columns in SI units; `columns_of` gives the same columns."""
+    header = [f"{name} [{next(iter(units_of(name)))}]" for name in columns]
+    rows = [", ".join(map(repr, row)) for row in np.stack(list(columns.values()), -1).tolist()]
+    return "; ".join([", ".join(header), *rows])
+
+
+def replaced_by(text: str) -> set[str]:
+    """Parameters of a sounding whose place a table takes: its columns and the stiffness."""
+    columns = columns_of(text).keys()
+    by_rest = {"stress_anisotropy", MEAN_STRESS} if columns & {*OF_REST} else set()
+    return {*columns, *STIFFNESS} | by_rest
+
+
+def _header(line: str) -> dict[str, float]:
+    """The columns of a header, and what their units are in SI units."""
+    factors: dict[str, float] = {}
+    for cell in line.split(","):
+        match = re.fullmatch(r"\s*([A-Za-z_]\w*)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
+        if match is None:
+            raise refused("header: must name columns with units, as in 'depth [m], strength [kPa]'")
+        name, unit = match.groups()
+        name = OTHER_NAMES.get(name, name)
+        units = units_of(name)
+        if unit not in units:
+            given = f"has the unit [{unit}]" if unit else "has no unit"
+            known = " or ".join(f"[{known_unit}]" for known_unit in units)
+            raise refused(f"column {name} {given}, must have {known}")
+        if name in factors:
+            raise refused(f"column {name} is there twice")
+        factors[name] = units[unit]
+    if "depth" not in factors:
+        raise refused("column depth is missing")
+    if all(name in factors for name in STIFFNESS):
+        raise refused("has rigidity_index and shear_modulus; keep one of them")
+    return factors
+
+
+def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
+    cells = line.split(",")
+    if len(cells) != len(columns):
+        raise refused(f"row {number} {line!r} has {len(cells)} values, must have {len(columns)}")
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError:
+        raise refused(f"row {number} {line!r}: must be numbers") from None

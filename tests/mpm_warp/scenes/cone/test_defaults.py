@@ -1,0 +1,118 @@
+"""What the method of a cone test is by default: cheaper where laws take its error off."""
+
+import math
+from typing import Any
+
+import pytest
+
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
+from mpm_warp.uncertainty.built import why_not_as_measured
+from mpm_warp.uncertainty.cone import why_laws_do_not_hold
+from mpm_warp.uncertainty.laws import LARGEST_INERTIA
+
+ROUNDING = 1e-9
+SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
+
+
+@pytest.mark.parametrize(
+    ("rigidity_index", "changes", "name", "value"),
+    [
+        (100.0, {}, "approach_speed_ratio", 0.25),
+        (5000.0, {}, "approach_speed_ratio", math.sqrt(7.0 / 5000.0)),
+        # Ir V^2 over the square of the shear wave's speed is that at Ir 100, 0.09.
+        (64.0, {}, "speed_ratio", 0.0375),
+        (25.0, {}, "speed_ratio", 0.05),
+        (400.0, {}, "speed_ratio", 0.03),
+        (25.0, {"accuracy": "quick"}, "speed_ratio", 0.045),
+        (25.0, {"accuracy": "fine"}, "speed_ratio", 0.03),
+        (64.0, {"material": "von_mises"}, "speed_ratio", 0.03),
+        (64.0, SOFTENING, "speed_ratio", 0.03),
+        (99.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 4.0),
+        (100.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 3.0),
+    ],
+)
+def test_speed_and_cells_follow_the_clay(
+    rigidity_index: float, changes: dict[str, Any], name: str, value: float
+) -> None:
+    test = ConePenetration(rigidity_index=rigidity_index, **changes)
+    assert getattr(test, name) == pytest.approx(value, rel=ROUNDING)
+
+
+def test_quick_tests_in_very_stiff_clay_are_no_faster_than_their_error_is_known() -> None:
+    test = ConePenetration(accuracy="quick", rigidity_index=2000.0)
+    assert why_laws_do_not_hold(test.laws(way=test.penetration)) == []
+    inertia = test.rigidity_index * test.speed_ratio**2
+    assert inertia == pytest.approx(LARGEST_INERTIA, rel=2.0 * ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("rigidity_index", "accuracy", "bulk_modulus"),
+    [(200.0, "standard", 5e3), (20.0, "quick", 250.0), (400.0, "fine", 1e4)],
+)
+def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
+    rigidity_index: float, accuracy: str, bulk_modulus: float
+) -> None:
+    """K / G = 2 (1 + nu) / (3 (1 - 2 nu)), and K is given over su."""
+    test = ConePenetration(rigidity_index=rigidity_index, accuracy=accuracy)
+    bound = test.poissons_ratio_bound
+    over_shear = 2.0 * (1.0 + bound) / (3.0 * (1.0 - 2.0 * bound))
+    assert over_shear * test.rigidity_index == pytest.approx(bulk_modulus, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"material": "von_mises"},
+        SOFTENING,
+        {"apex_angle": 90.0},
+        {"friction_coefficient": 0.1},
+        {"uncertainty": "measured"},
+        {"stress_anisotropy": 0.96},
+        {"rigidity_index": 2001.0},
+        {"cells_per_radius": 1.2},
+        {"domain_below": 10.0},
+        {"speed_ratio": 0.1},
+        {"penetration": 3.0},
+        {"rigidity_index": 2.0, "accuracy": "fine"},
+    ],
+)
+def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
+    test = ConePenetration(**{"rigidity_index": 400.0} | changes)
+    assert test.poissons_ratio_bound == 0.4999
+
+
+def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_value() -> None:
+    assert ConePenetration().poissons_ratio_bound > ConePenetration().poissons_ratio
+    assert ConePenetration(rigidity_index=2000.0).poissons_ratio_bound == 0.45
+
+
+def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_error() -> None:
+    """It may build another clay, whose error no law takes off; if it does not, U is known."""
+
+    class OwnTest(ConePenetration):
+        pass
+
+    for index in (50.0, 400.0):
+        test = OwnTest(rigidity_index=index)
+        assert (test.poissons_ratio_bound, test.speed_ratio) == (0.4999, 0.03)
+        assert why_not_as_measured(test.build(), test._expected) == []
+
+
+@pytest.mark.parametrize("accuracy", ["quick", "standard", "fine"])
+@pytest.mark.parametrize("index", [50.0, 400.0])
+def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: str) -> None:
+    test = ConePenetration(rigidity_index=index, accuracy=accuracy)
+    assert why_not_as_measured(test.build(), test._expected) == []
+
+
+@pytest.mark.parametrize("index", [50.0, 500.0])
+def test_further_runs_have_the_method_by_default_of_the_test_whose_error_they_measure(
+    index: float,
+) -> None:
+    test = ConePenetration(rigidity_index=index, uncertainty="measured")
+    assert why_not_as_measured(test.build(), test._expected) == []
+    for choice, further in test.further_tests().items():
+        changed = {"mesh": "cells_per_radius", "speed": "speed_ratio"}.get(choice)
+        for name in {*DERIVED_BY_ERROR} - {changed}:
+            assert getattr(further, name) == getattr(test, name)
