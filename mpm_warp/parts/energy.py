@@ -98,7 +98,7 @@ class EnergyBalance(Part):
             for name in ("balance.by_stress", "balance.by_ground")
         )
         of_nodes = plan.launch(work_of_nodes, grid.node_count)
-        of_cells = plan.launch(_make_work_of_cells(plan.share_count), grid.cell_count)
+        of_cells = plan.launch(work_of_cells, grid.cell_count)
         of_points = plan.launch(
             _make_work_of_points(law),
             slots,
@@ -173,31 +173,26 @@ def work_of_nodes(
     )
 
 
-@functools.cache
-def _make_work_of_cells(share_count: int) -> Any:
-    """The kernel, launched over cells; it leaves their volume over the mass of their points too."""
-
-    @kernel
-    def work_of_cells(
-        offset: int,
-        cell_mass: wp.array2d(dtype=real),
-        cell_volume: wp.array(dtype=real),
-        cell_viscosity: wp.array(dtype=real),
-        cell_dilation_rate: wp.array(dtype=real),
-        time_step: real,
-        balance_specific_volume: wp.array(dtype=real),
-        balance_cells: wp.array(dtype=real),
-    ):
-        c = offset + wp.tid()
-        V, d = cell_volume[c], cell_dilation_rate[c]
-        m = real(0.0)
-        for share in range(wp.static(share_count)):
-            m += cell_mass[share, c]
-        if m > zero:
-            balance_specific_volume[c] = V / m
-        balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
-
-    return work_of_cells
+@kernel
+def work_of_cells(
+    offset: int,
+    cell_mass: wp.array2d(dtype=real),
+    cell_volume: wp.array(dtype=real),
+    cell_viscosity: wp.array(dtype=real),
+    cell_dilation_rate: wp.array(dtype=real),
+    time_step: real,
+    balance_specific_volume: wp.array(dtype=real),
+    balance_cells: wp.array(dtype=real),
+):
+    """Launched over cells; it leaves their volume over the mass of their points too."""
+    c = offset + wp.tid()
+    V, d = cell_volume[c], cell_dilation_rate[c]
+    m = real(0.0)
+    for share in range(cell_mass.shape[0]):
+        m += cell_mass[share, c]
+    if m > zero:
+        balance_specific_volume[c] = V / m
+    balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
 
 
 @functools.cache

@@ -154,8 +154,8 @@ class Inflow:
         run, material = self._run, self._scene.material
         if run.plan.find(PROPERTIES):
             run.assign("layer.properties", material.properties_at(place))
-        if material.variation is not None and run.plan.find(ADHESION_RATIO):
-            run.assign("layer.adhesion_ratio", material.variation.adhesion_ratio_at(place))
+        if run.plan.find(ADHESION_RATIO):
+            run.assign("layer.adhesion_ratio", material.ratio_at(place, "adhesion_ratio"))
         if material.state:
             run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
 

@@ -73,8 +73,7 @@ class TravellingSource(Checked):
 
         The soil is at these positions now: off the axis above the source.
         """
-        at_first = position - np.array([0.0, travel])
-        return self._stress(position) - self._stress(at_first)
+        return self._stress(position) - self._stress(_place(position, travel))
 
     def traction_rate(self, position: Floats) -> Floats:
         """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], [..., 2]."""
@@ -222,7 +221,7 @@ class SurroundingGround(Part):
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
-        return scene.material.stiffness_ratio_at(_place(position, travel))
+        return scene.material.ratio_at(_place(position, travel), "stiffness_ratio")
 
 
 def _place(position: Floats, travel: float) -> Floats:

@@ -2,7 +2,8 @@
 
 Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass, M half a quarter of the mass of the cells
 around a node when they are full, u and v velocity before and after the step, G_i the integrals over
-a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one.
+a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one; of a cell:
+v_ij velocity of its nodes after the step before, rho density, V volume.
 
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
                                 sigma_rz G_r + sigma_zz G_z)
@@ -12,18 +13,11 @@ a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there 
 The force is that of full cells, whatever particles are near the node at the moment; so M bounds
 what it can do to a node that has few.
 
-Mass-matrix correction: what the transfer to particles and back takes at the least, given back.
-
 A field that particles have from the nodes comes back to them smoothed, as if it had diffused: each
 particle spreads its momentum over the nodes of its cell. That takes the mean of xi (1 - xi) over
 the particles of a cell, times second differences. The operator S gives back the part k of it that
 is taken wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
 
-Symbols: v_ij velocity of the nodes of a cell after the step before, X and Y its differences across
-and up, rho density, V volume of a cell, m_i mass of a node, M_i half a quarter of that of the full
-cells around it.
-
-    u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)         velocity before the step
     (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -
     X, Y    = v_10 - v_00 + v_11 - v_01,  v_01 - v_00 + v_11 - v_10
 
