@@ -148,11 +148,17 @@ def redefined(group: type, name: str, **changes: Any) -> Any:
     return parameter(**{"default": field.default, **field.metadata, **changes})
 
 
-@functools.cache
+_DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
+"""By scene: type hints take long to work out, and a study has thousands of cases."""
+
+
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
     """All parameters of a scene class, by name, in the order of their declaration."""
-    # Type hints take long to work out, and a study has thousands of cases.
-    return {field.name: definition_of(scene, field) for field in dataclasses.fields(scene)}
+    if scene not in _DEFINITIONS:
+        _DEFINITIONS[scene] = {
+            field.name: definition_of(scene, field) for field in dataclasses.fields(scene)
+        }
+    return _DEFINITIONS[scene]
 
 
 def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
@@ -178,7 +184,7 @@ def check_own(owner: Any) -> None:
 _type_hints = functools.cache(typing.get_type_hints)
 
 
-def check_parameters(scene: Any, derived: Callable[[], Mapping[str, float]]) -> None:
+def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:
     """Validate every field of a scene, in place; to be called from ``__post_init__``.
 
     Then `derived` is called: it gives the values of parameters for which none was given, by name.
@@ -196,7 +202,7 @@ def check_parameters(scene: Any, derived: Callable[[], Mapping[str, float]]) -> 
     fill_in(scene, derived())
 
 
-def fill_in(scene: Any, derived: Mapping[str, float]) -> None:
+def fill_in(scene: object, derived: Mapping[str, float]) -> None:
     """Give parameters of a scene values derived from others, checked, where none was given."""
     definitions = parameters_of(type(scene))
     for name, value in derived.items():

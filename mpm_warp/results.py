@@ -1,7 +1,6 @@
 """Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
 
 from collections.abc import Collection
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -116,7 +115,7 @@ def material_as_built(material: str, law: str) -> str:
     return material if law in ("", material, CHANGING_STRENGTH) else law
 
 
-def parameter_variables(scene: Any, results: Collection[object]) -> dict[str, xr.Variable]:
+def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:
     """All parameters of a scene as variables of its dataset, with the role "parameter".
 
     They are called as :func:`stored_name` says. A number that is not given is not a number, a text
