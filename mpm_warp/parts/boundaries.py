@@ -203,8 +203,7 @@ def raise_springs(run: Run, *, lowest: Floats | float) -> None:
 
     The one that enters at the bottom has the displacement `lowest` [m].
     """
-    springs = run.array("far_field.displacement").copy()
-    springs[1:] = springs[:-1]
+    springs = np.roll(run.array("far_field.displacement"), 1, axis=0)
     springs[0] = lowest
     run.assign("far_field.displacement", springs)
 

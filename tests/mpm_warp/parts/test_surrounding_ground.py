@@ -54,13 +54,13 @@ def test_a_step_of_the_side_is_that_of_its_equation(scene: Scene) -> None:
     """From rest, springs displaced: m dv = -k w dt with the dashpots implicit, to rounding."""
     ground = ground_of(scene)
     simulation = Simulation(scene)
-    count = len(ground.side)
-    pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], count)
+    side = ground.far.nodes
+    pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], len(side))
     simulation.assign("far_field.displacement", pushed)
     simulation.advance(1)  # the window still rests
-    mass, step = simulation.array("node.mass")[ground.side, None], simulation.plan.time_step
-    expected = -step * ground.spring * pushed / (mass + step * ground.dashpot)
-    velocity = simulation.array("node.velocities")[ground.side, :2]
+    mass, step = simulation.array("node.mass")[side, None], simulation.plan.time_step
+    expected = -step * ground.spring * pushed / (mass + step * ground.far.dashpot)
+    velocity = simulation.array("node.velocities")[side, :2]
     between = slice(1, -1)  # the ends have the last word in the corners
     np.testing.assert_allclose(velocity[between], expected[between], rtol=1e-9)
     moved = simulation.array("far_field.displacement") - pushed
@@ -153,7 +153,7 @@ def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them
     # What is beside a node is known by the layers that have entered.
     near = np.abs(rows - height) < float(rows[1] - rows[0])
     spring = simulation.array("far_field.spring") / ground.spring
-    dashpot = simulation.array("far_field.dashpot") / ground.dashpot
+    dashpot = simulation.array("far_field.dashpot") / ground.far.dashpot
     stiff = rows[~near] < height
     assert stiff.any()
     expected = np.where(stiff, 1.0, 0.25)[:, None]
