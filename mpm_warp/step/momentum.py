@@ -80,6 +80,14 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
             stress[2] * G[0] + stress[1] * G[1],
         )
 
+    @wp.func
+    def correction(cells: wp.array(dtype=vec4), cell: int, across: real, up: real) -> vec2:
+        # What a cell gives to one of its nodes, see `correction_of_cell`; the signs say to which.
+        if wp.static(not corrected):
+            return vec2()
+        XY = cells[cell]
+        return across * vec2(XY[0], XY[1]) + up * vec2(XY[2], XY[3])
+
     @kernel
     def momentum(
         offset: int,
@@ -109,22 +117,25 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
         if m <= zero:
             node_velocities[node] = vec4()
             return
-        force = vec2()
+        force, given_back = vec2(), vec2()
         cell = j * column_count + i
         if j < row_count:
             if i < column_count:
                 force -= pull(cell_stress[cell], cell_integrals[cell, 0])
+                given_back += correction(cell_correction, cell, -one, -one)
             if i > 0:
                 force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 1])
+                given_back += correction(cell_correction, cell - 1, one, -one)
         if j > 0:
             cell -= column_count
             if i < column_count:
                 force -= pull(cell_stress[cell], cell_integrals[cell, 2])
+                given_back += correction(cell_correction, cell, -one, one)
             if i > 0:
                 force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 3])
+                given_back += correction(cell_correction, cell - 1, one, one)
         before = (one / m) * vec2(sums[1], sums[2])
         if wp.static(corrected):
-            given_back = correction_at_node(cell_correction, i, j, column_count, row_count)
             before += (half / wp.max(half * m, node_least_mass[node])) * given_back
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
             # The particle that gave it such a velocity is left alone until the watch finds it.
@@ -142,30 +153,3 @@ def correction_of_cell(v_00: vec4, v_10: vec4, v_01: vec4, v_11: vec4, weight: r
     rising, falling = weight * (v_11 - v_00), weight * (v_10 - v_01)
     X, Y = rising + falling, rising - falling
     return vec4(X[0], X[1], Y[0], Y[1])
-
-
-@wp.func
-def corner(cell: vec4, across: real, up: real) -> vec2:
-    """What a cell gives to one of its nodes; the signs say to which."""
-    return across * vec2(cell[0], cell[1]) + up * vec2(cell[2], cell[3])
-
-
-@wp.func
-def correction_at_node(
-    cells: wp.array(dtype=vec4), i: int, j: int, column_count: int, row_count: int
-) -> vec2:
-    """(S v)_i of the node in column i and row j, of the results of `correction_of_cell`."""
-    total = vec2()
-    cell = j * column_count + i
-    if j < row_count:
-        if i < column_count:
-            total += corner(cells[cell], -one, -one)
-        if i > 0:
-            total += corner(cells[cell - 1], one, -one)
-    if j > 0:
-        cell -= column_count
-        if i < column_count:
-            total += corner(cells[cell], -one, one)
-        if i > 0:
-            total += corner(cells[cell - 1], one, one)
-    return total

@@ -186,9 +186,7 @@ def test_cells_that_have_lost_their_soil_are_noticed(scene: Scene) -> None:
         simulation = started(scene)
         simulation.check()
         lose_soil(simulation)
-        with pytest.raises(
-            SimulationDiverged, match=r"soil in 3 x 3 cells from row 1, column \d"
-        ):
+        with pytest.raises(SimulationDiverged, match=r"soil in 3 x 3 cells from row 1, column \d"):
             simulation.check()
 
 
