@@ -78,11 +78,13 @@ def test_parts_need_others_and_are_not_beside_some(cone: Scene) -> None:
         (EnergyAudit, "EnergyBalance: not without a EnergyAudit"),
     ):
         refused(functools.partial(in_ground.without, kind), SceneError, name)
-    for part in (ground, surface):
+    parts: tuple[Part, ...] = (ground, surface)
+    for part in parts:
         alone = cone.without(FarField, EnergyAudit).with_parts(part)
         name = f"{type(part).__name__}: not without a Window"
         refused(functools.partial(alone.without, Window), SceneError, name)
-    for part in (ground, CyclicWindow(speed=1.0, ramp_travel=0.1, stroke=1.0)):
+    parts = (ground, CyclicWindow(speed=1.0, ramp_travel=0.1, stroke=1.0))
+    for part in parts:
         name = f"{type(part).__name__}: not together with a FarField"
         refused(functools.partial(cone.with_parts, part), SceneError, name)
     varied = dataclasses.replace(
