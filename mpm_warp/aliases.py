@@ -2,88 +2,75 @@
 
 from collections.abc import Container
 
-ALIASES: dict[tuple[str, ...], dict[str, str]] = {
-    ("ir", "rigidity", "rigidity_index"): {
-        "rigidity_index": "G / su",
-        "shear_modulus": "Ir su, in Pa",
-    },
-    ("g", "gmod", "shear_modulus", "stiffness"): {
-        "shear_modulus": "in Pa",
-        "rigidity_index": "G / su",
-    },
-    ("e", "eu", "youngs_modulus"): {
+ALIASES: dict[str, dict[str, str]] = {
+    "ir rigidity rigidity_index": {"rigidity_index": "G / su", "shear_modulus": "Ir su, in Pa"},
+    "g gmod shear_modulus stiffness": {"shear_modulus": "in Pa", "rigidity_index": "G / su"},
+    "e eu youngs_modulus": {
         "shear_modulus": "E / (2 (1 + nu)), in Pa",
         "rigidity_index": "G / su with G = E / (2 (1 + nu))",
     },
-    ("su", "cu", "c", "strength", "undrained_strength", "shear_strength", "cohesion"): {
+    "su cu c strength undrained_strength shear_strength cohesion": {
         "undrained_shear_strength": "in Pa",
         "strength": "",
     },
-    ("alpha", "a", "roughness", "adhesion"): {
+    "alpha a roughness adhesion": {
         "adhesion_factor": "adhesion over su, 0 smooth to 1 rough",
         "adhesion": "in Pa",
     },
-    ("k0",): {
+    "k0": {
         "K0": "",
         "stress_anisotropy": "(1 - K0) sigma_v0' / (2 su)",
         "earth_pressure_at_rest": "of modified_cam_clay",
     },
-    ("ocr", "overconsolidation_ratio"): {
+    "ocr overconsolidation_ratio": {
         "vertical_overconsolidation_ratio": "by effective vertical stress",
         "isotropic_overconsolidation_ratio": "p_c over p'",
     },
-    ("m", "phi", "friction_angle"): {"critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
-    ("anisotropy",): {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
-    ("delta",): {
+    "m phi friction_angle": {"critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
+    "anisotropy": {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    "delta": {
         "stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)",
         "remoulded_strength_ratio": "1 / sensitivity",
     },
-    ("friction",): {
+    "friction": {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
     },
-    ("mu",): {
+    "mu": {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
         "rate_factor": "what a log cycle of strain rate adds to su, over su",
     },
-    ("sensitivity", "st", "delta_rem", "remoulded_strength"): {
-        "remoulded_strength_ratio": "1 / sensitivity"
-    },
-    ("xi_95", "xi95", "softening"): {
+    "sensitivity st delta_rem remoulded_strength": {"remoulded_strength_ratio": "1 / sensitivity"},
+    "xi_95 xi95 softening": {
         "ductility": "plastic shear strain at which 95 % of the loss of strength is done"
     },
-    ("nu", "poisson", "poisson_ratio"): {"poissons_ratio": ""},
-    ("rho", "mass_density"): {"density": "in kg/m3"},
-    ("gamma", "unit_weight"): {
-        "unit_weight": "",
-        "density": "unit weight over 9.81 m/s2, in kg/m3",
-    },
-    ("sigma_v0", "sigma_v", "sigma_0", "sigma0", "p0", "total_stress", "overburden"): {
-        "in_situ_stress": "in Pa"
-    },
-    ("r", "radius"): {"cone_radius": "in m", "interface_radius": "in m"},
-    ("d", "diameter", "cone_diameter"): {"cone_radius": "half the diameter, in m"},
-    ("area", "cone_area"): {"cone_radius": "sqrt(area / pi), in m"},
-    ("angle", "cone_angle", "apex", "beta"): {"apex_angle": "in degrees", "slope": "in degrees"},
-    ("z", "depth", "travel", "distance"): {
+    "nu poisson poisson_ratio": {"poissons_ratio": ""},
+    "rho mass_density": {"density": "in kg/m3"},
+    "gamma unit_weight": {"unit_weight": "", "density": "unit weight over 9.81 m/s2, in kg/m3"},
+    "sigma_v0 sigma_v sigma_0 sigma0 p0 total_stress overburden": {"in_situ_stress": "in Pa"},
+    "r radius": {"cone_radius": "in m", "interface_radius": "in m"},
+    "d diameter cone_diameter": {"cone_radius": "half the diameter, in m"},
+    "area cone_area": {"cone_radius": "sqrt(area / pi), in m"},
+    "angle cone_angle apex beta": {"apex_angle": "in degrees", "slope": "in degrees"},
+    "z depth travel distance": {
         "depth": "",
         "penetration": "over the cone radius",
         "displacement": "over the radius, times G / su",
         "travel": "over the length",
     },
-    ("v", "speed", "velocity", "rate", "penetration_rate"): {
+    "v speed velocity rate penetration_rate": {
         "speed_ratio": "speed over that of shear waves, sqrt(G / density)"
     },
-    ("h", "dx", "mesh", "mesh_size", "cell_size", "resolution", "cells"): {
+    "h dx mesh mesh_size cell_size resolution cells": {
         "cells_per_radius": "radius over cell size",
         "cells_per_length": "length over cell size",
         "cells_per_side": "side over cell size",
         "cell_count": "length over cell size",
     },
-    ("ppc", "particles", "points_per_cell"): {"particles_per_cell": ""},
-    ("dt", "time_step"): {"time_step_fraction": "time step over the critical one"},
-    ("model", "criterion", "yield_criterion", "constitutive_model"): {"material": ""},
+    "ppc particles points_per_cell": {"particles_per_cell": ""},
+    "dt time_step": {"time_step_fraction": "time step over the critical one"},
+    "model criterion yield_criterion constitutive_model": {"material": ""},
 }
 """Words in small letters, the parameters that they may mean, and what the value of each is."""
 SCENES = {
@@ -103,7 +90,7 @@ def what_to_give(word: str, known: Container[str]) -> str:
     small = word.lower()
     if small in RESULTS:
         return "; it is a result, not a parameter"
-    meanings = next((them for words, them in ALIASES.items() if small in words), {})
+    meanings = next((them for words, them in ALIASES.items() if small in words.split()), {})
     offers = [
         f"{name!r}" + (f", {value}" if value else "")
         for name, value in meanings.items()

@@ -51,6 +51,7 @@ FINITE = Range()
 POSITIVE = Range(above=0.0)
 NOT_NEGATIVE = Range(minimum=0.0)
 FROM_ONE = Range(minimum=1)
+SHARE = Range(minimum=0.0, maximum=1.0)
 
 
 def check_number(
@@ -75,10 +76,18 @@ def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) 
     return field(default=default, metadata={"allowed": allowed, "unit": unit})
 
 
-class Checked:
-    """The base of dataclasses whose numbers are checked when they are made, see `checked`.
+def array_of(*shape: int | str, allowed: Range = FINITE) -> dict[str, Any]:
+    """Metadata of a field of a `Checked` that holds an array, or None where that is the default.
 
-    A subclass that checks more than numbers calls `super().__post_init__()` first.
+    A name in its shape is that of a field which is as long.
+    """
+    return {"allowed": allowed, "shape": shape}
+
+
+class Checked:
+    """The base of dataclasses whose numbers and arrays are checked when they are made.
+
+    A subclass that checks more than its fields calls `super().__post_init__()` first.
 
     Raises:
         SceneError: a value is not allowed; the message names class, field, value and range.
@@ -88,9 +97,17 @@ class Checked:
 
     def __post_init__(self) -> None:
         for own in fields(self):
-            value = getattr(self, own.name)
-            if "allowed" in own.metadata and not (value is None and own.default is None):
-                check_number(f"{type(self).__name__}: {own.name}", value, **own.metadata)
+            name, value = f"{type(self).__name__}: {own.name}", getattr(self, own.name)
+            if "allowed" not in own.metadata or (value is None and own.default is None):
+                continue
+            if "shape" in own.metadata:
+                lengths = [
+                    np.size(getattr(self, it)) if isinstance(it, str) else it
+                    for it in own.metadata["shape"]
+                ]
+                check_array(name, value, lengths, own.metadata["allowed"])
+            else:
+                check_number(name, value, **own.metadata)
 
 
 def check_whole(
@@ -158,6 +175,16 @@ def check_array(
         worst = next(place for place in places if not allowed.holds(values[place], values[place]))
         place = ", ".join(map(str, worst))
         check_number(f"{name}[{place}]", values[worst].item(), allowed, error=error)
+
+
+def check_rising(name: str, values: NDArray[Any], *, may_stay: bool = False) -> None:
+    """Check that each value is above the one before, or the same where values may stay."""
+    change = np.diff(values)
+    wrong = np.flatnonzero(change < 0.0 if may_stay else change <= 0.0)
+    if len(wrong):
+        before, value = values[wrong[0] : wrong[0] + 2]
+        bound = f"{'>=' if may_stay else '>'} {before:g}"
+        raise SceneError(f"{name}[{wrong[0] + 1}] = {value:g} must be {bound}, the one before")
 
 
 def check_nodes(name: str, nodes: Any, count: int) -> None:

@@ -8,36 +8,21 @@ from numpy.typing import ArrayLike
 
 from mpm_warp.parameters import Parameter, Value, parameters_of
 
-ROLES = (
-    "headline",
-    "uncertainty",
-    "reason",
-    "settled",
-    "exact",
-    "error",
-    "measured",
-    "built",
-    "parameter",
-)
-"""The parts that a variable can play in a dataset, its attribute `role`:
-
-- headline: the scalar that the scene is run for; one in each dataset.
-- uncertainty: half width of the interval that holds the true headline with 95 %; not a number where
-  it is not known.
-- reason: why it is not known, each reason as "word: sentence"; "" where it is.
-- settled: whether the headline has settled; 0 where the run was too short for it.
-- exact: an exact value or curve; the attribute `exact_of` names the variable that it belongs to.
-- error: a scalar error against an exact solution.
-- measured: a time, a speed or a size in memory, which is another in every run.
-- built: what the scene was built of, whatever its parameters are called.
-- parameter: what was put in.
-
-A variable without a role is an ordinary result.
-"""
+ROLES = {
+    "headline": "the scalar that the scene is run for; one in each dataset",
+    "uncertainty": "half width of the interval that holds the true headline with 95 %, or NaN",
+    "reason": 'why U is not known, each reason as "word: sentence"; "" where it is',
+    "settled": "whether the headline has settled; 0 where the run was too short for it",
+    "exact": "an exact value or curve of the variable that the attribute `exact_of` names",
+    "error": "a scalar error against an exact solution",
+    "measured": "a time, a speed or a size in memory, which is another in every run",
+    "built": "what the scene was built of, whatever its parameters are called",
+    "parameter": "what was put in",
+}
+"""The parts that a variable can play in a dataset, its `role`; an ordinary result has none."""
 
 SHARED_NAMES = ("displacement", "expansion", "penetration", "step_count", "stretch")
-"""Parameters that a result of the same scene is called by: the axis of its curves, or what it took.
-"""
+"""Parameters that have the name of a result: the axis of its curves, or what it took."""
 PARAMETER_SUFFIX = "_parameter"
 CHANGING_STRENGTH = "einav_randolph"
 """The law of clay that softens or has a rate effect, by a yield criterion."""

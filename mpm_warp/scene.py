@@ -195,9 +195,9 @@ class Scene:
         Of places see `Variation`.
         """
         stress = np.tile(self.stress_at_rest, (*place.shape[:-1], 1))
-        if self.material.variation is not None:
-            horizontal = self.material.variation.horizontal_stress_at(place)
-            stress[..., [0, 3]] += horizontal[..., None]
+        ground = self.material.variation
+        if ground is not None and ground.horizontal_stress is not None:
+            stress[..., [0, 3]] += ground.at(place, ground.horizontal_stress)[..., None]
         return stress
 
     def _check_beside_others(self, part: Part) -> None:

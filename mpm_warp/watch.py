@@ -120,6 +120,10 @@ class SoilWatch(ParticleWatch):
 
     def prepare(self) -> None:
         """Record what the next step, the last one before a look, is compared with."""
+        contact = self._scene.find(SurfaceContact)
+        speed = 0.0 if contact is None else contact.speed
+        if self._run.plan.find("window.motion"):
+            speed = float(self._run.array("window.motion")[1])
         present = self._present
         sample = present[:: 1 + len(present) // SAMPLED]
         self._before = _Before(
@@ -127,7 +131,7 @@ class SoilWatch(ParticleWatch):
             cell=self._cell_of(sample),
             trace=self._trace_of(sample),
             state=self._state_of(sample),
-            speed=self._speed,
+            speed=speed,
         )
 
     def _look_at_all(self, present: Integers) -> None:
@@ -217,14 +221,6 @@ class SoilWatch(ParticleWatch):
                 f"mean stress of {self._named(particle[worst])} has changed in a step by "
                 f"{change[worst]:.4g} Pa, its volume by what makes {told[worst]:.4g} Pa"
             )
-
-    @property
-    def _speed(self) -> float:
-        """Of the rigid body down into the soil in the next step [m/s]."""
-        if self._run.plan.find("window.motion"):
-            return float(self._run.array("window.motion")[1])
-        contact = self._scene.find(SurfaceContact)
-        return 0.0 if contact is None else contact.speed
 
     def _trace_of(self, particle: Integers) -> Floats:
         rr, zz, _, tt = self._of("stress", particle).T

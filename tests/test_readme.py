@@ -194,3 +194,14 @@ def test_links_lead_to_what_is_there(page: Path) -> None:
         ):
             broken.append(link)
     assert broken == []
+
+
+@pytest.mark.parametrize(
+    "page", [it for it in PAGES if it != EXECUTED], ids=lambda page: str(page.relative_to(ROOT))
+)
+def test_files_and_folders_that_a_page_names_are_there(page: Path) -> None:
+    """In its own folder or one above it, or in a folder that it names."""
+    named = re.findall(r"(?<!\[)`((?!results/)[\w./-]+(?:\.py|/))`", page.read_text())
+    above = [it for it in page.parents if it.is_relative_to(ROOT)]
+    folders = [*above, *(at / it for at in above for it in named if it.endswith("/"))]
+    assert [it for it in named if not any((at / it).exists() for at in folders)] == []

@@ -31,6 +31,7 @@ from mpm_warp.arguments import (
     check_array,
     check_kind,
     check_number,
+    check_rising,
     check_whole,
 )
 from mpm_warp.errors import SceneError
@@ -76,12 +77,7 @@ class Grid:
             values = getattr(self, name)
             check_array(f"grid: {name}", values, (None,))
             check_whole(f"grid: length of {name}, less 1,", len(values) - 1, FROM_ONE)
-            falls = np.flatnonzero(values[1:] <= values[:-1])
-            if len(falls):
-                one, next_one = values[falls[0] : falls[0] + 2]
-                raise SceneError(
-                    f"grid: {name}[{falls[0] + 1}] = {next_one:g} must be > {one:g}, the one before"
-                )
+            check_rising(f"grid: {name}", values)
         if self.columns[0] != 0.0 or 1.0 not in self.columns:
             ends = f"{self.columns[0]:g} to {self.columns[-1]:g}"
             raise SceneError(f"grid: columns are from {ends}, must be from 0 and one of them 1")

@@ -11,7 +11,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import one, real, vec2, vec3, vec5, zero
+from mpm_warp.kernel_types import one, real, vec2, vec3, vec4, vec5, zero
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,15 @@ class Location:
     settle: Any  # (position, cell, columns, rows, fitted radius, cell counts) -> cell after a move
     # (position, row) -> position, moved out of the surface where it was within
     outside_surface: Any
+
+
+@wp.func
+def between_nodes(of_nodes: wp.array(dtype=vec4), node: int, stride: int, xi: real, eta: real):
+    """Bilinear between the nodes of a cell, the first of them `node`, of so many in a row."""
+    upper = node + stride
+    left = of_nodes[node] + eta * (of_nodes[upper] - of_nodes[node])
+    right = of_nodes[node + 1] + eta * (of_nodes[upper + 1] - of_nodes[node + 1])
+    return left + xi * (right - left)
 
 
 @functools.cache

@@ -35,7 +35,6 @@ from mpm_warp.materials.perfectly_plastic import (
     UndrainedClay,
     limit_pressure,
     make_shape,
-    with_shape,
 )
 
 STEEPEST = 0.5
@@ -154,7 +153,7 @@ def _make_functions(
     criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
 ) -> tuple[Any, Any]:
     """The update and the yield function."""
-    measure, within, nearest = with_shape(criterion)
+    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
     shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
     softened, nonlinear = criterion.softened, criterion.softened is not None
 
@@ -204,7 +203,7 @@ def _make_functions(
         if within(trial, k, shape):
             return trial, state
         if wp.static(depends_on_rate):
-            rate = two / time_step * shear_measure(strain)
+            rate = two / time_step * shear_measure(strain, shape)
             rate_effect = properties[5] * wp.log(wp.max(rate * properties[6], one))
             k *= one + rate_effect
             left *= one + rate_effect

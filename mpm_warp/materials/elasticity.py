@@ -45,7 +45,7 @@ class Isotropic(Material):
     def properties_at(self, place: Floats) -> Floats:
         """See `Material`; both moduli are in proportion to the stiffness."""
         own = np.tile(self.properties, (*place.shape[:-1], 1))
-        own[..., :2] *= self.stiffness_ratio_at(place)[..., None]
+        own[..., :2] *= self.ratio_at(place, "stiffness_ratio")[..., None]
         return own
 
     def moduli(self) -> Any:

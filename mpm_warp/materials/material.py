@@ -173,7 +173,8 @@ class Material(Checked, ABC):
         if self.variation is None or self.variation.rows is None:
             return np.tile(numbers(self), (*place.shape[:-1], 1))
         rows = self.variation.rows
-        return self.variation.linear_at(place, np.array([numbers(row) for row in rows]))
+        by_row = np.array([numbers(row) for row in rows])
+        return np.stack([self.variation.at(place, number) for number in by_row.T], axis=-1)
 
     # What the run asks of it.
 
@@ -221,27 +222,12 @@ class Material(Checked, ABC):
         """
         return None
 
-    def stiffness_ratio_at(self, place: Floats) -> Floats:
-        """Shear modulus over `ground_shear_modulus` at places in the ground, see `Variation`."""
-        if self.variation is None:
+    def ratio_at(self, place: Floats, name: str) -> Floats:
+        """A ratio of `Variation`, "stiffness_ratio" say, at places in the ground; 1 without one."""
+        ratio = getattr(self.variation, name, None)
+        if self.variation is None or ratio is None:
             return np.ones(place.shape[:-1])
-        return self.variation.at(place, self.variation.stiffness_ratio)
-
-    def strength_ratio_at(self, place: Floats) -> Floats:
-        """Strength over that of the material at places in the ground, as `stiffness_ratio_at`."""
-        if self.variation is None:
-            return np.ones(place.shape[:-1])
-        return self.variation.at(place, self.variation.strength_ratio)
-
-    def relative_adhesion_at(self, place: Floats) -> Floats:
-        """Adhesion of a surface over what it is beside soil of the material itself, likewise."""
-        ratio = self.strength_ratio_at(place)
-        return ratio if self.variation is None else ratio * self.variation.adhesion_ratio_at(place)
-
-    @property
-    def varies_adhesion(self) -> bool:
-        """Whether the adhesion factor of a surface varies with the soil beside it."""
-        return self.variation is not None and self.variation.adhesion_ratio is not None
+        return self.variation.at(place, ratio)
 
     def law(self) -> Law:
         """The material's functions on the device."""

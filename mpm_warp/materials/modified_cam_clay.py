@@ -197,7 +197,9 @@ class ModifiedCamClay(Material):
             return 0.5 * self.critical_state_ratio * self._last_stress
         if test == "triaxial_extension":
             return 0.5 * self._least_slope * self._last_stress
-        return self._slope_in_shear * self._last_stress / math.sqrt(3.0)
+        M = self.critical_state_ratio
+        in_shear = math.sqrt(9.0 * M**2 / (9.0 + 3.0 * M + M**2)) if self._by_angle else M
+        return in_shear * self._last_stress / math.sqrt(3.0)
 
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
@@ -264,11 +266,6 @@ class ModifiedCamClay(Material):
         """(G, K') of the skeleton at an effective mean stress [Pa]."""
         bulk, (ratio, constant) = self._a * stress, self._stiffness
         return ratio * bulk + constant, bulk
-
-    @property
-    def _slope_in_shear(self) -> float:
-        M = self.critical_state_ratio
-        return math.sqrt(9.0 * M**2 / (9.0 + 3.0 * M + M**2)) if self._by_angle else M
 
     @property
     def _least_slope(self) -> float:

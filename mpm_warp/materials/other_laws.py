@@ -12,6 +12,7 @@ other fields are given by the scene, by their names: see `GIVEN`.
 
 import functools
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
@@ -24,13 +25,11 @@ GROUP = "mpm_warp.materials"
 """Group of the entry points by which other packages offer laws."""
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
 """What a scene gives to a law that has a field of the name: rho [kg/m3], G [Pa], nu, su [Pa]."""
-OF_THIS_PACKAGE: Mapping[str, str] = {
-    "anisotropic": "mpm_warp.materials.anisotropic:Anisotropic",
-    "modified_cam_clay": "mpm_warp.materials.modified_cam_clay:ModifiedCamClay",
-}
-"""Where the laws of this package are that have parameters of their own, by name."""
-FROM_ELSEWHERE = ("variation",)
-"""Fields that a scene sets later, where its ground varies."""
+OF_THIS_PACKAGE = (
+    EntryPoint("anisotropic", "mpm_warp.materials.anisotropic:Anisotropic", GROUP),
+    EntryPoint("modified_cam_clay", "mpm_warp.materials.modified_cam_clay:ModifiedCamClay", GROUP),
+)
+"""The laws of this package that have parameters of their own."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,21 +58,16 @@ class OtherLaw:
 @functools.cache
 def other_laws() -> Mapping[str, EntryPoint]:
     """Where the laws are, by name; none is imported for that."""
-    own = [EntryPoint(name, where, GROUP) for name, where in OF_THIS_PACKAGE.items()]
-    return {offered.name: offered for offered in (*entry_points(group=GROUP), *own)}
+    return {offered.name: offered for offered in (*entry_points(group=GROUP), *OF_THIS_PACKAGE)}
 
 
 def loaded_laws() -> tuple[str, ...]:
     """Names of those that can be loaded; a study that names another one is told why it cannot."""
-    return tuple(name for name in other_laws() if _can_be_loaded(name))
-
-
-def _can_be_loaded(name: str) -> bool:
-    try:
-        other_law(name)
-    except ParameterError:
-        return False
-    return True
+    names = []
+    for name in other_laws():
+        with suppress(ParameterError):
+            names.append(other_law(name).name)
+    return tuple(names)
 
 
 @functools.cache
@@ -92,7 +86,7 @@ def other_law(name: str) -> OtherLaw:
     own = {field.name: field for field in fields(kind) if "meaning" in field.metadata}
     for field in fields(kind):
         needed = field.default is MISSING and field.default_factory is MISSING
-        if needed and field.name not in (*own, *GIVEN, *FROM_ELSEWHERE):
+        if needed and field.name not in (*own, *GIVEN, "variation"):
             raise ParameterError(
                 "material",
                 f"{where}: field {field.name!r} is neither made by `parameter` nor one that a "

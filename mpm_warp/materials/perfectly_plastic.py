@@ -51,7 +51,7 @@ class UndrainedClay(Isotropic):
     def properties_at(self, place: Floats) -> Floats:
         """See `Material`; the strength varies too, and the shape where the ground says so."""
         own = super().properties_at(place)
-        own[..., STRENGTH] *= self.strength_ratio_at(place)
+        own[..., STRENGTH] *= self.ratio_at(place, "strength_ratio")
         if self.shape:
             own[..., -len(self.shape) :] = self.by_depth(place, lambda material: material.shape)
         return own
@@ -70,18 +70,18 @@ def limit_pressure(shear_modulus: float, strength: float) -> float:
 class PerfectlyPlastic(UndrainedClay):
     """Perfect plasticity with a yield criterion, which another law may take at any strength.
 
-    A criterion is some functions on the device. Where it has a shape or an axis, their last
-    argument is a vector of the numbers of both.
+    A criterion is some functions on the device. Their last argument `shape` is a vector of the
+    numbers of shape and axis; of length 1 where there are none.
 
     Attributes:
-        measure: stress -> f, its measure by the criterion [Pa].
-        within: (stress, strength) -> whether the stress is within the yield surface. It is asked of
-            every point in every step, and takes no root.
-        nearest: (trial stress outside, strength) -> nearest stress of the yield surface.
-        shear_measure: strain -> half its shear strain, as the criterion counts shear strain.
-        softened: (trial stress, k, what of it can be lost, G, decay) -> what a return leaves of
-            that, see `EinavRandolph`; None where the measure less k is G times the plastic shear
-            strain.
+        measure: (stress, shape) -> f, its measure by the criterion [Pa].
+        within: (stress, strength, shape) -> whether the stress is within the yield surface. It is
+            asked of every point in every step, and takes no root.
+        nearest: (trial stress outside, strength, shape) -> nearest stress of the yield surface.
+        shear_measure: (strain, shape) -> half its shear strain, as the criterion counts it.
+        softened: (trial stress, k, what of it can be lost, G, decay, shape) -> what a return leaves
+            of that, see `EinavRandolph`; None where the measure less k is G times the plastic
+            shear strain.
         shape_count: how many numbers of shape it has.
         axis: numbers of state that say how the axis of the ground stands, and what they start as.
     """
@@ -149,30 +149,8 @@ def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
 
 
 @functools.cache
-def with_shape(criterion: type[PerfectlyPlastic]) -> tuple[Any, Any, Any]:
-    """Measure, within and nearest, with the vector of shape and axis as their last argument."""
-    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
-    if criterion.shape_count:
-        return measure, within, nearest
-
-    @wp.func
-    def plain_measure(stress: vec4, shape: Any) -> real:
-        return measure(stress)
-
-    @wp.func
-    def plain_within(stress: vec4, strength: real, shape: Any) -> bool:
-        return within(stress, strength)
-
-    @wp.func
-    def plain_nearest(trial: vec4, strength: real, shape: Any) -> vec4:
-        return nearest(trial, strength)
-
-    return plain_measure, plain_within, plain_nearest
-
-
-@functools.cache
 def _make_yield_function(criterion: type[PerfectlyPlastic]) -> Any:
-    measure, shape_of = with_shape(criterion)[0], make_shape(criterion)
+    measure, shape_of = criterion.measure, make_shape(criterion)
 
     @wp.func
     def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:
@@ -183,8 +161,7 @@ def _make_yield_function(criterion: type[PerfectlyPlastic]) -> Any:
 
 @functools.cache
 def _make_update(criterion: type[PerfectlyPlastic]) -> Any:
-    _, within, nearest = with_shape(criterion)
-    shape_of = make_shape(criterion)
+    within, nearest, shape_of = criterion.within, criterion.nearest, make_shape(criterion)
 
     @wp.func
     def elastic_then_return(

@@ -3,6 +3,8 @@
 In axisymmetry the hoop stress is principal. The other two are centre +- radius of Mohr's circle.
 """
 
+from typing import Any
+
 import warp as wp
 
 from mpm_warp.kernel_types import half, real, two, vec4, zero
@@ -10,7 +12,7 @@ from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 
 
 @wp.func
-def greatest_shear(stress: vec4) -> real:
+def greatest_shear(stress: vec4, shape: Any) -> real:
     """(sigma_1 - sigma_3) / 2."""
     centre = half * (stress[0] + stress[1])
     half_difference = half * (stress[0] - stress[1])
@@ -21,7 +23,7 @@ def greatest_shear(stress: vec4) -> real:
 
 
 @wp.func
-def within_hexagon(stress: vec4, strength: real) -> bool:
+def within_hexagon(stress: vec4, strength: real, shape: Any) -> bool:
     """Whether neither 2 radius nor radius + |centre - hoop| of Mohr's circle exceeds 2 su."""
     centre = half * (stress[0] + stress[1])
     half_difference = half * (stress[0] - stress[1])
@@ -31,7 +33,7 @@ def within_hexagon(stress: vec4, strength: real) -> bool:
 
 
 @wp.func
-def nearest_of_hexagon(trial: vec4, strength: real) -> vec4:
+def nearest_of_hexagon(trial: vec4, strength: real, shape: Any) -> vec4:
     """The nearest point of the hexagon, on a side of it or a corner."""
     # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
     centre = half * (trial[0] + trial[1])

@@ -7,12 +7,12 @@ grid had at the start: a grid that has travelled down by T sees soil at rest fro
 Soil keeps the properties of its place wherever it moves.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, Checked, Range, check_array, checked
+from mpm_warp.arguments import POSITIVE, SHARE, Checked, Range, array_of, check_rising, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 
@@ -39,58 +39,27 @@ class Variation(Checked):
         origin_depth: depth of z = 0 [m].
     """
 
-    depth: Floats
-    strength_ratio: Floats
-    stiffness_ratio: Floats
-    adhesion_ratio: Floats | None = None
+    depth: Floats = field(metadata=array_of("depth"))
+    strength_ratio: Floats = field(metadata=array_of("depth", allowed=POSITIVE))
+    stiffness_ratio: Floats = field(
+        metadata=array_of("depth", allowed=Range(above=0.0, maximum=1.0))
+    )
+    adhesion_ratio: Floats | None = field(default=None, metadata=array_of("depth", allowed=SHARE))
     rows: tuple[Any, ...] | None = None
-    horizontal_stress: Floats | None = None
+    horizontal_stress: Floats | None = field(default=None, metadata=array_of("depth"))
     origin_depth: float = checked(unit="m", default=0.0)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_array("Variation: depth", self.depth, (None,))
-        falls = np.flatnonzero(self.depth[1:] < self.depth[:-1])
-        if len(falls):
-            one, next_one = self.depth[falls[0] : falls[0] + 2]
-            raise SceneError(
-                f"Variation: depth[{falls[0] + 1}] = {next_one:g} must be >= {one:g}, the one "
-                "before"
-            )
-        at_most_one = Range(above=0.0, maximum=1.0)
-        check_array("Variation: strength_ratio", self.strength_ratio, self.depth.shape, POSITIVE)
-        check_array(
-            "Variation: stiffness_ratio", self.stiffness_ratio, self.depth.shape, at_most_one
-        )
-        if self.adhesion_ratio is not None:
-            share = Range(minimum=0.0, maximum=1.0)
-            check_array("Variation: adhesion_ratio", self.adhesion_ratio, self.depth.shape, share)
+        check_rising("Variation: depth", self.depth, may_stay=True)
         if self.rows is not None and len(self.rows) != len(self.depth):
             raise SceneError(
                 f"Variation: rows has {len(self.rows)} materials, must have {len(self.depth)}"
             )
-        if self.horizontal_stress is not None:
-            check_array("Variation: horizontal_stress", self.horizontal_stress, self.depth.shape)
 
     def at(self, place: Floats, values: Floats) -> Floats:
         """Of values by depth, those at places (r, z) in the ground [m], [..., 2]."""
         return np.interp(self.depth_of(place), self.depth, values)
-
-    def adhesion_ratio_at(self, place: Floats) -> Floats:
-        """Adhesion factor over that of the surface at places in the ground [m], [..., 2]."""
-        if self.adhesion_ratio is None:
-            return np.ones(place.shape[:-1])
-        return self.at(place, self.adhesion_ratio)
-
-    def linear_at(self, place: Floats, numbers: Floats) -> Floats:
-        """Numbers of shape [n, count], by depth, at places in the ground [m], [..., count]."""
-        return np.stack([self.at(place, of_rows) for of_rows in numbers.T], axis=-1)
-
-    def horizontal_stress_at(self, place: Floats) -> Floats:
-        """Horizontal less vertical stress at places in the ground [m], [..., 2]; 0 without one."""
-        if self.horizontal_stress is None:
-            return np.zeros(place.shape[:-1])
-        return self.at(place, self.horizontal_stress)
 
     def depth_of(self, place: Floats) -> Floats:
         """Depth of places in the ground [m], shape [...]."""

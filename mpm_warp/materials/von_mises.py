@@ -1,6 +1,7 @@
 """The yield criterion of von Mises: sqrt(J2) = su."""
 
 import math
+from typing import Any
 
 import warp as wp
 
@@ -17,19 +18,19 @@ def j2(stress: vec4) -> real:
 
 
 @wp.func
-def root_of_j2(stress: vec4) -> real:
+def root_of_j2(stress: vec4, shape: Any) -> real:
     """sqrt(J2) [Pa]."""
     return wp.sqrt(j2(stress))
 
 
 @wp.func
-def within_cylinder(stress: vec4, strength: real) -> bool:
+def within_cylinder(stress: vec4, strength: real, shape: Any) -> bool:
     """Whether J2 is at most su^2."""
     return j2(stress) <= strength * strength
 
 
 @wp.func
-def nearest_of_cylinder(trial: vec4, strength: real) -> vec4:
+def nearest_of_cylinder(trial: vec4, strength: real, shape: Any) -> vec4:
     """The deviator made shorter: the radial return to the cylinder."""
     scale = strength / wp.sqrt(j2(trial))
     mean = (trial[0] + trial[1] + trial[3]) / real(3.0)

@@ -51,7 +51,7 @@ def add_changing_adhesion(
     plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, grid.row_count))
     plan.audit(
         plan.launch(
-            _make_sum_of_strength(law, material.varies_adhesion),
+            _make_sum_of_strength(law, plan.find(ADHESION_RATIO) is not None),
             plan.arrays["particle.mass"].shape,
             particle_adhesion_ratio=plan.find(ADHESION_RATIO),
             **material.on_points(plan, law),
@@ -60,7 +60,7 @@ def add_changing_adhesion(
             contact_strength_sum=ShareRow("contact.strength_sum"),
         ),
         plan.launch(
-            _make_adhesion(plan.share_count),
+            adhesion_beside,
             len(nodes),
             column_count=grid.column_count,
             row_count=grid.row_count,
@@ -101,32 +101,27 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
     return sum_of_strength
 
 
-@functools.cache
-def _make_adhesion(share_count: int) -> Any:
-    """The kernel, launched over the surface's nodes; one without soil keeps what it has."""
-
-    @kernel
-    def adhesion_beside(
-        offset: int,
-        contact_nodes: wp.array(dtype=int),
-        contact_first_adhesion: wp.array(dtype=real),
-        contact_strength_sum: wp.array2d(dtype=vec2),
-        column_count: int,
-        row_count: int,
-        contact_adhesion: wp.array(dtype=real),
-    ):
-        n = offset + wp.tid()
-        row = contact_nodes[n] / (column_count + 1)
-        sums = vec2()
-        for share in range(wp.static(share_count)):
-            if row > 0:
-                sums += contact_strength_sum[share, row - 1]
-            if row < row_count:
-                sums += contact_strength_sum[share, row]
-        if sums[1] > zero:
-            contact_adhesion[n] = contact_first_adhesion[n] * (sums[0] / sums[1])
-
-    return adhesion_beside
+@kernel
+def adhesion_beside(
+    offset: int,
+    contact_nodes: wp.array(dtype=int),
+    contact_first_adhesion: wp.array(dtype=real),
+    contact_strength_sum: wp.array2d(dtype=vec2),
+    column_count: int,
+    row_count: int,
+    contact_adhesion: wp.array(dtype=real),
+):
+    """Launched over the surface's nodes; one without soil keeps what it has."""
+    n = offset + wp.tid()
+    row = contact_nodes[n] / (column_count + 1)
+    sums = vec2()
+    for share in range(contact_strength_sum.shape[0]):
+        if row > 0:
+            sums += contact_strength_sum[share, row - 1]
+        if row < row_count:
+            sums += contact_strength_sum[share, row]
+    if sums[1] > zero:
+        contact_adhesion[n] = contact_first_adhesion[n] * (sums[0] / sums[1])
 
 
 @kernel

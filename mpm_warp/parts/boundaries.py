@@ -12,14 +12,14 @@ displacement of a node; the dashpots are implicit:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import NOT_NEGATIVE, Range, check_array, check_known, check_nodes
+from mpm_warp.arguments import NOT_NEGATIVE, SHARE, array_of, check_known, check_nodes
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
@@ -40,11 +40,10 @@ class Fixed(Part):
     """
 
     nodes: Integers
-    free: Floats
+    free: Floats = field(metadata=array_of("nodes", 2, allowed=SHARE))
 
     def __post_init__(self) -> None:
-        count = np.size(self.nodes)
-        check_array("Fixed: free", self.free, (count, 2), Range(minimum=0.0, maximum=1.0))
+        super().__post_init__()
         between = self.free[(self.free != 0.0) & (self.free != 1.0)]
         if between.size:
             raise SceneError(f"Fixed: free = {between[0]:g} must be 0 or 1")
@@ -158,13 +157,8 @@ class FarField(Part):
     """
 
     nodes: Integers
-    spring: Floats
-    dashpot: Floats
-
-    def __post_init__(self) -> None:
-        count = np.size(self.nodes)
-        check_array("FarField: spring", self.spring, (count,), NOT_NEGATIVE)
-        check_array("FarField: dashpot", self.dashpot, (count, 2), NOT_NEGATIVE)
+    spring: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
+    dashpot: Floats = field(metadata=array_of("nodes", 2, allowed=NOT_NEGATIVE))
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, and soil that is the same everywhere."""
@@ -192,12 +186,11 @@ class FarField(Part):
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over the nodes of the side."""
-        count = len(self.nodes)
         plan.add_array("far_field.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("far_field.spring", "real", self.spring)
         plan.add_array("far_field.dashpot", "vec2", self.dashpot)
-        plan.add_zeros("far_field.displacement", "real", count)
-        plan.add_launch(far_field, count)
+        plan.add_zeros("far_field.displacement", "real", len(self.nodes))
+        plan.add_launch(far_field, len(self.nodes))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """The springs belong to the soil beside them: they rise with it, and new ones are slack."""
@@ -210,8 +203,7 @@ def raise_springs(run: Run, *, lowest: Floats | float) -> None:
 
     The one that enters at the bottom has the displacement `lowest` [m].
     """
-    springs = run.array("far_field.displacement").copy()
-    springs[1:] = springs[:-1]
+    springs = np.roll(run.array("far_field.displacement"), 1, axis=0)
     springs[0] = lowest
     run.assign("far_field.displacement", springs)
 

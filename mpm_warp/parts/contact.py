@@ -30,7 +30,7 @@ import warp as wp
 from mpm_warp.arguments import (
     FROM_ONE,
     NOT_NEGATIVE,
-    check_array,
+    array_of,
     check_nodes,
     check_whole,
     checked,
@@ -83,9 +83,9 @@ class SurfaceContact(Part):
     """
 
     nodes: Integers
-    normals: Floats
-    normal_areas: Floats
-    adhesion_forces: Floats
+    normals: Floats = field(metadata=array_of("nodes", 2))
+    normal_areas: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
+    adhesion_forces: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
     friction: float = checked(NOT_NEGATIVE)
     in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
     speed: float = checked(unit="m/s", default=0.0)
@@ -95,7 +95,6 @@ class SurfaceContact(Part):
         super().__post_init__()
         count = np.size(self.nodes)
         check_whole("SurfaceContact: number of nodes", count, FROM_ONE)
-        check_array("SurfaceContact: normals", self.normals, (count, 2))
         lengths = np.hypot(self.normals[:, 0], self.normals[:, 1])
         if not np.allclose(lengths, 1.0, rtol=0.0, atol=UNIT_ROUNDING):
             worst = int(np.argmax(np.abs(lengths - 1.0)))
@@ -103,8 +102,6 @@ class SurfaceContact(Part):
                 f"SurfaceContact: normals[{worst}] is {lengths[worst]:g} long, must be a "
                 "unit normal"
             )
-        for name in ("normal_areas", "adhesion_forces"):
-            check_array(f"SurfaceContact: {name}", getattr(self, name), (count,), NOT_NEGATIVE)
         if not self.normal_areas.any():
             raise SceneError(
                 "SurfaceContact: normal_areas are all 0, must be > 0 at one node at least"
@@ -132,8 +129,9 @@ class SurfaceContact(Part):
         plan.add_array("contact.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
         place = scene.grid.node_positions[self.nodes]
-        adhesion = self.adhesion_forces * scene.material.relative_adhesion_at(place)
-        plan.add_array("contact.adhesion", "real", adhesion)
+        strength = scene.material.ratio_at(place, "strength_ratio")
+        relative = strength * scene.material.ratio_at(place, "adhesion_ratio")
+        plan.add_array("contact.adhesion", "real", self.adhesion_forces * relative)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         if self.on_axis.size:

@@ -94,7 +94,7 @@ class CyclicWindow(MovingGrid):
         )
         row = seed_rows(grid, 1, scene.particles_per_side)
         empty = np.flatnonzero(cell[:, 0] < 0)
-        depth, in_row = np.divmod(np.arange(len(empty)), row.particle_count)
+        depth, in_row = np.divmod(np.arange(len(empty)), len(row.volume))
         position[empty] = row.position[in_row]
         position[empty, 1] -= (1 + depth) * (grid.rows[1] - grid.rows[0])
         material = scene.material
@@ -115,9 +115,7 @@ class CyclicWindow(MovingGrid):
             bottom=float(grid.rows[0]),
             top=super().top(scene),
             highest_row=grid.row_count - 1,
-        )
-        plan.add_launch(
-            rest_at_turn, plan.arrays["particle.mass"].shape, passage_time=self.passage_time
+            passage_time=self.passage_time,
         )
         plan.add_launch(
             advance_cyclic_window,
@@ -131,21 +129,6 @@ class CyclicWindow(MovingGrid):
 def rows_below(grid: Grid, stroke: float) -> int:
     """Rows of soil below a grid, as high as the lowest of its own, that fill a stroke [m]."""
     return math.ceil(stroke / float(grid.rows[1] - grid.rows[0]))
-
-
-@kernel
-def rest_at_turn(
-    offset: int,
-    time_step: real,
-    passage_time: real,
-    window_motion: wp.array(dtype=real),
-    particle_velocity: wp.array(dtype=vec2),
-):
-    """Launched over slots of particles; it does nothing but in the step of a turn."""
-    p = offset + wp.tid()
-    now = window_motion[0]
-    if wp.floor((now + time_step) / passage_time) > wp.floor(now / passage_time):
-        particle_velocity[p] = vec2(zero)
 
 
 @kernel
@@ -174,6 +157,7 @@ def leave_and_return(
     bottom: real,
     top: real,
     highest_row: int,
+    passage_time: real,
     window_motion: wp.array(dtype=real),
     particle_position: wp.array(dtype=vec2),
     particle_velocity: wp.array(dtype=vec2),
@@ -197,3 +181,6 @@ def leave_and_return(
         particle_velocity[p] = vec2(zero)
         particle_resting_column[p] = particle_cell[p][0]
         particle_cell[p] = wp.vec2i(-1, -1)
+    now = window_motion[0]
+    if wp.floor((now + time_step) / passage_time) > wp.floor(now / passage_time):
+        particle_velocity[p] = vec2(zero)  # the step of a turn

@@ -55,20 +55,11 @@ class EnergyAudit(Part):
 
         The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
         """
-        grid = scene.grid
-        plan.add_zeros("transfer.energy", "real", grid.row_count + 1)
-        after, before = (
-            plan.launch(
-                kinetic_energy,
-                grid.row_count + 1,
-                column_count=grid.column_count,
-                first=first,
-                sign=sign,
-            )
-            for first, sign in ((0, -1.0), (2, 1.0))
-        )
-        plan.audit(after, before=plan.step[0].name)
-        plan.audit(before, after="momentum")
+        columns, rows = scene.grid.column_count, scene.grid.row_count + 1
+        plan.add_zeros("transfer.energy", "real", rows)
+        of = functools.partial(plan.launch, kinetic_energy, rows, column_count=columns)
+        plan.audit(of(first=0, sign=-1.0), before=plan.step[0].name)
+        plan.audit(of(first=2, sign=1.0), after="momentum")
 
 
 class EnergyBalance(Part):
@@ -93,12 +84,7 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_NODES, "vec5", grid.node_count)
         plan.add_zeros(OF_CELLS, "real", grid.cell_count)
         plan.add_zeros(OF_POINTS, "vec2", slots)
-        by_stress, by_ground = (
-            plan.launch(keep_velocity, grid.node_count, kept=name)
-            for name in ("balance.by_stress", "balance.by_ground")
-        )
-        of_nodes = plan.launch(work_of_nodes, grid.node_count)
-        of_cells = plan.launch(_make_work_of_cells(plan.share_count), grid.cell_count)
+        keep = functools.partial(plan.launch, keep_velocity, grid.node_count)
         of_points = plan.launch(
             _make_work_of_points(law),
             slots,
@@ -106,10 +92,10 @@ class EnergyBalance(Part):
             **material.on_points(plan, law),
         )
         # Cells still have the mass of their points, and the rates of the step before.
-        plan.audit(of_cells, before="cell_stress")
-        plan.audit(by_stress, after="momentum")
-        plan.audit(by_ground, before="surface_contact")
-        plan.audit(of_nodes, after="surface_contact")
+        plan.audit(plan.launch(work_of_cells, grid.cell_count), before="cell_stress")
+        plan.audit(keep(kept="balance.by_stress"), after="momentum")
+        plan.audit(keep(kept="balance.by_ground"), before="surface_contact")
+        plan.audit(plan.launch(work_of_nodes, grid.node_count), after="surface_contact")
         # The rates of cells are known, and points still have the stress before the law.
         plan.audit(of_points, before="grid_to_particles")
 
@@ -173,31 +159,26 @@ def work_of_nodes(
     )
 
 
-@functools.cache
-def _make_work_of_cells(share_count: int) -> Any:
-    """The kernel, launched over cells; it leaves their volume over the mass of their points too."""
-
-    @kernel
-    def work_of_cells(
-        offset: int,
-        cell_mass: wp.array2d(dtype=real),
-        cell_volume: wp.array(dtype=real),
-        cell_viscosity: wp.array(dtype=real),
-        cell_dilation_rate: wp.array(dtype=real),
-        time_step: real,
-        balance_specific_volume: wp.array(dtype=real),
-        balance_cells: wp.array(dtype=real),
-    ):
-        c = offset + wp.tid()
-        V, d = cell_volume[c], cell_dilation_rate[c]
-        m = real(0.0)
-        for share in range(wp.static(share_count)):
-            m += cell_mass[share, c]
-        if m > zero:
-            balance_specific_volume[c] = V / m
-        balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
-
-    return work_of_cells
+@kernel
+def work_of_cells(
+    offset: int,
+    cell_mass: wp.array2d(dtype=real),
+    cell_volume: wp.array(dtype=real),
+    cell_viscosity: wp.array(dtype=real),
+    cell_dilation_rate: wp.array(dtype=real),
+    time_step: real,
+    balance_specific_volume: wp.array(dtype=real),
+    balance_cells: wp.array(dtype=real),
+):
+    """Launched over cells; it leaves their volume over the mass of their points too."""
+    c = offset + wp.tid()
+    V, d = cell_volume[c], cell_dilation_rate[c]
+    m = real(0.0)
+    for share in range(cell_mass.shape[0]):
+        m += cell_mass[share, c]
+    if m > zero:
+        balance_specific_volume[c] = V / m
+    balance_cells[c] = balance_cells[c] + V * cell_viscosity[c] * d * d * time_step
 
 
 @functools.cache

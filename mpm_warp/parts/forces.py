@@ -5,12 +5,11 @@ v <- v + dt f / m           f given force, m mass of the node
 v <- v / (1 + dt c)         c rate of damping, for states of rest
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, check_array, check_nodes, checked
+from mpm_warp.arguments import POSITIVE, array_of, check_nodes, checked
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan
@@ -55,10 +54,7 @@ class NodalLoad(Part):
     """
 
     nodes: Integers
-    forces: Floats
-
-    def __post_init__(self) -> None:
-        check_array("NodalLoad: forces", self.forces, (np.size(self.nodes), 2))
+    forces: Floats = field(metadata=array_of("nodes", 2))
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""

@@ -39,9 +39,12 @@ class FreeSurface(Part):
     """
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Add "cell.full_mass": from that mass on a cell acts with all of its stress."""
-        full = scene.material.density * scene.grid.cell_volumes
-        plan.add_array("cell.full_mass", "real", full)
+        """Add "cell.full_mass", from which on a cell acts with all of its stress, and the like."""
+        for name, values in self._of_cells(scene, 0.0).items():
+            plan.add_array(name, "real", values)
+
+    def _of_cells(self, scene: Scene, travel: float) -> dict[str, Floats]:
+        return {"cell.full_mass": scene.material.density * scene.grid.cell_volumes}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,11 +62,6 @@ class PassingSurface(FreeSurface):
     level: float = checked(unit="m")
     layer: float = checked(POSITIVE, unit="m")
     pic_fraction: float = checked(Range(above=0.0, maximum=1.0))
-
-    def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Add the arrays "cell.pic_fraction" and "cell.full_mass"."""
-        for name, values in self._of_cells(scene, 0.0).items():
-            plan.add_array(name, "real", values)
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """The cells near the surface are others, higher in the grid."""

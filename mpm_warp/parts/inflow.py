@@ -28,7 +28,7 @@ import warp as wp
 
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.grid.location import make_location
+from mpm_warp.grid.location import between_nodes, make_location
 from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
 from mpm_warp.plan.launch import share_bounds
@@ -154,8 +154,8 @@ class Inflow:
         run, material = self._run, self._scene.material
         if run.plan.find(PROPERTIES):
             run.assign("layer.properties", material.properties_at(place))
-        if material.variation is not None and run.plan.find(ADHESION_RATIO):
-            run.assign("layer.adhesion_ratio", material.variation.adhesion_ratio_at(place))
+        if run.plan.find(ADHESION_RATIO):
+            run.assign("layer.adhesion_ratio", material.ratio_at(place, "adhesion_ratio"))
         if material.state:
             run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
 
@@ -231,12 +231,7 @@ def bound_velocity(
     if i < 0:
         return
     where = natural(particle_position[p], grid_columns[i], grid_rows[j], fitted_radius)
-    xi, eta = where[0], where[1]
-    node = j * stride + i
-    left = node_velocities[node] + eta * (node_velocities[node + stride] - node_velocities[node])
-    right = node_velocities[node + 1]
-    right += eta * (node_velocities[node + stride + 1] - node_velocities[node + 1])
-    here = left + xi * (right - left)
+    here = between_nodes(node_velocities, j * stride + i, stride, where[0], where[1])
     v = vec2(here[0], here[1])
     w = particle_velocity[p] - v
     if wp.length(w) > W and wp.length(w) < speed_limit:

@@ -38,7 +38,7 @@ import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import FarField, Fixed, raise_springs
@@ -73,8 +73,7 @@ class TravellingSource(Checked):
 
         The soil is at these positions now: off the axis above the source.
         """
-        at_first = position - np.array([0.0, travel])
-        return self._stress(position) - self._stress(at_first)
+        return self._stress(position) - self._stress(_place(position, travel))
 
     def traction_rate(self, position: Floats) -> Floats:
         """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], [..., 2]."""
@@ -130,34 +129,25 @@ class SurroundingGround(Part):
         check_kind("SurroundingGround: material", self.material, Material)
 
     @cached_property
-    def _far(self) -> FarField:
+    def far(self) -> FarField:
+        """The medium beside the window: nodes of the side, springs along r, dashpots."""
         return FarField.around(self.grid, self.material)
 
     @property
-    def side(self) -> Integers:
-        """Flat indices of the nodes on the side, from below to above, shape [side_count]."""
-        return self._far.nodes
-
-    @property
     def spring(self) -> Floats:
-        """Stiffness of each along r and z per radian [N/m], shape [side_count, 2]."""
-        return self._far.spring[:, None] * np.array([1.0, 0.5])
-
-    @property
-    def dashpot(self) -> Floats:
-        """Viscosity of each along r and z per radian [N s/m], shape [side_count, 2]."""
-        return self._far.dashpot
+        """Stiffness of each node of the side along r and z per radian [N/m], [side_count, 2]."""
+        return self.far.spring[:, None] * np.array([1.0, 0.5])
 
     @cached_property
     def side_positions(self) -> Floats:
         """Where the nodes of the side are [m], shape [side_count, 2]."""
-        return self.grid.node_positions[self.side]
+        return self.grid.node_positions[self.far.nodes]
 
     @cached_property
     def side_areas(self) -> Floats:
         """Area of each per radian [m2], shape [side_count]."""
         modulus = self.material.ground_shear_modulus
-        return self._far.spring * self.grid.outer_radius / (2.0 * modulus)
+        return self.far.spring * self.grid.outer_radius / (2.0 * modulus)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
@@ -194,7 +184,7 @@ class SurroundingGround(Part):
             return  # they are as at the start
         own = self._stiffness_ratio(scene, self.side_positions, travel)[:, None]
         run.assign("far_field.spring", own * self.spring)
-        run.assign("far_field.dashpot", np.sqrt(own) * self.dashpot)
+        run.assign("far_field.dashpot", np.sqrt(own) * self.far.dashpot)
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add two launches, over the nodes of the side and of the ends."""
@@ -204,14 +194,14 @@ class SurroundingGround(Part):
         own = self._stiffness_ratio(scene, self.side_positions, 0.0)[:, None]
         before = scene.stress_at_rest_at(self.side_positions)[:, [0, 2]]
         at_rest = -(self.side_areas[:, None] * before) / (own * self.spring)
-        plan.add_array("far_field.nodes", "int", self.side, nodes)
+        plan.add_array("far_field.nodes", "int", self.far.nodes, nodes)
         plan.add_array("far_field.spring", "vec2", own * self.spring)
-        plan.add_array("far_field.dashpot", "vec2", np.sqrt(own) * self.dashpot)
+        plan.add_array("far_field.dashpot", "vec2", np.sqrt(own) * self.far.dashpot)
         plan.add_array("far_field.flow", "vec2", side_flow)
         plan.add_array("far_field.drawn", "vec2", side_flow + drawn / self.spring)
         plan.add_array("far_field.displacement", "vec2", at_rest)
         partly = plan.find("cell.full_mass") is not None
-        plan.add_launch(_make_moving_side(partly), len(self.side))
+        plan.add_launch(_make_moving_side(partly), len(self.far.nodes))
         # After the side: a spring in a corner must not move what the bottom holds.
         ends = Fixed.on(self.grid, radial=["bottom"], vertical=["bottom", "top"])
         flow = self.source.velocity(scene.grid.node_positions[ends.nodes])
@@ -222,7 +212,7 @@ class SurroundingGround(Part):
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
         """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
-        return scene.material.stiffness_ratio_at(_place(position, travel))
+        return scene.material.ratio_at(_place(position, travel), "stiffness_ratio")
 
 
 def _place(position: Floats, travel: float) -> Floats:

@@ -12,11 +12,7 @@ WORTH_SHARING = 200
 """Items of a launch, at least, whose work takes longer than the threads' wait for each other."""
 
 
-class Offset:
-    """Type of `OFFSET`."""
-
-
-OFFSET = Offset()
+OFFSET = object()
 """The argument by which a share of a launch gets the number of its first item."""
 
 

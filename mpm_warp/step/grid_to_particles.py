@@ -16,7 +16,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.grid.location import make_location
+from mpm_warp.grid.location import between_nodes, make_location
 from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
 from mpm_warp.materials.material import Law
@@ -94,14 +94,9 @@ def _make_grid_to_particles(
         where = natural(x, grid_columns[i], grid_rows[j], fitted_radius)
         xi, eta = where[0], where[1]
 
-        node = j * (cell_counts[0] + 1) + i
-        upper = node + cell_counts[0] + 1
-        lower_left, lower_right = node_velocities[node], node_velocities[node + 1]
-        upper_left, upper_right = node_velocities[upper], node_velocities[upper + 1]
+        stride = cell_counts[0] + 1
         # (v, u) at the particle: v the velocity after the step, u before it.
-        left = lower_left + eta * (upper_left - lower_left)
-        right = lower_right + eta * (upper_right - lower_right)
-        here = left + xi * (right - left)
+        here = between_nodes(node_velocities, j * stride + i, stride, xi, eta)
         v = vec2(here[0], here[1])
         u = vec2(here[2], here[3])
         c = j * cell_counts[0] + i

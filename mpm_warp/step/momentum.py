@@ -2,7 +2,8 @@
 
 Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass, M half a quarter of the mass of the cells
 around a node when they are full, u and v velocity before and after the step, G_i the integrals over
-a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one.
+a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one; of a cell:
+v_ij velocity of its nodes after the step before, rho density, V volume.
 
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
                                 sigma_rz G_r + sigma_zz G_z)
@@ -12,18 +13,11 @@ a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there 
 The force is that of full cells, whatever particles are near the node at the moment; so M bounds
 what it can do to a node that has few.
 
-Mass-matrix correction: what the transfer to particles and back takes at the least, given back.
-
 A field that particles have from the nodes comes back to them smoothed, as if it had diffused: each
 particle spreads its momentum over the nodes of its cell. That takes the mean of xi (1 - xi) over
 the particles of a cell, times second differences. The operator S gives back the part k of it that
 is taken wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
 
-Symbols: v_ij velocity of the nodes of a cell after the step before, X and Y its differences across
-and up, rho density, V volume of a cell, m_i mass of a node, M_i half a quarter of that of the full
-cells around it.
-
-    u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)         velocity before the step
     (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -
     X, Y    = v_10 - v_00 + v_11 - v_01,  v_01 - v_00 + v_11 - v_10
 
@@ -86,6 +80,14 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
             stress[2] * G[0] + stress[1] * G[1],
         )
 
+    @wp.func
+    def correction(cells: wp.array(dtype=vec4), cell: int, across: real, up: real) -> vec2:
+        # What a cell gives to one of its nodes, see `correction_of_cell`; the signs say to which.
+        if wp.static(not corrected):
+            return vec2()
+        XY = cells[cell]
+        return across * vec2(XY[0], XY[1]) + up * vec2(XY[2], XY[3])
+
     @kernel
     def momentum(
         offset: int,
@@ -115,22 +117,25 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
         if m <= zero:
             node_velocities[node] = vec4()
             return
-        force = vec2()
+        force, given_back = vec2(), vec2()
         cell = j * column_count + i
         if j < row_count:
             if i < column_count:
                 force -= pull(cell_stress[cell], cell_integrals[cell, 0])
+                given_back += correction(cell_correction, cell, -one, -one)
             if i > 0:
                 force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 1])
+                given_back += correction(cell_correction, cell - 1, one, -one)
         if j > 0:
             cell -= column_count
             if i < column_count:
                 force -= pull(cell_stress[cell], cell_integrals[cell, 2])
+                given_back += correction(cell_correction, cell, -one, one)
             if i > 0:
                 force -= pull(cell_stress[cell - 1], cell_integrals[cell - 1, 3])
+                given_back += correction(cell_correction, cell - 1, one, one)
         before = (one / m) * vec2(sums[1], sums[2])
         if wp.static(corrected):
-            given_back = correction_at_node(cell_correction, i, j, column_count, row_count)
             before += (half / wp.max(half * m, node_least_mass[node])) * given_back
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
             # The particle that gave it such a velocity is left alone until the watch finds it.
@@ -148,30 +153,3 @@ def correction_of_cell(v_00: vec4, v_10: vec4, v_01: vec4, v_11: vec4, weight: r
     rising, falling = weight * (v_11 - v_00), weight * (v_10 - v_01)
     X, Y = rising + falling, rising - falling
     return vec4(X[0], X[1], Y[0], Y[1])
-
-
-@wp.func
-def corner(cell: vec4, across: real, up: real) -> vec2:
-    """What a cell gives to one of its nodes; the signs say to which."""
-    return across * vec2(cell[0], cell[1]) + up * vec2(cell[2], cell[3])
-
-
-@wp.func
-def correction_at_node(
-    cells: wp.array(dtype=vec4), i: int, j: int, column_count: int, row_count: int
-) -> vec2:
-    """(S v)_i of the node in column i and row j, of the results of `correction_of_cell`."""
-    total = vec2()
-    cell = j * column_count + i
-    if j < row_count:
-        if i < column_count:
-            total += corner(cells[cell], -one, -one)
-        if i > 0:
-            total += corner(cells[cell - 1], one, -one)
-    if j > 0:
-        cell -= column_count
-        if i < column_count:
-            total += corner(cells[cell], -one, one)
-        if i > 0:
-            total += corner(cells[cell - 1], one, one)
-    return total

@@ -14,8 +14,7 @@ Symbols: m mass, v velocity, sigma stress, N_i shape function of node i at the p
 """
 
 import functools
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
@@ -29,35 +28,24 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Seed:
+class Seed(NamedTuple):
     """Particles as they are put into a grid, each standing for a part of its cell."""
 
     position: Floats  # centroids (r, z) of the parts [m], shape [particle_count, 2]
     volume: Floats  # volumes of the parts per radian [m3], shape [particle_count]
     cell: Integers  # column and row of the cell, shape [particle_count, 2]
 
-    @property
-    def particle_count(self) -> int:
-        """Number of particles."""
-        return len(self.volume)
-
 
 def seed_rows(grid: Grid, row_count: int, particles_per_side: int) -> Seed:
     """Fill the lowest rows of cells with particles.
 
     At the centroids, the mass of each node comes out as the exact integral of its shape function
-    where cells are upright; where they lean, along a cone, within 0.2 %.
-    Particles are ordered by height, then by radius: one layer of particles after the other. They
-    are only where the grid holds soil.
+    where cells are upright; where they lean, along a cone, within 0.2 %. Particles are ordered by
+    height, then by radius: one layer after the other. They are only where the grid holds soil.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
     rows = [_seed_row(grid, row, particles_per_side) for row in range(row_count)]
-    return Seed(
-        position=np.concatenate([seed.position for seed in rows]),
-        volume=np.concatenate([seed.volume for seed in rows]),
-        cell=np.concatenate([seed.cell for seed in rows]),
-    )
+    return Seed(*map(np.concatenate, zip(*rows, strict=True)))
 
 
 def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
@@ -76,8 +64,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
     volume = volumes.sum(axis=1)
     position = np.sum(points * volumes[..., None], axis=1) / volume[:, None]
     soil = grid.holds_soil(position)
-    cell = np.stack([column, row], axis=-1)
-    return Seed(position=position[soil], volume=volume[soil], cell=cell[soil])
+    return Seed(position[soil], volume[soil], np.stack([column, row], axis=-1)[soil])
 
 
 def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
@@ -87,12 +74,12 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     """
     grid, material = scene.grid, scene.material
     seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
-    plan.particle_count = seed.particle_count
-    slots = seed.particle_count + round(spare_fraction * seed.particle_count)
+    count = plan.particle_count = len(seed.volume)
+    slots = count + round(spare_fraction * count)
     # Empty slots are at the end of each share, so that all shares have as much to do.
-    bounds = share_bounds(seed.particle_count, plan.share_count)
+    bounds = share_bounds(count, plan.share_count)
     shift = share_bounds(slots, plan.share_count) - bounds
-    taken = np.arange(seed.particle_count) + np.repeat(shift[:-1], np.diff(bounds))
+    taken = np.arange(count) + np.repeat(shift[:-1], np.diff(bounds))
     position = np.full((slots, 2), grid.outer_radius)
     mass = np.zeros(slots)
     cell = np.full((slots, 2), -1, dtype=np.int32)
@@ -109,9 +96,8 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     if material.variation is not None:
         properties = material.properties_at(position)
         plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
-        if material.varies_adhesion:
-            ratio = material.variation.adhesion_ratio_at(position)
-            plan.add_array(ADHESION_RATIO, "real", ratio)
+        if material.variation.adhesion_ratio is not None:
+            plan.add_array(ADHESION_RATIO, "real", material.ratio_at(position, "adhesion_ratio"))
     if material.state:
         state = material.state_at(stress, position)
         plan.add_array("particle.state", f"vec{len(material.state)}", state)

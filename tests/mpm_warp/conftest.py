@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
@@ -22,7 +23,7 @@ from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from tests.mpm_warp.edges import axis_and_ends
+from mpm_warp.simulation import Simulation
 
 SMALL_WINDOW: dict[str, Any] = {"domain_radius": 8, "domain_above": 3, "domain_below": 3}
 """Costs next to nothing; a resistance in it is no good cone factor."""
@@ -53,6 +54,17 @@ def greatest_shear(stress: Floats) -> Floats:
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
     extremes = np.stack([centre - radius, centre + radius, stress[:, 3]])
     return np.asarray(0.5 * np.ptp(extremes, axis=0))
+
+
+def axis_and_ends(grid: Grid) -> Fixed:
+    """No radial velocity on the axis, none at all at the bottom, no vertical one at the top."""
+    return Fixed.on(grid, radial=["axis", "bottom"], vertical=["bottom", "top"])
+
+
+def assert_same_bits(one: Simulation, other: Simulation) -> None:
+    """All arrays of a run are those of another, which may have more."""
+    for name in one.plan.arrays:
+        np.testing.assert_array_equal(other.array(name), one.array(name), err_msg=name)
 
 
 @pytest.fixture
@@ -131,6 +143,14 @@ def cone(fitted: Grid) -> Scene:
     )
 
 
+@pytest.fixture
+def empty(cone: Scene) -> Scene:
+    """That window without a penetrometer in it."""
+    grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
+    fixed = axis_and_ends(grid)
+    return dataclasses.replace(cone.without(SurfaceContact).with_parts(fixed), grid=grid)
+
+
 @pytest.fixture(scope="session")
 def short_test() -> ConePenetration:
     """A cone test of next to no cost, in a small window: its curves are no good cone factors."""
@@ -164,6 +184,18 @@ def cavity() -> Scene:
             MovingWall(speed=0.02, ramp_travel=0.3),
         ),
     )
+
+
+@pytest.fixture
+def spherical(cavity: Scene) -> Scene:
+    """Clay around a spherical cavity, on rays that nothing holds."""
+    grid = PolarGrid(
+        columns=cavity.grid.columns,
+        rows=np.linspace(0.0, 0.5 * np.pi, 6),
+        surface_radius=np.ones(6),
+        fitted_radius=cavity.grid.outer_radius,
+    )
+    return dataclasses.replace(cavity.without(Fixed, FarField), grid=grid)
 
 
 @pytest.fixture(scope="module")

@@ -5,15 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
+from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
-from tests.mpm_warp.edges import axis_and_ends
+from tests.mpm_warp.conftest import axis_and_ends
 
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 
@@ -26,7 +28,8 @@ def test_soil_alone_has_no_part_that_it_does_not_need(floating: Scene) -> None:
     plan = make_plan(dataclasses.replace(floating, particles_per_side=1))
     assert kernels(plan) == STAGES
     assert {name.split(".")[0] for name in plan.arrays} == {"particle", "grid", "cell", "node"}
-    assert not {"cell.viscosity", "cell.dilation_rate", "cell.correction"} & set(plan.arrays)
+    unneeded = {"cell.viscosity", "cell.dilation_rate", "cell.correction", PROPERTIES}
+    assert not unneeded & set(plan.arrays)
     assert plan.audited_step == []
     assert plan.between_steps == {}
     assert plan.control is None
@@ -49,6 +52,11 @@ def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(floating: Scene) -
         (floating.with_parts(Gravity(9.81)), {"gravity"}, set()),
         (floating.with_parts(Damping(1.0)), {"damping"}, set()),
         (floating.with_parts(EnergyAudit()), set(), {"transfer.energy"}),
+        (
+            floating.with_parts(ConservativeInterpolation()),
+            set(),
+            {"cell.interpolation_weights", "cell.internal_flow"},
+        ),
     ):
         plan = make_plan(scene)
         assert set(plan.arrays) - set(bare.arrays) == words

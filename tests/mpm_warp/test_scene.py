@@ -1,6 +1,7 @@
 """A scene: what it refuses, the order of its parts, and a boundary that only this file knows."""
 
 import dataclasses
+import functools
 
 import numpy as np
 import pytest
@@ -10,17 +11,22 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import one, real, vec4
-from mpm_warp.parts.boundaries import FarField, Fixed
-from mpm_warp.parts.energy import EnergyBalance
+from mpm_warp.materials.variation import Variation
+from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
+from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.forces import Gravity
-from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import MovingGrid, Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import has_mass_matrix_correction, make_plan
 from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import refused
 
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)
 WINDOW = Window(speed=1.0, ramp_travel=1.0, spare_fraction=0.1)
@@ -47,7 +53,10 @@ def plane(rectilinear: Grid) -> Grid:
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
             "ConservativeInterpolation: not together with a grid of rays$",
         ),
-        ({"parts": (EnergyBalance(),)}, "EnergyBalance: not without a MovingGrid$"),
+        (
+            {"parts": (RadialMotion(),)},
+            "radial motion: the grid is a Grid, must be a PolarGrid$",
+        ),
         ({"parts": (Fixed.on, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
     ],
 )
@@ -56,6 +65,36 @@ def test_what_does_not_go_together_is_refused_in_one_line(
 ) -> None:
     with pytest.raises(SceneError, match=f"^{message}"):
         dataclasses.replace(floating, **changes)
+
+
+def test_parts_need_others_and_are_not_beside_some(cone: Scene) -> None:
+    source = TravellingSource(radius=1.0, height=0.0, shear_modulus=2e6)
+    ground = SurroundingGround(source=source, grid=cone.grid, material=cone.material)
+    surface = PassingSurface(level=0.0, layer=1.0, pic_fraction=0.1)
+    in_ground = cone.without(FarField).with_parts(EnergyBalance(), ground, surface)
+    for kind, name in (
+        (Window, "EnergyBalance: not without a MovingGrid"),
+        (SurfaceContact, "EnergyBalance: not without a SurfaceContact"),
+        (EnergyAudit, "EnergyBalance: not without a EnergyAudit"),
+    ):
+        refused(functools.partial(in_ground.without, kind), SceneError, name)
+    parts: tuple[Part, ...] = (ground, surface)
+    for part in parts:
+        alone = cone.without(FarField, EnergyAudit).with_parts(part)
+        name = f"{type(part).__name__}: not without a Window"
+        refused(functools.partial(alone.without, Window), SceneError, name)
+    parts = (ground, CyclicWindow(speed=1.0, ramp_travel=0.1, stroke=1.0))
+    for part in parts:
+        name = f"{type(part).__name__}: not together with a FarField"
+        refused(functools.partial(cone.with_parts, part), SceneError, name)
+    varied = dataclasses.replace(
+        cone.material,
+        variation=Variation(
+            depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.ones(1)
+        ),
+    )
+    name = "FarField: not together with a material that varies"
+    refused(lambda: dataclasses.replace(cone, material=varied), SceneError, name)
 
 
 def test_a_wall_moves_in_no_grid_that_leans_or_is_plane(

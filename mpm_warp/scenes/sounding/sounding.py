@@ -207,7 +207,7 @@ class Sounding(SoundingTest):
         level = self.start_depth
         grid, window = GroundGrid.of(scene.grid, level), scene[Window]
         points_of_cell = scene.particles_per_side**2
-        seeded = seed_rows(grid, grid.row_count, scene.particles_per_side).particle_count
+        seeded = len(seed_rows(grid, grid.row_count, scene.particles_per_side).volume)
         slots = (1.0 + window.spare_fraction) * grid.cell_count * points_of_cell
         surface = PassingSurface(
             level=level, layer=LAYER * self.cone_radius, pic_fraction=PIC_FRACTION

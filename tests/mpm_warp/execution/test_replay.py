@@ -20,6 +20,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import assert_same_bits
 
 pytestmark = pytest.mark.slow
 
@@ -37,24 +38,14 @@ def wait_until(happened: Callable[[], bool]) -> None:
         time.sleep(0.001)
 
 
-def arrays_of(simulation: Simulation) -> dict[str, Floats]:
-    """All arrays of a run as they are now."""
-    return {name: simulation.array(name).copy() for name in simulation.arrays}
-
-
-def assert_same_bits(one: dict[str, Floats], other: dict[str, Floats]) -> None:
-    for name, values in one.items():
-        np.testing.assert_array_equal(other[name], values, err_msg=name)
-
-
-def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> dict[str, Floats]:
-    """All arrays after a radius of penetration, whose threads change on the way."""
+def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> Simulation:
+    """A run after a radius of penetration, whose threads change on the way."""
     simulation = Simulation(CONE.build(), execution)
     for fraction, threads in enumerate(switches or (execution.threads,), start=1):
         execution.threads = threads
         simulation.travel_to(CONE.cone_radius * fraction / len(switches or (1,)))
     assert any(launch.is_shared for launch in simulation.plan.step)
-    return arrays_of(simulation)
+    return simulation
 
 
 @pytest.mark.usefixtures("all_take_part")
@@ -129,7 +120,7 @@ def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPat
     replay = DeviceRun._replay_one_by_one
     monkeypatch.setattr(DeviceRun, "replay", lambda self, steps, threads: replay(self, steps))
     one_by_one.advance(100)
-    assert_same_bits(arrays_of(at_once), arrays_of(one_by_one))
+    assert_same_bits(at_once, one_by_one)
 
 
 @pytest.mark.parametrize("scene", [CONE, GravityColumn(cell_count=3)])
@@ -142,7 +133,7 @@ def test_steps_are_the_same_however_they_are_parted(
     monkeypatch.setattr(mpm_warp.execution.replay, "UPDATES_PER_CALL", updates)
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
-    assert_same_bits(arrays_of(whole), arrays_of(parted))
+    assert_same_bits(whole, parted)
 
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
@@ -170,7 +161,7 @@ def test_scenes_with_fewer_shares_than_threads_give_the_same_bits(scene: Catalog
     alone, together = (Simulation(scene.build(), Execution(threads=count)) for count in (1, 4))
     for simulation in (alone, together):
         simulation.advance(40)
-    assert_same_bits(arrays_of(alone), arrays_of(together))
+    assert_same_bits(alone, together)
 
 
 @pytest.mark.usefixtures("all_take_part")

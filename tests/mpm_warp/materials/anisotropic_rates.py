@@ -11,15 +11,13 @@ with h from df/dt = 0, df/dk dk/dxi dxi/dt being its part of softening.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.anisotropic import Anisotropic
-from tests.mpm_warp.materials.cam_clay_rates import Reached
+from tests.mpm_warp.materials.cam_clay_rates import elastic_then_plastic
 
 SMALL = 1e-6
 """Step of central differences of f, over the strength: errors of 1e-10 of its gradient."""
@@ -119,22 +117,9 @@ def stress_along(
     rr, zz, rz, tt = start
     first = np.array([[rr, 0.0, rz], [0.0, tt, 0.0], [rz, 0.0, zz]])
     state: NDArray[np.float64] = np.concatenate([first.ravel(), [0.0, 0.0, 1.0, 0.0]])
-    tight: dict[str, Any] = {
-        "rtol": 1e-10,
-        "atol": 1e-11 * clay.strength,
-        "method": "LSODA",
-        "dense_output": True,
-    }
-    reached, states = 0.0, np.tile(state, (len(times), 1))
-    if outside(0.0, state) < -1e-12:
-        path = solve_ivp(elastic_rates, (0.0, 1.0), state, events=Reached(outside), **tight)
-        reached, state = float(path.t[-1]), path.y[:, -1]
-        states = path.sol(np.minimum(times, reached)).T
-    if reached < 1.0:
-        path = solve_ivp(plastic_rates, (reached, 1.0), state, **tight)
-        later = times > reached
-        states[later] = path.sol(times[later]).T
-    return np.asarray(states[:, [0, 8, 2, 4]])
+    rates, atol = (elastic_rates, plastic_rates), 1e-11 * clay.strength
+    path = elastic_then_plastic(rates, outside, state, 1.0, rounding=1e-12, atol=atol)
+    return np.array([path(time)[[0, 8, 2, 4]] for time in times])
 
 
 def _gradient(function: Callable[[Floats], float], stress: Floats, strength: float) -> Floats:

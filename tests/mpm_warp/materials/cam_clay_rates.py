@@ -11,7 +11,7 @@ size of the yield surface, e rate of strain (its volume stays), L rate of the pl
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy
@@ -22,16 +22,35 @@ from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 Path = Callable[[float], Floats]
 
 
-@dataclass
-class Reached:
-    """The event that a function of time and state rises to zero, at which scipy stops."""
+def elastic_then_plastic(
+    rates: tuple[Callable[[float, Floats], Floats], Callable[[float, Floats], Floats]],
+    outside: Callable[[float, Floats], float],
+    state: Floats,
+    end: float,
+    *,
+    rounding: float,
+    atol: float,
+) -> Path:
+    """The path of a state by its (elastic, plastic) rates, from a time of 0 to an end.
 
-    function: Callable[[float, Floats], float]
-    terminal: bool = True
-    direction: float = 1.0
+    It is elastic until `outside` has risen to zero, but for rounding.
+    """
 
-    def __call__(self, time: float, state: Floats) -> float:
-        return self.function(time, state)
+    def yields(time: float, state: Floats) -> float:
+        return outside(time, state)
+
+    yields.terminal, yields.direction = True, 1.0  # type: ignore[attr-defined]
+    options: dict[str, Any] = {"method": "LSODA", "rtol": 1e-10, "atol": atol, "dense_output": True}
+    begin, first = 0.0, None
+    if outside(0.0, state) < -rounding:
+        first = scipy.integrate.solve_ivp(rates[0], (0.0, end), state, events=yields, **options)
+        begin, state = float(first.t[-1]), first.y[:, -1]
+    then = scipy.integrate.solve_ivp(rates[1], (begin, max(end, begin + 1e-9)), state, **options)
+
+    def at(time: float) -> Floats:
+        return first.sol(time) if first is not None and time < begin else then.sol(time)
+
+    return at
 
 
 def integrated(
@@ -68,18 +87,9 @@ def integrated(
 
     start = clay.mean_effective_stress
     state = np.array([*deviator, start, start * clay.size_ratio])
-    options = {"method": "LSODA", "rtol": 1e-10, "atol": 1e-9 * start, "dense_output": True}
-    begin, first = 0.0, None
-    if surface(0.0, state) < -1e-9 * start**2:
-        yields = Reached(surface)
-        first = scipy.integrate.solve_ivp(elastic, (0.0, strain), state, events=yields, **options)
-        begin, state = float(first.t[-1]), first.y[:, -1]
-    then = scipy.integrate.solve_ivp(plastic, (begin, max(strain, begin + 1e-9)), state, **options)
-
-    def at(gamma: float) -> Floats:
-        return first.sol(gamma) if first is not None and gamma < begin else then.sol(gamma)
-
-    return at
+    return elastic_then_plastic(
+        (elastic, plastic), surface, state, strain, rounding=1e-9 * start**2, atol=1e-9 * start
+    )
 
 
 def cavity_wall(

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -50,11 +49,6 @@ PATHS = {
     "mixed, turned one way": (3, 4, -2, -4, 1),
     "mixed, turned the other": (-3, 5, 60, 4, -2),
 }
-
-
-def scene(name: str) -> Any:
-    """A scene of the catalogue, with the parameters of all laws."""
-    return scene_class(name)
 
 
 def after(material: Material, gradients: list[Floats], steps: int, start: Floats) -> Simulation:
@@ -154,14 +148,14 @@ def test_equal_strengths_are_those_of_von_mises() -> None:
     ],
 )
 def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None:
-    result = scene("element_test")(test=test, material="anisotropic", **MEASURED).run()
+    result = scene_class("element_test")(test=test, material="anisotropic", **MEASURED).run()
     assert float(result.strength) == pytest.approx(strength, rel=1e-4)
     assert float(result.strength_exact) == pytest.approx(strength, rel=1e-12)
 
 
 def test_plane_strain_is_as_strong_as_the_law_says() -> None:
     given = {**MEASURED, "strength_horizontal": None}
-    result = scene("element_test")(test="plane_strain", material="anisotropic", **given).run()
+    result = scene_class("element_test")(test="plane_strain", material="anisotropic", **given).run()
     assert float(result.error) < 1e-4
     assert float(result.undrained_shear_strength) == 20e3
 
@@ -203,7 +197,7 @@ def test_ground_that_varies_has_the_shape_of_its_place() -> None:
 def test_cylindrical_cavity_has_the_pressure_of_the_horizontal_strength() -> None:
     """Of the integral of the law along the exact strain path, at the finest of its grids."""
     strengths = {name: 10.0 * su for name, su in STRENGTHS.items()} | {"strength_horizontal": 13.0}
-    result = scene("cavity_cylinder")(
+    result = scene_class("cavity_cylinder")(
         material="anisotropic", rigidity_index=50, cells_per_radius=8, **strengths
     ).run()
     clay = Anisotropic(shear_modulus=1000.0, poissons_ratio=0.4999, density=1.0, **strengths)
@@ -224,7 +218,7 @@ def test_spherical_cavity_has_the_pressure_of_all_triaxial_paths() -> None:
     """Soil that moves along the rays alone; exact is the mean over their angles to the axis."""
     strengths = {name: 10.0 * su for name, su in STRENGTHS.items()}
     # At Poisson's ratio 0.495 the compressible soil would bear 0.3 % less than the exact one.
-    cavity = scene("cavity_sphere")(
+    cavity = scene_class("cavity_sphere")(
         material="anisotropic",
         rigidity_index=50,
         poissons_ratio=0.498,
@@ -292,4 +286,4 @@ def test_ground_that_yields_before_is_refused() -> None:
 )
 def test_scenes_refuse_strengths_in_a_line(given: dict[str, float], message: str) -> None:
     with pytest.raises(ParameterError, match=message):
-        scene("cone_penetration")(material="anisotropic", **given)
+        scene_class("cone_penetration")(material="anisotropic", **given)

@@ -13,7 +13,7 @@ from mpm_warp.parts.boundaries import FarField
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import greatest_shear
+from tests.mpm_warp.conftest import assert_same_bits, greatest_shear
 
 TWO_LAYERS = Variation(
     depth=np.array([0.0, 2.0, 2.0, 5.0]),
@@ -37,10 +37,6 @@ def test_ratios_are_linear_between_depths_and_jump_where_two_are_equal() -> None
     np.testing.assert_allclose(TWO_LAYERS.at(place, TWO_LAYERS.strength_ratio), expected, atol=1e-8)
 
 
-def test_uniform_clay_has_no_array_for_it(cone: Scene) -> None:
-    assert PROPERTIES not in make_plan(cone).arrays
-
-
 def test_points_carry_the_properties_of_their_depth(cone: Scene) -> None:
     plan = make_plan(varied(cone, TWO_LAYERS))
     position, properties = (plan.arrays[name].initial for name in ("particle.position", PROPERTIES))
@@ -61,8 +57,7 @@ def test_ratios_of_one_give_the_bits_of_uniform_clay(cone: Scene, criterion: typ
     uniform, variable = (Simulation(varied(scene, it)) for it in (None, same))
     for simulation in (uniform, variable):
         simulation.travel_to(1.0)
-    for name in uniform.plan.arrays:
-        np.testing.assert_array_equal(variable.array(name), uniform.array(name), err_msg=name)
+    assert_same_bits(uniform, variable)
 
 
 def test_stress_of_a_step_is_that_of_each_point_s_own_stiffness(cone: Scene) -> None:
@@ -93,10 +88,7 @@ def test_each_point_yields_at_its_own_strength(cone: Scene) -> None:
     assert yields[own > 1.0 * 20e3].any()
 
 
-def test_a_far_field_or_stress_at_rest_does_not_follow_the_soil(cone: Scene) -> None:
-    soil = dataclasses.replace(cone.material, variation=TWO_LAYERS)
-    with pytest.raises(SceneError, match="FarField: not together with a material that varies"):
-        dataclasses.replace(cone, material=soil)
+def test_stress_at_rest_does_not_follow_the_soil(cone: Scene) -> None:
     scene = varied(cone, TWO_LAYERS)
     with pytest.raises(SceneError, match="stress_at_rest: not together"):
         dataclasses.replace(scene, stress_at_rest=np.array([1.0, 0.0, 0.0, 1.0]))

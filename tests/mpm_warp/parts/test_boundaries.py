@@ -7,15 +7,12 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
-from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
-from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
-from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.edges import axis_and_ends
+from tests.mpm_warp.conftest import axis_and_ends
 
 
 def after_a_step(scene: Scene, *parts: Part) -> Simulation:
@@ -52,14 +49,19 @@ def test_a_nodal_load_accelerates_its_nodes_by_their_mass(floating: Scene) -> No
     np.testing.assert_allclose(impulse, expected, atol=1e-6 * np.abs(expected).max())
 
 
-def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> None:
-    """All particles are gone from the cells around the first nodes."""
-    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
-    simulation = Simulation(floating.with_parts(load, Gravity(10.0)))
+def with_soil_in_one_cell(scene: Scene, *parts: Part) -> Simulation:
+    """A run all of whose particles are gone from the other cells."""
+    simulation = Simulation(scene.with_parts(*parts))
     simulation.array("particle.cell")[:] = [2, 2]
-    simulation.array("particle.position")[:] = floating.grid.place(
+    simulation.array("particle.position")[:] = scene.grid.place(
         np.array(2), np.array(2), np.array(0.5), np.array(0.5)
     )
+    return simulation
+
+
+def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> None:
+    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
+    simulation = with_soil_in_one_cell(floating, load, Gravity(10.0))
     simulation.advance(1)
     assert simulation.array("node.mass")[0] == 0.0
     np.testing.assert_array_equal(simulation.array("node.velocities")[0], 0.0)
@@ -113,17 +115,14 @@ def test_the_far_field_pushes_back_like_an_elastic_cavity(cone: Scene) -> None:
     np.testing.assert_allclose(moved, step * expected, rtol=1e-9)
 
 
-def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
+def test_the_springs_of_the_far_field_rise_with_the_soil(empty: Scene) -> None:
     """After a row of travel each spring is one row higher, and the lowest is undisturbed."""
     # Springs without stiffness, in soil at rest: nothing else changes their displacement.
-    grid = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
-    limp = dataclasses.replace(cone[FarField], spring=0.0 * cone[FarField].spring)
-    fixed = axis_and_ends(grid)
-    still = dataclasses.replace(cone.without(SurfaceContact).with_parts(fixed, limp), grid=grid)
-    simulation = Simulation(still)
+    limp = dataclasses.replace(empty[FarField], spring=0.0 * empty[FarField].spring)
+    simulation = Simulation(empty.with_parts(limp))
     count = simulation.array("far_field.displacement").shape[0]
     simulation.assign("far_field.displacement", np.arange(1.0, count + 1.0))
-    simulation.travel_to(float(grid.rows[1] - grid.rows[0]))
+    simulation.travel_to(float(empty.grid.rows[1] - empty.grid.rows[0]))
     np.testing.assert_array_equal(
         simulation.array("far_field.displacement"), np.arange(float(count))
     )
@@ -132,11 +131,7 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(cone: Scene) -> None:
 def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElastic) -> None:
     """Not a number there would stay in the far field after soil has come back."""
     far = FarField.around(floating.grid, elastic)
-    simulation = Simulation(floating.with_parts(far))
-    simulation.array("particle.cell")[:] = [2, 2]
-    simulation.array("particle.position")[:] = floating.grid.place(
-        np.array(2), np.array(2), np.array(0.5), np.array(0.5)
-    )
+    simulation = with_soil_in_one_cell(floating, far)
     simulation.assign("far_field.displacement", 1.0)
     simulation.advance(1)
     assert not simulation.array("node.mass")[far.nodes].any()
@@ -144,35 +139,17 @@ def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElast
     np.testing.assert_array_equal(simulation.array("node.velocities")[far.nodes], 0.0)
 
 
-def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(cavity: Scene) -> None:
+def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(spherical: Scene) -> None:
     """A velocity that is the same everywhere keeps its part along each ray, to rounding."""
-    rows = np.linspace(0.0, 0.5 * np.pi, 6)
-    grid = PolarGrid(
-        columns=cavity.grid.columns,
-        rows=rows,
-        surface_radius=np.ones(6),
-        fitted_radius=cavity.grid.outer_radius,
-    )
-    # So short a step that no stress acts.
-    simulation = Simulation(
-        dataclasses.replace(
-            cavity.without(Fixed, FarField, MovingWall), grid=grid, time_step_fraction=1e-6
-        ).with_parts(RadialMotion(), cavity[MovingWall])
-    )
-    simulation.array("particle.velocity")[:] = [3.0, 7.0]
-    simulation.advance(1)
+    simulation = after_a_step(spherical, RadialMotion(), *spherical.parts)
     velocity = simulation.array("node.velocities")[:, :2].reshape(6, -1, 2)
+    rows = spherical.grid.rows
     outward = np.stack([np.sin(rows), np.cos(rows)], axis=-1)
     expected = (outward @ [3.0, 7.0])[:, None] * outward
     beyond_the_wall = velocity[:, 1:]
     np.testing.assert_allclose(
         beyond_the_wall, np.broadcast_to(expected[:, None], beyond_the_wall.shape), atol=1e-9
     )
-
-
-def test_a_grid_without_rays_is_refused(cavity: Scene) -> None:
-    with pytest.raises(SceneError, match="radial motion: the grid is a Grid, must be a PolarGrid"):
-        cavity.with_parts(RadialMotion())
 
 
 def test_nodes_along_lines_of_a_grid_are_held(rectilinear: Grid) -> None:

@@ -9,7 +9,6 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
@@ -113,8 +112,6 @@ def test_the_mass_of_the_ground_is_that_of_grid_and_stroke(travelling: Scene) ->
 
 
 def test_what_does_not_go_with_a_cyclic_window_is_refused(travelling: Scene) -> None:
-    far_field = FarField.around(travelling.grid, travelling.material)
-    refused(lambda: travelling.with_parts(far_field), SceneError, "FarField")
     for values, word in (
         ({"speed": 0.0}, "speed"),
         ({"ramp_travel": -1.0}, "ramp_travel"),

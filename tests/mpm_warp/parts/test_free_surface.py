@@ -5,33 +5,28 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import GroundGrid
-from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.edges import axis_and_ends
 
 LEVEL_ROW = 5
 """Number of the row of nodes at the surface."""
 
 
 @pytest.fixture
-def ground(cone: Scene) -> Scene:
+def ground(empty: Scene) -> Scene:
     """Soil up to a row of the window, and no penetrometer in it."""
-    rows = cone.grid.rows
+    rows = empty.grid.rows
     level = float(rows[LEVEL_ROW])
-    plain = dataclasses.replace(cone.grid, surface_radius=np.zeros_like(cone.grid.surface_radius))
     layer = 1.5 * float(rows[1] - rows[0])
-    in_window = cone.without(SurfaceContact).with_parts(
-        axis_and_ends(plain),
-        dataclasses.replace(cone[Window], spare_fraction=3.0),
+    in_window = empty.with_parts(
+        dataclasses.replace(empty[Window], spare_fraction=3.0),
         PassingSurface(level=level, layer=layer, pic_fraction=0.25),
     )
-    return dataclasses.replace(in_window, grid=GroundGrid.of(plain, level))
+    return dataclasses.replace(in_window, grid=GroundGrid.of(empty.grid, level))
 
 
 def _by_row(simulation: Simulation, ground: Scene, name: str) -> np.ndarray:
@@ -84,8 +79,3 @@ def test_a_point_near_the_surface_takes_its_share_of_the_velocity_of_the_grid(
     np.testing.assert_allclose(part, 0.75 * own + 0.25 * whole, rtol=0.0, atol=1e-15)
     np.testing.assert_array_equal(part[is_deep], own[is_deep])
     assert np.abs(own - whole)[is_near].max() > 1e-4
-
-
-def test_it_needs_a_window(ground: Scene) -> None:
-    with pytest.raises(SceneError, match=r"^PassingSurface: not without a Window$"):
-        ground.without(Window)

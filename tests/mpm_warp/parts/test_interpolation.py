@@ -7,7 +7,6 @@ import pytest
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
 from mpm_warp.parts.interpolation import ConservativeInterpolation, interpolation_weights
-from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -158,16 +157,6 @@ def test_in_plane_strain_it_is_that_far_from_the_axis(fitted: Grid) -> None:
     )
     planar = interpolation_weights(dataclasses.replace(fitted, planar=True))
     np.testing.assert_allclose(planar, interpolation_weights(distant), atol=10 / far)
-
-
-def test_it_adds_weights_and_a_flow_to_cells_and_no_launch(floating: Scene) -> None:
-    bare = make_plan(floating)
-    plan = make_plan(floating.with_parts(ConservativeInterpolation()))
-    assert set(plan.arrays) - set(bare.arrays) == {
-        "cell.interpolation_weights",
-        "cell.internal_flow",
-    }
-    assert len(plan.step) == len(bare.step)
 
 
 def test_no_soil_piles_up_beside_a_rough_shaft() -> None:

@@ -5,32 +5,21 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.plan.plan import SLACK
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 
 
-@pytest.fixture
-def spherical(cavity: Scene) -> Scene:
-    """Clay around a spherical cavity, on rays that nothing holds."""
-    grid = PolarGrid(
-        columns=cavity.grid.columns,
-        rows=np.linspace(0.0, 0.5 * np.pi, 6),
-        surface_radius=np.ones(6),
-        fitted_radius=cavity.grid.outer_radius,
-    )
-    return dataclasses.replace(cavity.without(Fixed, FarField), grid=grid)
+@pytest.fixture(params=["cavity", "spherical"])
+def scene(request: pytest.FixtureRequest) -> Scene:
+    """A cavity on a grid of rows or of rays."""
+    return request.getfixturevalue(request.param)
 
 
-@pytest.mark.parametrize("name", ["cavity", "spherical"])
-def test_the_grid_that_followed_the_wall_is_the_grid_around_it(
-    name: str, request: pytest.FixtureRequest
-) -> None:
+def test_the_grid_that_followed_the_wall_is_the_grid_around_it(scene: Scene) -> None:
     """Integrals and volumes brought up to date on the device are those of a new grid."""
-    scene: Scene = request.getfixturevalue(name)
     simulation = Simulation(scene)
     simulation.advance(2000)
     radius = simulation.array("wall.motion")[:, 2]
@@ -42,12 +31,8 @@ def test_the_grid_that_followed_the_wall_is_the_grid_around_it(
     np.testing.assert_array_equal(simulation.array("grid.rows")[:, 3], radius)
 
 
-@pytest.mark.parametrize("name", ["cavity", "spherical"])
-def test_soil_beside_the_wall_moves_with_it_and_without_shear(
-    name: str, request: pytest.FixtureRequest
-) -> None:
+def test_soil_beside_the_wall_moves_with_it_and_without_shear(scene: Scene) -> None:
     """Along the normal its velocity is the wall's, across it what it was."""
-    scene: Scene = request.getfixturevalue(name)
     simulation = Simulation(dataclasses.replace(scene, time_step_fraction=1e-6))
     simulation.array("wall.motion")[:, 1] = 2.0
     simulation.array("particle.velocity")[:] = [3.0, 7.0]

@@ -8,10 +8,9 @@ import pytest
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries import FarField, Fixed
+from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
-from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
@@ -55,13 +54,13 @@ def test_a_step_of_the_side_is_that_of_its_equation(scene: Scene) -> None:
     """From rest, springs displaced: m dv = -k w dt with the dashpots implicit, to rounding."""
     ground = ground_of(scene)
     simulation = Simulation(scene)
-    count = len(ground.side)
-    pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], count)
+    side = ground.far.nodes
+    pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], len(side))
     simulation.assign("far_field.displacement", pushed)
     simulation.advance(1)  # the window still rests
-    mass, step = simulation.array("node.mass")[ground.side, None], simulation.plan.time_step
-    expected = -step * ground.spring * pushed / (mass + step * ground.dashpot)
-    velocity = simulation.array("node.velocities")[ground.side, :2]
+    mass, step = simulation.array("node.mass")[side, None], simulation.plan.time_step
+    expected = -step * ground.spring * pushed / (mass + step * ground.far.dashpot)
+    velocity = simulation.array("node.velocities")[side, :2]
     between = slice(1, -1)  # the ends have the last word in the corners
     np.testing.assert_allclose(velocity[between], expected[between], rtol=1e-9)
     moved = simulation.array("far_field.displacement") - pushed
@@ -126,14 +125,6 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
     )
 
 
-def test_it_takes_the_place_of_a_far_field_and_needs_a_window(scene: Scene) -> None:
-    far = FarField.around(scene.grid, scene.material)
-    with pytest.raises(SceneError, match="SurroundingGround: not together with a FarField"):
-        scene.with_parts(far)
-    with pytest.raises(SceneError, match="SurroundingGround: not without a Window"):
-        scene.without(Window)
-
-
 def test_it_is_around_the_grid_of_the_scene(scene: Scene) -> None:
     other = dataclasses.replace(SHORT, domain_radius=11.0).build()
     with pytest.raises(SceneError, match="SurroundingGround: grid has other nodes"):
@@ -162,7 +153,7 @@ def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them
     # What is beside a node is known by the layers that have entered.
     near = np.abs(rows - height) < float(rows[1] - rows[0])
     spring = simulation.array("far_field.spring") / ground.spring
-    dashpot = simulation.array("far_field.dashpot") / ground.dashpot
+    dashpot = simulation.array("far_field.dashpot") / ground.far.dashpot
     stiff = rows[~near] < height
     assert stiff.any()
     expected = np.where(stiff, 1.0, 0.25)[:, None]
@@ -231,7 +222,3 @@ def test_the_traction_grows_as_the_stress_does(place: Floats) -> None:
     expected = 2.0 * SOURCE.shear_modulus * gradients(place)[[0, 2]]
     rate = SOURCE.traction_rate(place)
     np.testing.assert_allclose(rate, expected, atol=1e-6 * np.abs(expected).max())
-
-
-def test_soil_that_nothing_has_passed_has_no_stress() -> None:
-    np.testing.assert_array_equal(SOURCE.stress_since(PLACES, 0.0), 0.0)

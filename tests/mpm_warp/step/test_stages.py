@@ -8,14 +8,13 @@ import pytest
 
 from mpm_warp.grid.fitted import Grid, GroundGrid
 from mpm_warp.materials.elasticity import Isotropic
-from mpm_warp.materials.tresca import Tresca
+from mpm_warp.parts.contact import nodal_areas
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.launch import share_bounds
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import greatest_shear
 
 
 def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:
@@ -51,25 +50,14 @@ def test_a_linear_velocity_arrives_at_the_nodes_amid_a_regular_lattice(floating:
 
 
 def test_nodes_have_the_mass_of_the_soil_around_them(floating: Scene) -> None:
-    """The integral of their shape functions: exact, as the centroids of upright cells are."""
+    """The integral of N r over rectilinear cells: exact, as the centroids of upright cells are."""
     simulation = Simulation(floating)
     simulation.advance(1)
-    grid = floating.grid
-    mass = np.zeros(grid.node_count)
-    np.add.at(mass, grid.cell_nodes, nodal_volumes_of_cells(floating))
-    expected = floating.material.density * mass
-    np.testing.assert_allclose(simulation.array("node.mass"), expected, rtol=1e-12)
-
-
-def nodal_volumes_of_cells(scene: Scene) -> np.ndarray:
-    """Integrals of N r over rectilinear cells for their nodes, [cell_count, 4]."""
-    grid = scene.grid
-    radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
-    inner, outer = radius[:, 0], radius[:, 1]
-    to_inner = (outer - inner) * (inner / 3.0 + outer / 6.0)
-    to_outer = (outer - inner) * (inner / 6.0 + outer / 3.0)
-    half = 0.5 * (height[:, 2] - height[:, 0])
-    return np.stack([to_inner, to_outer, to_inner, to_outer], axis=-1) * half[:, None]
+    heights = np.append(np.diff(floating.grid.rows), 0.0)
+    to_rows = 0.5 * (heights + np.roll(heights, 1))
+    radius = floating.grid.node_positions[: floating.grid.column_count + 1, 0]
+    expected = floating.material.density * np.outer(to_rows, nodal_areas(radius, np.diff(radius)))
+    np.testing.assert_allclose(simulation.array("node.mass"), expected.ravel(), rtol=1e-12)
 
 
 def test_the_stress_of_a_cell_is_the_mean_of_its_particles_by_mass(floating: Scene) -> None:
@@ -94,13 +82,7 @@ def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled
     row = 1
     assert not fitted.surface_radius[: row + 3].any()
     half_up = 0.5 * (fitted.rows[row] + fitted.rows[row + 1])
-    ground = GroundGrid(
-        columns=fitted.columns,
-        rows=fitted.rows,
-        surface_radius=fitted.surface_radius,
-        fitted_radius=fitted.outer_radius,
-        ground_level=half_up,
-    )
+    ground = GroundGrid.of(fitted, half_up)
     scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, parts=(FreeSurface(),))
     simulation = Simulation(scene)
     simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
@@ -265,11 +247,3 @@ def test_spin_turns_the_stress_by_its_angle(floating: Scene) -> None:
     assert after[0] - 3e4 == pytest.approx(2.0 * angle * 5e3, rel=1e-2)
     assert after[1] + 1e4 == pytest.approx(-2.0 * angle * 5e3, rel=1e-2)
     assert after[2] - 5e3 == pytest.approx(angle * (-1e4 - 3e4), rel=1e-2)
-
-
-def test_strength_bounds_the_stress_of_every_particle(cone: Scene) -> None:
-    assert isinstance(cone.material, Tresca)
-    simulation = Simulation(cone)
-    simulation.travel_to(1.0)
-    greatest = greatest_shear(simulation.array("particle.stress")).max()
-    assert greatest == pytest.approx(cone.material.strength, rel=1e-9)

@@ -6,6 +6,7 @@ On small scenes, and (slow) on every scene of the catalogue.
 import dataclasses
 import functools
 import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -73,20 +74,17 @@ def composition(name: str) -> Any:
     return scene_class(name)(**PARAMETERS.get(name, {})).build()
 
 
-@pytest.fixture(params=SMALL)
-def small(request: pytest.FixtureRequest) -> Scene:
-    """A small scene."""
-    return request.getfixturevalue(request.param)
-
-
-@pytest.fixture(params=[*SMALL, *(pytest.param(it, marks=pytest.mark.slow) for it in SOIL_SCENES)])
-def scene(request: pytest.FixtureRequest) -> Scene:
-    """Soil in a grid: a small scene, or one of the catalogue."""
-    return scene_of(request.param, request)
-
-
-def scene_of(name: str, request: pytest.FixtureRequest) -> Scene:
+@pytest.fixture
+def scene(request: pytest.FixtureRequest) -> Any:
+    """A small scene, or one of the catalogue."""
+    name = request.param
     return request.getfixturevalue(name) if name in SMALL else composition(name)
+
+
+def on(*small: str, catalogue: Sequence[str] = ()) -> pytest.MarkDecorator:
+    """A test on small scenes, and on scenes of the catalogue."""
+    slow = [pytest.param(name, marks=pytest.mark.slow) for name in catalogue]
+    return pytest.mark.parametrize("scene", [*small, *slow], indirect=True)
 
 
 def started(scene: Scene | BodyScene) -> Simulation:
@@ -107,16 +105,17 @@ IN_TURN = [(name, *fault) for name, fault in zip(SOIL_SCENES, itertools.cycle(FA
 
 
 @pytest.mark.parametrize(
-    ("name", "array", "value", "named"),
+    ("scene", "array", "value", "named"),
     [
         *((name, *fault) for name in SMALL for fault in FAULTS),
         *(pytest.param(*it, marks=pytest.mark.slow) for it in IN_TURN),
     ],
+    indirect=["scene"],
 )
 def test_planted_fault_is_noticed_and_its_particle_named(
-    name: str, array: str, value: float, named: str, request: pytest.FixtureRequest
+    scene: Scene, array: str, value: float, named: str
 ) -> None:
-    simulation = started(scene_of(name, request))
+    simulation = started(scene)
     particle = simulation.plan.particle_count // 2
     plant(simulation, array, particle, value)
     with pytest.raises(SimulationDiverged) as noticed:
@@ -138,21 +137,13 @@ def test_planted_fault_in_a_body_is_noticed(array: str, value: float, named: str
         simulation.advance(NOTICED_WITHIN)
 
 
-def double_the_time_step(simulation: Simulation) -> None:
+@on(*SMALL, catalogue=[*SOIL_SCENES, *BODY_SCENES])
+def test_doubled_time_step_is_noticed(scene: Scene | BodyScene) -> None:
     """Twice the longest that is stable: some scenes take far shorter ones."""
+    simulation = started(scene)
     simulation.plan.time_step = 2.0 * simulation.plan.longest_time_step
     with pytest.raises(SimulationDiverged, match="time step of"):
         simulation.advance(NOTICED_WITHIN)
-
-
-def test_doubled_time_step_is_noticed(scene: Scene) -> None:
-    double_the_time_step(started(scene))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", BODY_SCENES)
-def test_doubled_time_step_of_bodies_is_noticed(name: str) -> None:
-    double_the_time_step(started(composition(name)))
 
 
 def test_speeds_that_grow_at_twice_the_stable_step_are_noticed(
@@ -188,23 +179,14 @@ def lose_soil(simulation: Simulation) -> None:
     cell[np.all((cell >= 1) & (cell <= BLOCK), axis=1)] = [BLOCK + 1, 1]
 
 
-def test_cells_that_have_lost_their_soil_are_noticed(cone: Scene) -> None:
-    simulation = started(cone)
-    simulation.check()
-    lose_soil(simulation)
-    with pytest.raises(SimulationDiverged, match="soil in 3 x 3 cells from row 1, column 0 is"):
-        simulation.check()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SOIL_SCENES)
-def test_cells_of_any_scene_that_have_lost_their_soil_are_noticed(name: str) -> None:
+@on("cone", catalogue=SOIL_SCENES)
+def test_cells_that_have_lost_their_soil_are_noticed(scene: Scene) -> None:
     """Where cells have others around them, and soil leaves by no right."""
-    scene = composition(name)
     if min(scene.grid.row_count, scene.grid.column_count) > BLOCK and not scene.find(FreeSurface):
         simulation = started(scene)
+        simulation.check()
         lose_soil(simulation)
-        with pytest.raises(SimulationDiverged, match="soil in 3 x 3 cells from row"):
+        with pytest.raises(SimulationDiverged, match=r"soil in 3 x 3 cells from row 1, column \d"):
             simulation.check()
 
 
@@ -215,27 +197,17 @@ def test_soil_may_leave_cells_where_it_may_part_from_the_surface(cone: Scene) ->
     simulation.check()
 
 
-def lose_contact(scene: Scene) -> None:
-    """It acts on nodes amid the soil instead of those of the surface."""
-    simulation = started(scene)
-    # Before anything else goes wrong by it.
-    simulation.advance(NOTICED_WITHIN - 10 - simulation.step_count)
-    simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
-    with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
-        simulation.advance(NOTICED_WITHIN)
-
-
-def test_contact_that_is_lost_is_noticed(cone: Scene) -> None:
-    lose_contact(cone)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SOIL_SCENES)
-def test_contact_that_any_scene_loses_is_noticed(name: str) -> None:
-    """Where soil parts from the surface by no right."""
-    contact = composition(name).find(SurfaceContact)
+@on("cone", catalogue=SOIL_SCENES)
+def test_contact_that_is_lost_is_noticed(scene: Scene) -> None:
+    """It acts on nodes amid the soil, where soil parts from the surface by no right."""
+    contact = scene.find(SurfaceContact)
     if contact is not None and contact.in_situ_stress > 0.0:
-        lose_contact(composition(name))
+        simulation = started(scene)
+        # Before anything else goes wrong by it.
+        simulation.advance(NOTICED_WITHIN - 10 - simulation.step_count)
+        simulation.array("contact.nodes")[:] = len(simulation.array("node.mass")) // 2
+        with pytest.raises(SimulationDiverged, match=r"contact is lost on \d+% of the"):
+            simulation.advance(NOTICED_WITHIN)
 
 
 def test_a_held_node_may_be_without_soil_for_a_moment(cone: Scene) -> None:
@@ -259,9 +231,10 @@ def test_drift_of_the_mean_stress_is_noticed(cone: Scene) -> None:
         Simulation(dataclasses.replace(cone, material=drifting)).advance(NOTICED_WITHIN)
 
 
-def test_a_sound_run_is_left_alone(small: Scene) -> None:
+@on(*SMALL)
+def test_a_sound_run_is_left_alone(scene: Scene) -> None:
     """However its steps are parted, and however often it is looked at."""
-    simulation = Simulation(small)
+    simulation = Simulation(scene)
     for steps in (1, NOTICED_WITHIN - 2, 1, 7, 2 * NOTICED_WITHIN):
         simulation.advance(steps)
         simulation.check()

@@ -230,9 +230,11 @@ def test_cam_clay_by_depth_has_the_strength_and_the_state_of_its_place() -> None
         np.testing.assert_allclose(state, [p, ratio * p, 0.0], rtol=1.8e-3)
         su = p / math.sqrt(3.0) * (0.5 * ratio) ** share
         assert float(sounding.ground.strength_at(np.array(depth))) == pytest.approx(su, rel=1.8e-3)
-        at_place = sounding._test.undrained_shear_strength * material.strength_ratio_at(place)
+        at_place = sounding._test.undrained_shear_strength * material.ratio_at(
+            place, "strength_ratio"
+        )
         assert float(at_place) == pytest.approx(su, rel=1.8e-3)
-        stiffness = material.ground_shear_modulus * material.stiffness_ratio_at(place)
+        stiffness = material.ground_shear_modulus * material.ratio_at(place, "stiffness_ratio")
         assert float(stiffness) == pytest.approx(0.6 * 50.0 * p, rel=1e-9)
 
 
