@@ -6,15 +6,18 @@ h is the width of the cells at the cone over its radius, a the adhesion factor o
 the share with which u2 is read in the wedge beside the shaft, F the factor u1 or u2 over su as
 simulated:
 
-    u1    error  A h          half width  0.6 h, 0.01 F
-    u2    error  w S(a) v h F half width  1.5 h^2, 0.018 F, w S(a) v h F / 2, 0.8 w (1 - w) v F
+    u1    error  A h                                half width  0.6 h, 0.01 F
+    u2    error  w S h F - (1 - w) Q h^2, Q = 2 ln(233 / Ir)
+          half width  h^2, 0.019 F, 0.2 w h F, 0.8 w (1 - w) v F, 0.1 w F ln(Ir / 300)
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
-The parts of a half width add up as squares. A follows the rigidity index; S is 0.43 where a is
-0.5 and 0.12 where it is 1. v tells how deep the wedge is: 1 up to a rigidity index of 100, 0 from
-500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the pressure at the filter
-may be that within or that outside. Beyond rigidity indices of 50 to 500 both half widths grow. How
-all of it was measured is in `scenes/cone/README.md`.
+The parts of a half width add up as squares. A follows the rigidity index Ir, S that and a: what is
+read in the wedge. Q is what rows smear that are read outside of it; it is the same from an Ir of
+500 on, and its half width is part of h^2. v tells how deep the wedge is: 1 up to an Ir of 100, 0
+from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the pressure at the
+filter may be that within or that outside. The last part counts above an Ir of 300, where the wedge
+is thin too. Beyond an Ir of 50 to 500 both half widths grow. How all of it was measured is in
+`scenes/cone/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -37,9 +40,11 @@ Value = Floats | float
 
 WHOLE_WEDGE = 0.5
 """Adhesion factor of the shaft from which on u2 is read in the wedge alone."""
-ADHESION_FACTORS = (0.0, 0.5, 1.0)
-WEDGE_ERROR = (0.0, 0.43, 0.12)
-"""S at these adhesion factors."""
+WEDGE_INDICES, WEDGE_ADHESION = (30.0, 100.0, 300.0, 500.0), (0.5, 0.75, 1.0)
+WEDGE_ERROR = ((-0.08, -0.20, -0.26), (0.42, 0.17, 0.22), (0.22, 0.09, 0.17), (0.0, 0.0, 0.0))
+"""S at these rigidity indices (rows) and adhesion factors."""
+SMEARED_ERROR, NOT_SMEARED, STIFFEST = 2.0, 233.0, 500.0
+"""Q over the logarithm; the rigidity index at which it is 0, and above which it stays."""
 RIGIDITY_INDICES = (50.0, 100.0, 300.0, 500.0)
 """Where the errors were measured."""
 FACE_ERROR = (-1.2, -0.7, 0.5, 1.0)
@@ -48,10 +53,12 @@ FACE, FACE_LEFT = 0.6, 0.01
 """Half widths of u1: over h, and over F."""
 DEEPEST, NONE_AT = 100.0, 500.0
 """Rigidity indices up to which the wedge is deepest, and from which on there is none."""
-SMEARED, SHAFT_LEFT = 1.5, 0.018
+SMEARED, SHAFT_LEFT = 1.0, 0.019
 """Half widths of u2: over h^2, and over F."""
-WEDGE, THIN_WEDGE = 0.5, 0.8
-"""Half widths of u2: over its correction, and over w (1 - w) v F."""
+WEDGE, THIN_WEDGE = 0.2, 0.8
+"""Half widths of u2: over w h F, and over w (1 - w) v F."""
+STIFF_WEDGE, WEDGE_KNOWN = 0.1, 300.0
+"""Half width of u2 over w F ln(Ir), and the rigidity index above which it counts."""
 BOUND = {"face": 1.5, "shoulder": 4.0}
 """Half widths of P, of u1 and u2."""
 RANGE = 0.3
@@ -88,16 +95,18 @@ def shoulder_error(
     """
     share = share_of_wedge(adhesion_factor)
     depth = np.interp(np.log(rigidity_index), np.log([DEEPEST, NONE_AT]), [1.0, 0.0])
-    slope = np.interp(adhesion_factor, ADHESION_FACTORS, WEDGE_ERROR)
-    in_wedge = share * slope * depth * cell_size * factor
+    in_wedge = share * _wedge_error(adhesion_factor, rigidity_index) * cell_size * factor
+    smeared = SMEARED_ERROR * np.log(NOT_SMEARED / np.minimum(rigidity_index, STIFFEST))
+    beyond = np.maximum(0.0, np.log(rigidity_index / WEDGE_KNOWN))
     half_width = _added(
         SMEARED * cell_size**2,
         SHAFT_LEFT * factor,
-        WEDGE * in_wedge,
+        WEDGE * share * cell_size * factor,
         THIN_WEDGE * share * (1.0 - share) * depth * factor,
+        STIFF_WEDGE * share * factor * beyond,
         _beyond_range(rigidity_index),
     )
-    return -in_wedge, half_width
+    return (1.0 - share) * smeared * cell_size**2 - in_wedge, half_width
 
 
 def stated_pressures(
@@ -157,6 +166,17 @@ def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Var
             description="how far it may be lower: to the adhesion beside remoulded clay",
         )
     }
+
+
+def _wedge_error(adhesion_factor: Value, rigidity_index: Value) -> Value:
+    """S, linear between the values of the table."""
+    place = np.interp(
+        np.log(rigidity_index), np.log(WEDGE_INDICES), np.arange(len(WEDGE_INDICES), dtype=float)
+    )
+    return sum(
+        np.maximum(0.0, 1.0 - np.abs(place - row)) * np.interp(adhesion_factor, WEDGE_ADHESION, at)
+        for row, at in enumerate(WEDGE_ERROR)
+    )
 
 
 def _beyond_range(rigidity_index: Value) -> Value:
