@@ -24,17 +24,19 @@ from harness.archive.conventions import (
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
+    KILO,
     MOST_LABELS,
     SHADES,
     STYLED,
     CurveEnd,
-    empty_figure,
+    Series,
     label_ends,
+    panels,
     series_colour,
     shade,
 )
 from harness.pictures.drawing.quantities import Floats, assigned, axis_label, spelt
-from harness.pictures.studied import Series, Studied, label_of, series_of
+from harness.pictures.studied import Studied, case_labels, series_of
 from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation
 
@@ -58,42 +60,38 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     """
     if not {RESISTANCE, STRENGTH, "status"} <= set(dataset.variables):
         return None
-    studied = Studied.of(dataset)
     curves = curves_over_cases(dataset, RESISTANCE) / over_cases(dataset, STRENGTH)[:, None]
-    drawn = [case for case, curve in enumerate(curves) if np.isfinite(curve).any()]
-    figure, axes = empty_figure()
-    x = dataset["penetration"].values
+    drawn = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist()
     last = {case: int(np.flatnonzero(np.isfinite(curves[case]))[-1]) for case in drawn}
     ends = {case: float(curves[case][place]) for case, place in last.items()}
-    labelled = _labelled(dataset, drawn, ends)
-    few = len(drawn) <= MOST_LABELS
     scale = Normalize(min(ends.values(), default=0.0), max(ends.values(), default=1.0))
     scenes = scenes_of(dataset)
     kinds = list(dict.fromkeys(scenes))
-    marks = []
+    of_kind = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
+    few, several = len(drawn) <= MOST_LABELS, len(kinds) > 1
+    labelled = drawn if few else _furthest(dataset, ends)
+    studied = Studied.of(dataset)
+    figure, (axes,) = panels()
+    x, marks = dataset["penetration"].values, []
     for rank, case in enumerate(drawn):
+        width = 1.3 if case in labelled else 0.6
         if few:
             colour = series_colour(rank, len(drawn))
-        elif len(kinds) > 1:
-            colour = series_colour(kinds.index(scenes[case]), len(kinds))
+        elif labelled[:1] == [case]:
+            colour, width = INK, 1.8
         else:
-            colour = shade(float(scale(ends[case])))
-        is_start = not few and labelled[:1] == [case]
-        width = 1.3 if few or case in labelled else 0.6
-        named = _with_scene(dataset, case) if few and len(kinds) > 1 else None
-        colour = INK if is_start else colour
-        axes.plot(x, curves[case], color=colour, lw=1.8 if is_start else width, label=named)
-        label = _label(studied, case) if case in labelled and named is None else ""
-        if label:
+            colour = of_kind[scenes[case]] if several else shade(float(scale(ends[case])))
+        named = _with_scene(dataset, case) if few and several else None
+        axes.plot(x, curves[case], color=colour, lw=width, label=named)
+        if case in labelled and (label := _label(studied, case)):
             marks.append(CurveEnd(x[last[case]], ends[case], label, colour))
     axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))
     label_ends(axes, marks, size=7)
-    if not few and len(kinds) > 1:
-        for number, kind in enumerate(kinds):
-            colour = series_colour(number, len(kinds))
+    if several and not few:
+        for kind, colour in of_kind.items():
             axes.plot([], [], color=colour, label=spelt(spoken(kind)))
-    if len(kinds) == 1 and not few:
+    elif not few:
         colours = ScalarMappable(scale, SHADES)
         bar = figure.colorbar(colours, ax=axes, location="top", aspect=50, pad=0.02)
         bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
@@ -105,17 +103,16 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
         f"{len(drawn)} cases." if not few else "",
         APPROACHED if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
-        legend=axes if len(kinds) > 1 else None,
+        legend=axes if several else None,
     )
 
 
-def _labelled(dataset: xr.Dataset, drawn: list[int], ends: dict[int, float]) -> list[int]:
-    """The cases whose curves have a label; where a design starts from one, that is the first."""
-    if len(drawn) <= MOST_LABELS:
-        return drawn
-    if dataset.attrs.get("design") != ONE_AT_A_TIME or drawn[0] != 0:
+def _furthest(dataset: xr.Dataset, ends: dict[int, float]) -> list[int]:
+    """Where a design starts from one case, that and those whose curves end furthest from it."""
+    if dataset.attrs.get("design") != ONE_AT_A_TIME or 0 not in ends:
         return []
-    others = sorted(drawn[1:], key=lambda case: abs(ends[case] - ends[0]), reverse=True)
+    others = sorted(ends, key=lambda case: abs(ends[case] - ends[0]), reverse=True)
+    others.remove(0)
     return [0, *others[:LABELLED_CHANGES]]
 
 
@@ -130,14 +127,10 @@ def _label(studied: Studied | None, case: int) -> str:
     """What a case is called: the varied values, of one at a time that which differs."""
     if studied is None or not studied.varied:
         return ""
-    differs = [
-        name
-        for name, parameter in studied.varied.items()
-        if parameter.numbers[case] != parameter.numbers[0]
-    ]
-    if studied.design == ONE_AT_A_TIME and not differs:
-        return "start"
-    return studied.label(case, differs if studied.design == ONE_AT_A_TIME else None)
+    if not studied.is_one_at_a_time:
+        return studied.label(case)
+    differing = [name for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]]
+    return studied.label(case, differing) or "start"
 
 
 STRAIN, SHEAR, DEVIATOR = "shear_strain", "shear_stress", "deviator_stress"
@@ -149,7 +142,6 @@ LABELS = {
     EFFECTIVE: "effective mean stress $p'$ [kPa]",
     WATER: "pore pressure of shear [kPa]",
 }
-KILO = 1e-3
 SHOWN_STRENGTH = 0.99
 """The strain axis ends where every case has this share of the stress at its end, and twice that."""
 
@@ -163,35 +155,35 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     if not {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables):
         return None
     names = [name for name in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if name in dataset]
-    curves = {name: KILO * curves_over_cases(dataset, name) for name in names}
+    curves = {name: curves_over_cases(dataset, name) / KILO for name in names}
     stress = curves[SHEAR]
-    series, left_out = series_of(dataset, stress)
-    shown = [line.case for line in series]
+    lines, left_out = series_of(dataset, stress)
+    shown = [line.place for line in lines]
     has_path = EFFECTIVE in curves and bool(np.isfinite(curves[EFFECTIVE][shown]).any())
-    figure = Figure()
-    panels = figure.subplots(1, 3 if has_path else 1, squeeze=False)[0]
+    figure, axes = panels(3 if has_path else 1)
     strain = dataset[STRAIN].values
     over_strain = {0: SHEAR, 2: WATER} if has_path else {0: SHEAR}
-    for line in series:
+    for line in lines:
         for place, name in over_strain.items():
-            _draw(panels[place], strain, curves[name][line.case], line)
+            _draw(axes[place], strain, curves[name], line)
         if has_path:
-            _draw(panels[1], curves[EFFECTIVE][line.case], curves[DEVIATOR][line.case], line)
+            _draw(axes[1], curves[EFFECTIVE][line.place], curves[DEVIATOR], line)
     for place, name in over_strain.items():
-        panels[place].set(xlabel=LABELS[STRAIN], ylabel=LABELS[name])
-        panels[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
-    panels[0].set_ylim(bottom=0.0)
+        axes[place].set(xlabel=LABELS[STRAIN], ylabel=LABELS[name])
+        axes[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
+    axes[0].set_ylim(bottom=0.0)
     if has_path:
-        panels[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
+        axes[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
         if SLOPE in dataset:
-            _draw_critical_states(panels[1], over_cases(dataset, SLOPE)[shown])
+            _draw_critical_states(axes[1], over_cases(dataset, SLOPE)[shown])
     dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
-    return captioned(figure, dataset, dashed, left_out, legend=panels[0])
+    return captioned(figure, dataset, dashed, left_out, legend=axes[0])
 
 
-def _draw(axes: Axes, x: Floats, y: Floats, of: Series) -> None:
+def _draw(axes: Axes, x: Floats, curves: Floats, line: Series) -> None:
+    y = curves[line.place]
     known = np.isfinite(x) & np.isfinite(y)
-    axes.plot(x[known], y[known], color=of.colour, label=of.label)
+    axes.plot(x[known], y[known], color=line.colour, label=line.label)
 
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
@@ -232,11 +224,10 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     names = [LOOPS, FACTOR, STRENGTH, *FITTED.values()]
     cases = by_case(dataset[[name for name in ("status", *names) if name in dataset]])
-    series, left_out = series_of(dataset, cases[FACTOR].values)
-    figure = Figure()
-    loops, factors = figure.subplots(1, 2, width_ratios=(2, 3))
-    for line in series:
-        _draw_factor(factors, cases.isel(case=line.case), line)
+    lines, left_out = series_of(dataset, cases[FACTOR].values)
+    figure, (loops, factors) = panels(2, width_ratios=(2, 3))
+    for line in lines:
+        _draw_factor(factors, cases.isel(case=line.place), line)
     factors.set(xlabel="number of the cycle [-]", ylabel=r"resistance factor $q/s_\mathrm{u}$ [-]")
     factors.set(xlim=(0.0, None), ylim=(0.0, None))
     kept = {
@@ -244,21 +235,21 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
         for place, row in enumerate(cases[FACTOR].values)
         if (known := row[np.isfinite(row)]).size
     }
-    of_one = ""
+    label = ""
     if kept:
         most = min(kept, key=lambda it: kept[it])
         _draw_loops(loops, cases.isel(case=most))
-        label = label_of(dataset, most)
-        of_one = f"Loops: {label}, from light to dark." if label else ""
+        label = case_labels(dataset)[most]
+    of_one = f"Loops: {label}, from light to dark." if label else ""
     loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
     loops.set_ylabel(axis_label(dataset, "penetration"))
     loops.invert_yaxis()
     return captioned(figure, dataset, of_one, "Curves over cycles: fits.", left_out, legend=factors)
 
 
-def _draw_factor(axes: Axes, case: xr.Dataset, of: Series) -> None:
-    cycle, factor, colour = case["cycle"].values, case[FACTOR].values, of.colour
-    axes.errorbar(cycle, factor, color=colour, label=of.label, ls="", marker=of.marker, ms=4)
+def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> None:
+    cycle, factor, colour = case["cycle"].values, case[FACTOR].values, line.colour
+    axes.errorbar(cycle, factor, color=colour, label=line.label, ls="", marker=line.marker, ms=4)
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
     if np.isfinite(fit.cycles):
         along = np.linspace(0.0, float(cycle[-1]), FINE)

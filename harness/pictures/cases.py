@@ -27,16 +27,8 @@ from harness.archive.conventions import (
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
 from harness.pictures.drawing.caption import captioned, of_half_widths
-from harness.pictures.drawing.plot_parts import (
-    ACCENT,
-    INK,
-    LIGHT,
-    MARKERS,
-    STYLED,
-    empty_figure,
-    series_colour,
-)
-from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
+from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED, panels, series
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 
@@ -54,42 +46,35 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     studied = much_varied(dataset)
     if studied is None or not has_few_cases(studied):
         return None
+    count, varied = studied.computed.size, studied.varied
     usual = {
         name: Counter(parameter.numbers.tolist()).most_common(1)[0][0]
-        for name, parameter in studied.varied.items()
+        for name, parameter in varied.items()
     }
-    count = studied.computed.size
-    differing = [
-        [
-            name
-            for name, parameter in studied.varied.items()
-            if parameter.numbers[case] != usual[name]
-        ]
+    labels = [
+        studied.label(case, [name for name in varied if varied[name].numbers[case] != usual[name]])
         for case in range(count)
     ]
-    labels = [studied.label(case, names) or "as most" for case, names in enumerate(differing)]
-    figure, axes = _rows(labels, CASE_HEIGHT)
+    figure, axes = _rows([label or "as most" for label in labels], CASE_HEIGHT)
     x, y, half_width = studied.computed, range(count), studied.half_width
     axes.errorbar(x, y, xerr=half_width, fmt="o", color=INK, ms=4, capsize=3)
     axes.set_xlabel(axis_label(dataset, studied.headline))
-    most = [
-        assigned(dataset, name, parameter.value(usual[name]))
-        for name, parameter in studied.varied.items()
-    ]
+    most = [assigned(dataset, name, varied[name].value(usual[name])) for name in varied]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
-    return captioned(figure, dataset, beside, studied.bars, _lost(studied.failed.size, count))
+    return captioned(figure, dataset, beside, studied.bars, _lost(studied.computed))
 
 
 def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
     """A figure with rows for marks, the first on top."""
-    figure, axes = empty_figure(height * len(labels) + MARGIN)
+    figure, (axes,) = panels(height=height * len(labels) + MARGIN)
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     return figure, axes
 
 
-def _lost(failed: int, count: int) -> str:
-    return f"{failed} of {count} cases did not complete." if failed else ""
+def _lost(values: Floats) -> str:
+    failed = np.isnan(values).sum()
+    return f"{failed} of {values.size} cases did not complete." if failed else ""
 
 
 def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
@@ -130,13 +115,14 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     completed = over_cases(dataset, "status").astype(str) == COMPLETED
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)
-    for number, (kind, cases) in enumerate(soils.items()):
+    beside = np.linspace(-0.5, 0.5, len(soils)) * SPREAD
+    for (kind, cases), line in zip(soils.items(), series(len(soils), len(soils)), strict=True):
         axes.errorbar(
             values[cases],
-            np.arange(len(cases)) + SPREAD * (number / (len(soils) - 1) - 0.5),
+            np.arange(len(cases)) + beside[line.place],
             xerr=half_width[cases].astype(float),
-            fmt=MARKERS[number % len(MARKERS)],
-            color=series_colour(number, len(soils)),
+            fmt=line.marker,
+            color=line.colour,
             ms=4,
             capsize=3,
             label=spelt(spoken(kind)),
@@ -144,9 +130,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     unit = units.pop() or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in headlines)} [{unit}]")
     bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))
-    return captioned(
-        figure, dataset, bars, _lost(int(np.isnan(values).sum()), values.size), legend=axes
-    )
+    return captioned(figure, dataset, bars, _lost(values), legend=axes)
 
 
 HEIGHT = 3.4
@@ -159,9 +143,7 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     spread = next(iter(spreads_of(dataset)), None)
     if spread is None:
         return None
-    figure = Figure()
-    figure.set_figheight(HEIGHT)
-    counts, shares = figure.subplots(1, 2, width_ratios=(3, 2))
+    figure, (counts, shares) = panels(2, HEIGHT, width_ratios=(3, 2))
     _histogram(counts, spread)
     counts.set_xlabel(axis_label(dataset, spread.name))
     _bars(shares, dataset, spread)
@@ -203,4 +185,5 @@ def _bars(axes: Axes, dataset: xr.Dataset, spread: Spread) -> None:
     axes.set_yticks(np.arange(len(shares)), names, fontsize=8)
     axes.set_xlabel("share of the variance [%]")
     if not shares:
-        axes.text(0.5, 0.5, f"told from {spread.needed} cases on", ha="center")
+        words = f"told from {spread.needed} cases on"
+        axes.text(0.5, 0.5, words, ha="center", transform=axes.transAxes)

@@ -1,33 +1,29 @@
 """The picture of a mesh, or of another refinement: convergence, its order, and where it leads."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from harness.archive.conventions import over_cases
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import (
-    MARKERS,
-    MOST_LABELS,
-    STYLED,
-    empty_figure,
-    mark_failures,
-    series_colour,
-)
+from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, mark_failures, panels, series
 from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 
 LEAST_POINTS = 3
 """Values that an order is observed from."""
-ORDERS = np.linspace(0.3, 3.0, 271)
+ORDERS = 0.3, 3.0
 """Orders that can be observed: beyond, the values are not yet on their way to a limit."""
-
+OF_ERROR = "The order is that between the two finest."
+OF_LIMIT = (
+    "Order and limit are observed from the three finest values by Richardson's extrapolation; "
+    "the dotted line leads to the limit, the hollow mark. No order: they do not approach a "
+    "limit evenly, and what is left to it is not known."
+)
 
 Refinement = tuple[Callable[[Floats], Floats], str]
 """What goes to zero, as a function of a parameter, and what that is called where it is zero."""
@@ -49,8 +45,7 @@ REFINED_BY: dict[str, tuple[str, Refinement]] = {
 """By parameter of a method: what goes to zero with refinement, in words, and as a function."""
 
 
-@dataclass(frozen=True)
-class Approach:
+class Approach(NamedTuple):
     """How values approach their limit: as ``limit + factor * h**order``."""
 
     order: float
@@ -70,6 +65,8 @@ def approach(h: Floats, values: Floats) -> Approach | None:
     change in one direction, and by less and less. None also where the order is not within `ORDERS`.
     `h` > 0 goes to zero with refinement; values that are not a number are left out.
     """
+    from scipy.optimize import brentq
+
     known = np.flatnonzero(np.isfinite(values))
     finest = known[np.argsort(h[known])][:LEAST_POINTS]
     if finest.size < LEAST_POINTS:
@@ -78,12 +75,13 @@ def approach(h: Floats, values: Floats) -> Approach | None:
     if first * second <= 0.0:
         return None
     a, b, c = h[finest]
-    ratios = (c**ORDERS - b**ORDERS) / (b**ORDERS - a**ORDERS)
-    crossing = np.flatnonzero(np.diff(np.sign(ratios - second / first)))
-    if crossing.size == 0:
+
+    def misfit(order: float) -> float:
+        return float((c**order - b**order) / (b**order - a**order) - second / first)
+
+    if misfit(ORDERS[0]) * misfit(ORDERS[1]) > 0.0:
         return None
-    place = crossing[0]
-    order = float(np.interp(second / first, ratios[place : place + 2], ORDERS[place : place + 2]))
+    order = float(brentq(misfit, *ORDERS))
     factor = float(first / (b**order - a**order))
     return Approach(order, float(values[finest[0]] - factor * a**order), factor)
 
@@ -100,7 +98,7 @@ def refined(studied: Studied) -> str | None:
     ]
     name = max(found, key=lambda it: studied.varied[it].different.size, default=None)
     other = [parameter for parameter in studied.varied if parameter != name]
-    return name if len(studied.groups(other)) <= MOST_LABELS else None
+    return name if len(studied.groups(other, studied.computed)) <= MOST_LABELS else None
 
 
 @STYLED
@@ -116,32 +114,21 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     other = [parameter for parameter in studied.varied if parameter != name]
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
-    figure, axes = empty_figure()
-    groups = studied.groups(other)
-    for rank, cases in enumerate(groups):
-        colour = series_colour(rank, len(groups))
-        ordered = cases[np.argsort(h[cases])]
-        x, y = h[ordered], studied.computed[ordered]
+    figure, (axes,) = panels()
+    groups = studied.groups(other, h)
+    for place, colour, marker, _ in series(len(groups)):
+        cases = groups[place]
+        x, y = h[cases], studied.computed[cases]
         observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
         label = f"{studied.label(cases[0], other) or 'computed'}: {observed}"
-        width, line = studied.widths(ordered), "-" if is_error else ""
-        axes.errorbar(x, y, width, color=colour, ls=line, marker=MARKERS[rank], label=label)
+        width, line = studied.widths(cases), "-" if is_error else ""
+        axes.errorbar(x, y, width, color=colour, ls=line, marker=marker, label=label)
         mark_failures(axes, x[~np.isfinite(y)])
     if is_error:
         axes.set(xscale="log", yscale="log")
-    _dress(axes, dataset, name, is_error)
-    axes.set_ylabel(axis_label(dataset, studied.headline))
-    return captioned(figure, dataset, _explanation(is_error), studied.bars, legend=axes)
-
-
-def _explanation(is_error: bool) -> str:
-    if is_error:
-        return "The order is that between the two finest."
-    return (
-        "Order and limit are observed from the three finest values by Richardson's extrapolation; "
-        "the dotted line leads to the limit, the hollow mark. No order: they do not approach a "
-        "limit evenly, and what is left to it is not known."
-    )
+    _dress(axes, studied, name, is_error)
+    told = OF_ERROR if is_error else OF_LIMIT
+    return captioned(figure, dataset, told, studied.bars, legend=axes)
 
 
 def _order_of_error(h: Floats, error: Floats) -> str:
@@ -165,19 +152,18 @@ def _draw_limit(axes: Axes, h: Floats, values: Floats, colour: str) -> str:
     return f"order {found.order:.2f}, limit {number(found.limit)}"
 
 
-def _dress(axes: Axes, dataset: xr.Dataset, name: str, is_error: bool) -> None:
+def _dress(axes: Axes, studied: Studied, name: str, is_error: bool) -> None:
     """Ticks at what was computed, called by the parameter's values."""
     meaning, (refinement, limit) = REFINED_BY[name]
-    values = np.unique(over_cases(dataset, name).astype(float))
+    values = studied.varied[name].different
     places = refinement(values)
-    if not is_error:
+    texts = {0.0: limit} | dict(zip(places.tolist(), map(number, values), strict=True))
+    if is_error:
+        shown = apart(np.sort(places), "log", room=12)
+    else:
         axes.set_xlim(0.0, 1.06 * places.max())
-    ascending = np.sort(places)
-    ends = ascending if is_error else np.array([0.0, *ascending])
-    shown = apart(ends, "log" if is_error else "linear", room=12)
-    texts = {float(place): number(value) for place, value in zip(places, values, strict=True)}
-    texts[0.0] = limit
-    axes.xaxis.set_major_locator(FixedLocator(shown))
-    axes.xaxis.set_major_formatter(FixedFormatter([texts[place] for place in shown]))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xlabel(f"{axis_label(dataset, name)}, spaced by {meaning}")
+        shown = apart(np.array([0.0, *np.sort(places)]), "linear", room=12)
+    axes.set_xticks(shown, [texts[place] for place in shown])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel(f"{axis_label(studied.dataset, name)}, spaced by {meaning}")
+    axes.set_ylabel(axis_label(studied.dataset, studied.headline))

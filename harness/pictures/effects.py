@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from harness.archive.conventions import MISSING
+from harness.archive.conventions import MISSING, over_cases
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
@@ -20,8 +20,8 @@ from harness.pictures.drawing.plot_parts import (
     LIGHT,
     MOST_LABELS,
     STYLED,
-    empty_figure,
     mark_failures,
+    panels,
 )
 from harness.pictures.drawing.quantities import (
     Floats,
@@ -35,7 +35,6 @@ from harness.pictures.drawing.quantities import (
     unit_of,
 )
 from harness.pictures.studied import Studied
-from harness.study.designs import ONE_AT_A_TIME
 
 LEAST_PARAMETERS = 3
 MOST_LISTED = 20
@@ -51,7 +50,7 @@ BAR_HEIGHT, BAR_MARGIN = 0.3, 1.6
 def much_varied(dataset: xr.Dataset) -> Studied | None:
     """What varies three parameters or more together, or any at random; None where none does."""
     studied = Studied.of(dataset)
-    if studied is None or studied.design == ONE_AT_A_TIME:
+    if studied is None or studied.is_one_at_a_time:
         return None
     least = LEAST_PARAMETERS if studied.is_combined else 1
     varies = len(studied.varied) >= least
@@ -63,8 +62,7 @@ def has_few_cases(studied: Studied) -> bool:
     return studied.computed.size <= MOST_LISTED and not _effects(studied).is_fitted
 
 
-@dataclass(frozen=True)
-class _Effects:
+class _Effects(NamedTuple):
     """A fit of the headline by a sum of functions of one parameter each.
 
     Attributes:
@@ -102,10 +100,7 @@ def _effects(studied: Studied) -> _Effects:
             break
     found = np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else 0.0 * matrix[0]
     ends = np.cumsum([column.shape[1] for column in columns])[:-1]
-    own = [
-        column @ coefficients
-        for column, coefficients in zip(columns, np.split(found, ends), strict=True)
-    ]
+    own = list(map(np.matmul, columns, np.split(found, ends)))
     residual = np.where(sound, studied.computed - (mean + np.sum(own, axis=0)), np.nan)
     return _Effects(dict(zip(studied.varied, own, strict=True)), mean, residual, is_fitted)
 
@@ -142,7 +137,23 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         _draw_panel(axes, studied, found, name)
     label = axis_label(dataset, studied.headline)
     figure.supylabel(textwrap.fill(label, 24 + 16 * (row_count - 1)), fontsize=9)
-    return captioned(figure, dataset, *_explanations(studied, found, len(names)))
+    failed, total = int((~sound).sum()), float(np.nanstd(studied.computed))
+    explained = 1.0 - (found.spread / total) ** 2 if total > 0.0 else 1.0
+    return captioned(
+        figure,
+        dataset,
+        f"{sound.sum()} cases{f'; {failed} did not complete (crosses)' if failed else ''}.",
+        "Each dot is a case, less the effects of all other parameters; the line is this "
+        "parameter's effect, a parabola by least squares. The band is the standard deviation "
+        f"of what the fit leaves, {found.spread:.2g}; the fit explains {explained:.0%} of "
+        "the variance."
+        if found.is_fitted
+        else "Each dot is a case as it was computed: they are too few for a fit.",
+        studied.bars,
+        f"Of {len(studied.varied)} parameters the {len(names)} of most effect are shown."
+        if len(studied.varied) > len(names)
+        else "",
+    )
 
 
 def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> None:
@@ -165,38 +176,16 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
     )
     if found.is_fitted:
         low, high = (effect[order] + side * found.spread for side in (-1, 1))
-        style = "" if values.categories else "-"
+        line, marker = ("", "_") if values.categories else ("-", "")
         axes.fill_between(x, low, high, color=ACCENT, alpha=0.3, lw=0, zorder=2)
-        axes.plot(
-            x, effect[order], color=ACCENT, ls=style, marker="_" if not style else "", zorder=3
-        )
+        axes.plot(x, effect[order], color=ACCENT, ls=line, marker=marker, zorder=3)
     mark_failures(axes, values.numbers[~sound])
     values.dress(axes, room=5)
     axes.set_xlabel(axis_label(studied.dataset, name), fontsize=8)
     axes.tick_params(labelsize=7)
 
 
-def _explanations(studied: Studied, found: _Effects, shown: int) -> Sequence[str]:
-    count = int(np.isfinite(found.residual).sum())
-    failed = found.residual.size - count
-    total = float(np.nanstd(studied.computed))
-    explained = 1.0 - (found.spread / total) ** 2 if total > 0.0 else 1.0
-    most = f"Of {len(studied.varied)} parameters the {shown} of most effect are shown."
-    return (
-        f"{count} cases; {failed} did not complete (crosses)." if failed else f"{count} cases.",
-        "Each dot is a case, less the effects of all other parameters; the line is this "
-        "parameter's effect, a parabola by least squares. The band is the standard deviation "
-        f"of what the fit leaves, {found.spread:.2g}; the fit explains {explained:.0%} of "
-        "the variance."
-        if found.is_fitted
-        else "Each dot is a case as it was computed: they are too few for a fit.",
-        studied.bars,
-        most if len(studied.varied) > shown else "",
-    )
-
-
-@dataclass(frozen=True)
-class _Bar:
+class _Bar(NamedTuple):
     """What one parameter does alone: cases that differ in it from the first, and their change."""
 
     values: Values
@@ -221,8 +210,8 @@ class _Bar:
 
 def _bars(studied: Studied) -> list[_Bar]:
     """A bar for each parameter, the widest first."""
+    ran = over_cases(studied.dataset, "status") != MISSING
     found = []
-    ran = studied.status != MISSING
     for values in studied.varied.values():
         own = np.flatnonzero(ran & (values.numbers != values.numbers[0]))
         found.append(_Bar(values, own, studied.computed[own] - studied.computed[0]))
@@ -233,20 +222,18 @@ def _bars(studied: Studied) -> list[_Bar]:
 def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     """A bar for each parameter: how far the headline goes with it from the first case's."""
     studied = Studied.of(dataset)
-    if studied is None or studied.design != ONE_AT_A_TIME or not np.isfinite(studied.computed[0]):
+    if studied is None or not studied.is_one_at_a_time or not np.isfinite(studied.computed[0]):
         return None
     bars = _bars(studied)
     if not any(bar.reach > 0.0 for bar in bars):
         return None
     shown = bars[:MOST_BARS]
-    figure, axes = empty_figure(BAR_HEIGHT * len(shown) + BAR_MARGIN)
+    figure, (axes,) = panels(height=BAR_HEIGHT * len(shown) + BAR_MARGIN)
     start = float(studied.computed[0])
     axes.axvline(start, color=INK, lw=1)
     for place, bar in enumerate(shown):
         _draw_bar(axes, studied, bar, place)
-    names = [
-        f"{named(dataset, effect.values.name)} ({effect.text(studied, 0)})" for effect in shown
-    ]
+    names = [f"{named(dataset, bar.values.name)} ({bar.text(studied, 0)})" for bar in shown]
     axes.set_yticks(range(len(shown)), names, fontsize=7)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.spines["left"].set_visible(False)
@@ -298,10 +285,9 @@ def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
 def _failures(bars: Sequence[_Bar]) -> str:
     """The values at which the case did not complete, in a sentence."""
     failures = []
-    for bar in bars:
-        failed = bar.values.numbers[bar.cases[~np.isfinite(bar.change)]]
+    for values, cases, change in bars:
+        failed = values.numbers[cases[~np.isfinite(change)]]
         if failed.size:
-            values = ", ".join(plain(bar.values.text(float(number))) for number in failed)
-            own = symbol(bar.values.name) or plain(bar.values.label)
-            failures.append(f"{own} = {values}")
+            texts = ", ".join(plain(values.text(float(number))) for number in failed)
+            failures.append(f"{symbol(values.name) or plain(values.label)} = {texts}")
     return f"Not completed: {'; '.join(failures)}." if failures else ""

@@ -7,10 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.pictures.drawing.plot_parts import STYLED, series_colour, shade
+from harness.pictures.drawing.plot_parts import KILO, STYLED, runs, series, series_colour, shade
 from mpm_warp.grid.fitted import Floats
 
-KILO = 1e3
 MEASURED = {
     "net_resistance": "$q_{\\mathrm{net}}$",
     "sleeve_friction": "$f_{\\mathrm{s}}$",
@@ -45,21 +44,18 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         points: depth [m] and strength [Pa] of a laboratory, beside it.
     """
     found = _broken(found)
-    figure = Figure(figsize=SIZE, layout="constrained")
-    test, factor, strength, shares = figure.subplots(1, 4, sharey=True)
+    figure, (test, factor, strength, shares) = _panels(4)
     depth = found.depth.values
-    for place, (name, label) in enumerate(MEASURED.items()):
+    for (name, label), line in zip(MEASURED.items(), series(len(MEASURED)), strict=True):
         scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
-        colour = series_colour(place, len(MEASURED))
-        test.plot(scale * found[name] / KILO, depth, color=colour, lw=0.8, label=text)
+        test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=text)
     if "sharpened_resistance" in found:
         sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
         test.plot(sharp, depth, "k--", lw=0.8, label=text)
     test.set_xlabel("[kPa]")
     here = found.reason.values == 0
-    if not here.any():
-        here[:] = True
-    test.set_xlim(0.0, 1.2 * float(np.nanmax(found.net_resistance[here])) / KILO)
+    shown = found.net_resistance.values[here if here.any() else ...]
+    test.set_xlim(0.0, 1.2 * float(np.nanmax(shown)) / KILO)
     _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
     _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
     if points:
@@ -68,47 +64,43 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         _legend(strength, 1)
     _shares(shares, found)
     _shade(figure.axes, found)
-    _downward(test, [found])
     _legend(test, 3)
-    words = f"{found.attrs['title']}. Bands hold 90 %. {SHADES_MEAN}"
-    figure.supxlabel(words, fontsize=7)
-    return figure
+    return _finished(figure, [found], f"{found.attrs['title']}. Bands hold 90 %. {SHADES_MEAN}")
 
 
 @STYLED
 def check_figure(found: xr.Dataset) -> Figure:
     """Net resistance, sleeve and pore pressure, measured and simulated; the misfit, by depth."""
-    figure = Figure(figsize=SIZE, layout="constrained")
-    *panels, misfit = figure.subplots(1, 4, sharey=True)
+    figure, (*tests, misfit) = _panels(4)
     depth = found.depth.values
-    for axes, (name, label) in zip(panels, MEASURED.items(), strict=True):
+    for axes, (name, label) in zip(tests, MEASURED.items(), strict=True):
         axes.plot(found[name] / KILO, depth, "k", lw=1.0, label="measured")
         simulated, colour = found[f"simulated_{name}"] / KILO, series_colour(0, 2)
         axes.plot(simulated, depth, color=colour, lw=0.8, label="simulated")
         axes.set_xlabel(f"{label} [kPa]")
-    panels[0].plot(found.expected_resistance / KILO, depth, "k--", lw=0.8, label="expected")
-    panels[0].legend(frameon=False, fontsize=7)
-    net, error = found.net_resistance, found.total_resistance_error
-    panels[0].fill_betweenx(depth, (net - error) / KILO, (net + error) / KILO, color="0.8", lw=0)
-    for axes in panels:
+    net = tests[0]
+    net.plot(found.expected_resistance / KILO, depth, "k--", lw=0.8, label="expected")
+    net.legend(frameon=False, fontsize=7)
+    low, high = (
+        (found.net_resistance + side * found.total_resistance_error) / KILO for side in (-1, 1)
+    )
+    net.fill_betweenx(depth, low, high, color="0.8", lw=0)
+    for axes in tests:
         axes.set_xlim(left=0.0)
     misfit.plot(100.0 * found.misfit, depth, "k", lw=0.8)
     misfit.axvline(0.0, color="k", lw=0.4)
     misfit.set_xlabel("misfit of $q_{\\mathrm{net}}$ [%]")
     _shade(figure.axes, found)
-    _downward(panels[0], [found])
     words = (
         "Simulated: in the ground of the medians; misfit: over expected, less 1; band: test, 95 %."
     )
-    figure.supxlabel(f"{found.attrs['title']}. {words} {SHADES_MEAN}", fontsize=7)
-    return figure
+    return _finished(figure, [found], f"{found.attrs['title']}. {words} {SHADES_MEAN}")
 
 
 @STYLED
 def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
-    figure = Figure(figsize=SIZE, layout="constrained")
-    test, strength = figure.subplots(1, 2, sharey=True)
+    figure, (test, strength) = _panels(2)
     for place, one in enumerate(map(_broken, found)):
         colour = series_colour(place, max(len(found), 2))
         own = one.net_resistance.where(one.reason == 0) / KILO
@@ -119,10 +111,13 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     for axes in (test, strength):
         axes.autoscale(axis="x")
         axes.set_xlim(left=0.0)
-    _downward(test, found)
     _legend(test, 3)
-    figure.supxlabel("Bands hold 90 % of each test by itself.", fontsize=7)
-    return figure
+    return _finished(figure, found, "Bands hold 90 % of each test by itself.")
+
+
+def _panels(count: int) -> tuple[Figure, list[Axes]]:
+    figure = Figure(figsize=SIZE)
+    return figure, list(figure.subplots(1, count, sharey=True))
 
 
 def _broken(found: xr.Dataset) -> xr.Dataset:
@@ -145,12 +140,15 @@ def _legend(axes: Axes, columns: int) -> None:
     )
 
 
-def _downward(axes: Axes, found: Sequence[xr.Dataset]) -> None:
-    """Depth grows downward, around the layers that were asked for."""
+def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure:
+    """With a caption; depth grows downward, around the layers that were asked for."""
     asked = np.concatenate([_asked(sounding) for sounding in found])
-    axes.set_ylabel("depth of the tip [m]")
     deepest = max(float(sounding.depth.max()) for sounding in found)
+    axes = figure.axes[0]
+    axes.set_ylabel("depth of the tip [m]")
     axes.set_ylim(min(deepest, asked.max() + AROUND), max(0.0, asked.min() - AROUND))
+    figure.supxlabel(words, fontsize=7)
+    return figure
 
 
 def _asked(found: xr.Dataset) -> Floats:
@@ -172,19 +170,18 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
     """Shares of the error, side by side to 100 %, the largest first."""
     shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
     means = shares.mean("depth")
-    order = list(means.sortby(-means).cause.values)
-    large = [cause for cause in order if float(means.sel(cause=cause)) >= LEAST_SHARE]
-    small = [cause for cause in order if cause not in large]
-    columns = [shares.sel(cause=cause).values for cause in large]
-    if small:
-        columns.append(shares.sel(cause=small).sum("cause", skipna=False).values)
-    names = [cause.replace("_", " ") for cause in large] + (["others"] if small else [])
-    begin = np.zeros(found.sizes["depth"])
-    for place, (name, column) in enumerate(zip(names, columns, strict=True)):
-        end = begin + 100.0 * column
-        colour = series_colour(place, len(names))
-        axes.fill_betweenx(found.depth, begin, end, color=colour, lw=0, label=name)
-        begin = end
+    shares = shares.sortby(-means)
+    small = means.sortby(-means).values < LEAST_SHARE
+    names = [str(cause).replace("_", " ") for cause in shares.cause.values[~small]]
+    columns = list(shares.values.T[~small])
+    if small.any():
+        names.append("others")
+        columns.append(shares.values.T[small].sum(axis=0))
+    ends = 100.0 * np.cumsum([np.zeros(found.sizes["depth"]), *columns], axis=0)
+    for name, begin, end, line in zip(
+        names, ends, ends[1:], series(len(names), len(names)), strict=False
+    ):
+        axes.fill_betweenx(found.depth, begin, end, color=line.colour, lw=0, label=name)
     axes.set(xlim=(0.0, 100.0), xlabel="share of the error [%]")
     if names:
         _legend(axes, 2)
@@ -194,8 +191,7 @@ def _shade(panels: Sequence[Axes], found: xr.Dataset) -> None:
     """Shades over depths that feel another layer, and over those without a strength."""
     depth = found.depth.values
     for where, colour in ((found.near_border, NEAR_BORDER), (found.reason, NOT_READ)):
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], where.values != 0, [0]]).astype(int)))
-        for begin, end in edges.reshape(-1, 2):
-            top, bottom = depth[begin], depth[min(end, len(depth) - 1)]
+        for run in runs(where.values != 0):
             for axes in panels:
-                axes.axhspan(top, bottom, color=colour, lw=0, zorder=0)
+                bottom = depth[min(run.stop, len(depth) - 1)]
+                axes.axhspan(depth[run.start], bottom, color=colour, lw=0, zorder=0)

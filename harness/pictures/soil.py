@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from harness.archive.atomic_files import write_whole
-from harness.pictures.drawing.plot_parts import chosen, series_colour
+from harness.pictures.drawing.plot_parts import series
 from mpm_warp.grid.fitted import Floats, bilinear
 from mpm_warp.parts.contact import nodal_areas
 
@@ -43,42 +43,41 @@ class NodalValues:
     """
 
     def __init__(self, snapshot: xr.Dataset) -> None:
-        self.r = snapshot["node_r"].values.astype(float)
-        self.z = snapshot["node_z"].values.astype(float)
-        r, z = (snapshot[name].values.astype(float) for name in ("point_r", "point_z"))
+        self.r, self.z, r, z = (
+            snapshot[f"{of}_{axis}"].values.astype(float)
+            for of in ("node", "point")
+            for axis in "rz"
+        )
         self._present = np.isfinite(r)
         self._nodes, self._weights = self._shape_functions(r[self._present], z[self._present])
-        self._sum = self._added(np.ones(int(self._present.sum())))
 
     def of(self, values: Floats) -> Floats:
         """Values of the points at the nodes, [row, column]; not a number where no point is near."""
         with np.errstate(invalid="ignore"):
-            averages: Floats = self._added(values[self._present]) / self._sum
-        return averages
+            return self._added(values[self._present]) / self._added(1.0)
 
-    def _added(self, values: Floats) -> Floats:
+    def _added(self, values: Floats | float) -> Floats:
         weighted = (self._weights * values).ravel()
-        sums: Floats = np.bincount(self._nodes.ravel(), weighted, self.r.size).astype(float)
+        sums = np.bincount(self._nodes.ravel(), weighted, self.r.size).astype(float)
         return sums.reshape(self.r.shape)
 
     def _shape_functions(self, r: Floats, z: Floats) -> tuple[NDArray[np.integer], Floats]:
         """The four nodes around each point, and their shape functions there: [4, point_count]."""
         rows, surface, outer = self.z[:, 0], self.r[:, 0], self.r[0, -1]
-        columns = (self.r[0] - surface[0]) / (outer - surface[0])
+        inner = np.interp(z, rows, surface)
         row, eta = _interval(rows, z)
-        inner = surface[row] + eta * (surface[row + 1] - surface[row])
+        columns = (self.r[0] - surface[0]) / (outer - surface[0])
         column, xi = _interval(columns, (r - inner) / (outer - inner))
         first = row * self.r.shape[1] + column
         upper = first + self.r.shape[1]
-        nodes = np.stack([first, first + 1, upper, upper + 1])
-        return nodes, bilinear(xi, eta)[0]
+        return np.stack([first, first + 1, upper, upper + 1]), bilinear(xi, eta)[0]
 
 
 def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:
     """In which interval between rising edges each value is, and how far in it, 0 to 1."""
-    interval = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-    within: Floats = (values - edges[interval]) / np.diff(edges)[interval]
-    return interval, np.clip(within, 0.0, 1.0)
+    place = np.interp(values, edges, np.arange(len(edges)))
+    interval = np.minimum(place.astype(int), len(edges) - 2)
+    return interval, place - interval
 
 
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
@@ -102,7 +101,7 @@ class _Quantity(NamedTuple):
         values: of a snapshot, in each slot of points; without dimension.
         norm: colour scale of a greatest value.
         lines: values of contour lines, or how many of them.
-        is_whole: whether as much soil is shown as has values of the last line or more.
+        whole: as much soil is shown as has values of this or more.
     """
 
     label: str
@@ -110,7 +109,7 @@ class _Quantity(NamedTuple):
     values: Callable[[xr.Dataset], Floats]
     norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)
     lines: int | Sequence[float] = 5
-    is_whole: bool = False
+    whole: float = math.inf
 
 
 def _magnitude(snapshot: xr.Dataset, vector: str) -> Floats:
@@ -150,9 +149,79 @@ QUANTITIES = (
         lambda it: (it.deviatoric_stress.values >= YIELDS).astype(float),
         lambda greatest: Normalize(0.0, 1.0),
         lines=(0.5,),
-        is_whole=True,
+        whole=0.5,
     ),
 )
+ROWS = math.ceil(len(QUANTITIES) / COLUMNS)
+
+
+class _Sections:
+    """The sections of all snapshots of a case; colours mean the same in all of them.
+
+    Attributes:
+        size: width and height of a figure that the sections fill [inch].
+    """
+
+    def __init__(self, fields: xr.Dataset) -> None:
+        self._radius = radius = fields.cone_radius.item()
+        self._snapshots = [fields.isel(penetration=it) for it in range(fields.sizes["penetration"])]
+        self._nodal = [NodalValues(snapshot) for snapshot in self._snapshots]
+        self._values = [
+            [nodal.of(quantity.values(snapshot)) for quantity in QUANTITIES]
+            for snapshot, nodal in zip(self._snapshots, self._nodal, strict=True)
+        ]
+        # Of each quantity the colours, and how much more soil is shown than of the others.
+        self._scales = []
+        for quantity, own in zip(QUANTITIES, zip(*self._values, strict=True), strict=True):
+            reach = 1.0 / MARGIN
+            for values, nodal in zip(own, self._nodal, strict=True):
+                inside = values >= quantity.whole
+                r, z = nodal.r[inside] / radius, nodal.z[inside] / radius
+                reach = float(np.max([r / BESIDE, -z / BELOW, z / ABOVE], initial=reach))
+            greatest = max(float(np.nanmax(values)) for values in own)
+            self._scales.append((quantity.norm(greatest), MARGIN * reach))
+        beside = min(BESIDE, float(fields.node_r.max()) / radius)
+        below = min(BELOW, -float(fields.node_z.min()) / radius)
+        above = min(ABOVE, float(fields.node_z.max()) / radius)
+        height = 0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1
+        self.size = WIDTH, round(ROWS * height + 0.5, 1)
+
+    def draw(self, figure: Figure, number: int) -> None:
+        """Draw those of a snapshot into an empty figure."""
+        panels = figure.subplots(ROWS, COLUMNS)
+        for axes in panels.flat[len(QUANTITIES) :]:
+            axes.remove()
+        for place, axes in enumerate(panels.flat[: len(QUANTITIES)]):
+            self._draw_one(axes, number, place)
+        for axes in panels[:, 0]:
+            axes.set_ylabel("height above the tip / R [-]", fontsize=7)
+        since = "displacement and plastic strain since the soil entered the window"
+        about = f"{_caption(self._snapshots[number])}\n{since}"
+        figure.suptitle(about, x=0.01, ha="left", fontsize=8)
+
+    def _draw_one(self, axes: Axes, number: int, place: int) -> None:
+        quantity, (norm, wide) = QUANTITIES[place], self._scales[place]
+        values, nodal, radius = self._values[number][place], self._nodal[number], self._radius
+        r, z, shown = nodal.r / radius, nodal.z / radius, np.ma.masked_invalid(values)
+        for x in (-r, r):
+            image = axes.pcolormesh(
+                x, z, shown, shading="gouraud", cmap=quantity.colours, norm=norm, rasterized=True
+            )
+            lines = axes.contour(x, z, values, quantity.lines, colors="0.5", linewidths=0.5)
+        axes.set(xlim=(-BESIDE * wide, BESIDE * wide), ylim=(-BELOW * wide, ABOVE * wide))
+        for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
+            label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
+        snapshot = self._snapshots[number]
+        right, height = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
+        outline = np.stack([[*-right[::-1], *right], [*height[::-1], *height]], axis=-1)
+        axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor="black", lw=0.8, zorder=3))
+        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, symmetric=True))
+        axes.set_aspect("equal")
+        axes.tick_params(labelsize=6)
+        axes.set_xlabel("radius / R [-]", fontsize=7)
+        bar = axes.figure.colorbar(image, ax=axes, orientation="horizontal", pad=0.02)
+        bar.set_label(quantity.label, fontsize=7)
+        bar.ax.tick_params(labelsize=6)
 
 
 def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Figure:
@@ -160,66 +229,12 @@ def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Fig
 
     Colours mean the same in those of all snapshots of a case.
     """
-    figure = Figure(figsize=_size(fields), dpi=200, layout="constrained")
-    last = float(fields["penetration"][-1])
-    _draw_sections(figure, fields, last if penetration is None else penetration, _scales(fields))
+    sections, number = _Sections(fields), -1
+    if penetration is not None:
+        (number,) = fields.indexes["penetration"].get_indexer([penetration], method="nearest")
+    figure = Figure(figsize=sections.size, dpi=200, layout="constrained")
+    sections.draw(figure, number)
     return figure
-
-
-def _size(fields: xr.Dataset) -> tuple[float, float]:
-    """Width and height of a figure that its sections fill [inch]."""
-    radius = fields.cone_radius.item()
-    beside = min(BESIDE, float(fields.node_r.max()) / radius)
-    below = min(BELOW, -float(fields.node_z.min()) / radius)
-    above = min(ABOVE, float(fields.node_z.max()) / radius)
-    rows = math.ceil(len(QUANTITIES) / COLUMNS)
-    return WIDTH, round(rows * (0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1) + 0.5, 1)
-
-
-class _Scale(NamedTuple):
-    """Colour scale of a quantity, and how much more soil than of the others is shown of it."""
-
-    norm: Normalize
-    widening: float
-
-
-def _scales(fields: xr.Dataset) -> list[_Scale]:
-    """The scale of each quantity, for all snapshots: up to its greatest nodal value."""
-    found = []
-    for quantity in QUANTITIES:
-        greatest, widening = -math.inf, 1.0
-        for number in range(fields.sizes["penetration"]):
-            snapshot = fields.isel(penetration=number)
-            nodal = NodalValues(snapshot)
-            values = nodal.of(quantity.values(snapshot))
-            greatest = max(greatest, float(np.nanmax(values)))
-            if quantity.is_whole:
-                inside = values >= np.atleast_1d(quantity.lines)[-1]
-                r, z = (
-                    coordinate[inside] / fields.cone_radius.item()
-                    for coordinate in (nodal.r, nodal.z)
-                )
-                reach = np.concatenate([r / BESIDE, -z / BELOW, z / ABOVE])
-                widening = max(widening, MARGIN * float(reach.max(initial=0.0)))
-        found.append(_Scale(quantity.norm(greatest), widening))
-    return found
-
-
-def _draw_sections(
-    figure: Figure, fields: xr.Dataset, penetration: float, scales: Sequence[_Scale]
-) -> None:
-    """Draw the sections of the snapshot nearest to a penetration [cone radii] into a figure."""
-    snapshot = fields.sel(penetration=penetration, method="nearest")
-    nodal = NodalValues(snapshot)
-    all_axes = figure.subplots(math.ceil(len(QUANTITIES) / COLUMNS), COLUMNS)
-    for axes in all_axes.flat[len(QUANTITIES) :]:
-        axes.remove()
-    for axes, quantity, scale in zip(all_axes.flat, QUANTITIES, scales, strict=False):
-        _draw_section(figure, axes, quantity, scale, snapshot, nodal)
-    for axes in all_axes[:, 0]:
-        axes.set_ylabel("height above the tip / R [-]", fontsize=7)
-    since = "displacement and plastic strain since the soil entered the window"
-    figure.suptitle(f"{_caption(snapshot)}\n{since}", x=0.01, ha="left", fontsize=8)
 
 
 def _caption(snapshot: xr.Dataset) -> str:
@@ -233,39 +248,6 @@ def _caption(snapshot: xr.Dataset) -> str:
         f"{it['material'].replace('_', ' ')}, apex {it['apex_angle']:g}°, "
         f"{it['cells_per_radius']:g} cells per radius"
     )
-
-
-def _draw_section(
-    figure: Figure,
-    axes: Axes,
-    quantity: _Quantity,
-    scale: _Scale,
-    snapshot: xr.Dataset,
-    nodal: NodalValues,
-) -> None:
-    radius = snapshot.cone_radius.item()
-    values, r, z = nodal.of(quantity.values(snapshot)), nodal.r / radius, nodal.z / radius
-    shown = np.ma.masked_invalid(values)
-    for side in (-1.0, 1.0):
-        x, colours = side * r, quantity.colours
-        image = axes.pcolormesh(x, z, shown, shading="gouraud", cmap=colours, norm=scale.norm)
-        image.set_rasterized(True)
-        lines = axes.contour(x, z, values, quantity.lines, colors="0.5", linewidths=0.5)
-    wide = scale.widening
-    axes.set_xlim(-BESIDE * wide, BESIDE * wide)
-    axes.set_ylim(-BELOW * wide, ABOVE * wide)
-    for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
-        label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
-    right, height = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
-    outline = np.stack([[*-right[::-1], *right], [*height[::-1], *height]], axis=-1)
-    axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor="black", lw=0.8, zorder=3))
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, symmetric=True))
-    axes.set_aspect("equal")
-    axes.tick_params(labelsize=6)
-    axes.set_xlabel("radius / R [-]", fontsize=7)
-    bar = figure.colorbar(image, ax=axes, orientation="horizontal", pad=0.02)
-    bar.set_label(quantity.label, fontsize=7)
-    bar.ax.tick_params(labelsize=6)
 
 
 AT_TIP = (
@@ -284,26 +266,22 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
-    along = (fields.surface_r.values, fields.surface_z.values)
-    steps = np.hypot(*(np.diff(coordinate) for coordinate in along))
+    steps = np.hypot(np.diff(fields.surface_r.values), np.diff(fields.surface_z.values))
     distance = np.cumsum([0.0, *steps]) / radius
     around_tip = nodal_areas(fields.surface_r.values, steps)[:2]
-    face, shaft = (fields.surface_part.values == part for part in ("face", "shaft"))
-    shoulder = float(distance[face].max())
-    count = fields.sizes["penetration"]
-    shown = chosen(count, MOST_CURVES)
+    parts = [fields.surface_part.values == part for part in ("face", "shaft")]
+    shoulder, last = float(distance[parts[0]].max()), fields.sizes["penetration"] - 1
     for axes, kind in ((normal, "normal"), (shear, "shear")):
-        for rank, number in enumerate(shown):
+        for number, colour, *_ in series(last + 1, MOST_CURVES):
             snapshot = fields.isel(penetration=number)
             traction = snapshot[f"{kind}_traction"].values / fields.undrained_shear_strength.item()
             if kind == "shear":
                 traction[0] = np.nan
             else:
                 traction[:2] = np.average(traction[:2], weights=around_tip)
-            colour, width = series_colour(rank, len(shown)), 0.8 + 0.8 * (number == count - 1)
-            label = f"{snapshot.penetration.item():g} R"
-            axes.plot(distance[face], traction[face], color=colour, lw=width, label=label)
-            axes.plot(distance[shaft], traction[shaft], color=colour, lw=width)
+            width, label = 1.6 if number == last else 0.8, f"{snapshot.penetration.item():g} R"
+            for part, named in zip(parts, (label, None), strict=True):
+                axes.plot(distance[part], traction[part], color=colour, lw=width, label=named)
         axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
         axes.axhline(0.0, color="0.5", lw=0.5)
         axes.set_ylabel(f"{kind} traction / su [-]")
@@ -331,16 +309,16 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
         writers[path.with_suffix(".mp4")] = FFMpegWriter(
             fps=FRAMES_PER_SECOND, extra_args=["-pix_fmt", "yuv420p"]
         )
-    figure = Figure(figsize=_size(fields), dpi=RESOLUTION, layout="constrained")
-    scales = _scales(fields)
+    sections = _Sections(fields)
+    figure = Figure(figsize=sections.size, dpi=RESOLUTION, layout="constrained")
     for file, writer in writers.items():
         # Matplotlib and ffmpeg write to files alone.
         with tempfile.TemporaryDirectory(prefix="harness-film-") as folder:
             film = Path(folder) / f"film{file.suffix}"
             with writer.saving(figure, str(film), RESOLUTION):
-                for penetration in fields["penetration"].values.tolist():
+                for number in range(fields.sizes["penetration"]):
                     figure.clear()
-                    _draw_sections(figure, fields, penetration, scales)
+                    sections.draw(figure, number)
                     writer.grab_frame()
             write_whole(film.read_bytes(), file)
     return list(writers)

@@ -7,35 +7,28 @@ overlap, is a part of its half width.
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import by_case, case_dims
 from harness.pictures.drawing.caption import captioned, left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import STYLED, chosen, legend_above, series_colour
+from harness.pictures.drawing.plot_parts import KILO, STYLED, panels, runs, series
 from harness.pictures.studied import Studied
 
 RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
 DEPTH, STRETCH = "depth", "stretch_number"
-CURVES = (
-    RESISTANCE,
-    UNCERTAINTY,
-    "total_resistance",
-    "sleeve_friction",
-    "excess_pore_pressure",
-    "cone_factor_at_tip",
-    "cone_factor_around_tip",
-    "strength",
-    "vertical_stress",
-)
+LEFT_TO_ONE = (STRETCH, "to_depth")
+"""Parameters of a stretch, which its sounding does not have."""
+CURVES = (RESISTANCE, UNCERTAINTY, "cone_factor_at_tip", "strength")
+JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
+HEIGHT = 5.0
+"""Of the figure [inch]: depth needs room."""
 
 
 def joined(dataset: xr.Dataset) -> xr.Dataset:
-    """The curves of a result with stretches joined, over depth and a dim `sounding`.
+    """The curves that are drawn of a result, with stretches joined, by depth and a dim `sounding`.
 
-    Returns:
-        The curves, and `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the
-        number of the first case of each sounding.
+    Beside them `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the number of
+    the first case of each sounding.
     """
     # A collected file leaves out what no case has, a half width say.
     cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
@@ -54,28 +47,18 @@ def _groups(dataset: xr.Dataset) -> list[np.ndarray]:
 
 def _as_one(stretches: xr.Dataset) -> xr.Dataset:
     """One sounding of its stretches, over the depths that one of them has."""
-    mean = stretches.mean("case", skipna=True)
+    mean = stretches.mean("case", keep_attrs=True)
     resistance = stretches[RESISTANCE]
     count = resistance.notnull().sum("case")
     half = 0.5 * (resistance.max("case") - resistance.min("case"))
-    overlaps = (count > 1).values
-    difference = np.zeros(overlaps.size)
+    difference = np.zeros(count.size)
     # Neighbouring samples of an overlap share one number: single samples differ by noise.
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], overlaps, [False]])))
-    for begin, end in edges.reshape(-1, 2):
-        difference[begin:end] = np.sqrt(np.mean(half.values[begin:end] ** 2))
+    for overlap in runs(count.values > 1):
+        difference[overlap] = np.sqrt(np.mean(half.values[overlap] ** 2))
     of_stretches = mean.get(UNCERTAINTY, xr.full_like(mean[RESISTANCE], np.nan))
     mean[UNCERTAINTY] = np.hypot(of_stretches, xr.DataArray(difference, dims=DEPTH))
     mean["overlap_difference"] = DEPTH, difference
-    for name in mean.data_vars:
-        mean[name].attrs = stretches.get(name, mean[name]).attrs
     return mean.assign_coords(case=int(stretches["case"][0]))
-
-
-KILO = 1e3
-JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
-HEIGHT = 5.0
-"""Of the figure [inch]: depth needs room."""
 
 
 @STYLED
@@ -89,24 +72,20 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     studied = Studied.of(dataset)
     soundings = joined(dataset)
-    figure = Figure()
-    figure.set_figheight(HEIGHT)
-    strength, resistance, factor = figure.subplots(1, 3, sharey=True)
+    figure, (strength, resistance, factor) = panels(3, HEIGHT, sharey=True)
     count = soundings.sizes["sounding"]
-    shown = chosen(count)
-    # The stretches of a sounding, each to a depth, are one curve.
-    names = [
-        name for name in (studied.varied if studied else ()) if name not in (STRETCH, "to_depth")
-    ]
-    for rank, number in enumerate(shown):
-        sounding = soundings.isel(sounding=number)
-        colour = series_colour(rank, len(shown))
-        _draw(resistance, sounding, RESISTANCE, colour, KILO, UNCERTAINTY)
-        _draw(strength, sounding, "strength", colour, KILO)
-        _draw(factor, sounding, "cone_factor_at_tip", colour)
-        strength.lines[-1].set_label(
-            "" if studied is None else studied.label(int(sounding["case"]), names)
-        )
+    shown = series(count)
+    names = [name for name in (studied.varied if studied else ()) if name not in LEFT_TO_ONE]
+    for place, colour, _, _ in shown:
+        sounding = soundings.isel(sounding=place)
+        label = studied.label(int(sounding["case"]), names) if studied else ""
+        depth = sounding[DEPTH]
+        net, half_width = sounding[RESISTANCE] / KILO, sounding[UNCERTAINTY] / KILO
+        strength.plot(sounding["strength"] / KILO, depth, color=colour, lw=0.8, label=label)
+        resistance.plot(net, depth, color=colour, lw=0.8)
+        band = depth, net - half_width, net + half_width
+        resistance.fill_betweenx(*band, color=colour, alpha=0.25, lw=0)
+        factor.plot(sounding["cone_factor_at_tip"], depth, color=colour, lw=0.8)
     for axes, label in (
         (strength, "strength $s_{\\mathrm{u}}$ [kPa]"),
         (resistance, "net resistance [kPa]"),
@@ -115,8 +94,6 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         axes.set(xlabel=label, xlim=(0.0, None))
     strength.set_ylabel("depth of the tip [m]")
     strength.invert_yaxis()
-    if count > 1:
-        legend_above(figure, strength)
     has_band = bool(np.isfinite(soundings[UNCERTAINTY]).any())
     return captioned(
         figure,
@@ -124,19 +101,5 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
         JOINED if STRETCH in dataset["status"].dims else "",
         left_out(count - len(shown), "soundings"),
+        legend=strength if count > 1 else None,
     )
-
-
-def _draw(
-    axes: Axes,
-    sounding: xr.Dataset,
-    name: str,
-    colour: str,
-    scale: float = 1.0,
-    half_width: str | None = None,
-) -> None:
-    depth, values = sounding[DEPTH].values, sounding[name].values / scale
-    axes.plot(values, depth, color=colour, lw=0.8)
-    if half_width is not None:
-        width = sounding[half_width].values / scale
-        axes.fill_betweenx(depth, values - width, values + width, color=colour, alpha=0.25, lw=0)

@@ -1,4 +1,4 @@
-"""Where a study is stable, by which margin, and what gives way first beyond, in words.
+"""Where a study is stable, by which margin, and what gives way first beyond: a picture, and words.
 
 One parameter at a time: a strip of single cases for each parameter, from the default to the first
 failure on either side. At random: the share that completed over the range of each parameter.
@@ -7,6 +7,7 @@ failure on either side. At random: the share that completed over the range of ea
 from __future__ import annotations
 
 import re
+import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,19 +15,53 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from matplotlib import rc_context
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize, to_hex
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
-from harness.archive.conventions import COMPLETED, MISSING, limits_of, over_cases, varied_names
+from harness.archive.conventions import (
+    COMPLETED,
+    CRASHED,
+    MISSING,
+    TIMED_OUT,
+    UNFINISHED,
+    limits_of,
+    over_cases,
+    spoken,
+    varied_names,
+)
+from harness.pictures.drawing.caption import captioned
+from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.study.designs import ONE_AT_A_TIME
 from harness.study.study import STABILITY_MAP
 
 PART_COUNT = 5
 """Parts of equally many cases that the range of a random parameter is cut into."""
-STRIP_HEADING = (
-    *("parameter", "default", "stable"),
-    *("first failure below", "first failure above", "limit"),
-)
-SHARE_HEADING = ("parameter", "completed", "spread", "least", "what gives way there")
+STATUSES = {
+    COMPLETED: ("o", "#009E73"),
+    "inaccurate": ("^", "#E69F00"),
+    UNFINISHED: ("p", "#F0E442"),
+    "diverged": ("X", "#D55E00"),
+    "refused": ("s", "#666666"),
+    TIMED_OUT: ("D", "#56B4E9"),
+    CRASHED: ("P", "#CC79A7"),
+    "failed": ("v", "#0072B2"),
+}
+"""Marker and colour of each status, in Okabe and Ito's colours."""
+OTHER = ("*", "black")
+"""Those of any other status."""
+STRIP_HEIGHT, LEGEND_HEIGHT, SCALE_HEIGHT = 0.62, 0.45, 0.6
+"""Inches of a strip, of the legend above, and of the scale of colours and the caption each."""
+LEFT, RIGHT = 0.18, 0.6
+"""Where strips begin and end, of the page's width: names stand before them, words behind."""
+BESIDE = 46
+"""Letters of a line beside a strip."""
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
@@ -39,9 +74,8 @@ def shows_stability(dataset: xr.Dataset) -> bool:
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     """The map in words: a heading, then a row for each parameter."""
-    is_strip = dataset.attrs["design"] == ONE_AT_A_TIME
-    heading = STRIP_HEADING if is_strip else SHARE_HEADING
-    return [heading, *(row.words for row in stability_strips(dataset))]
+    strips = stability_strips(dataset)
+    return [strips[0].heading, *(row.words for row in strips)]
 
 
 def stability_strips(dataset: xr.Dataset) -> Sequence[Strip | Shares]:
@@ -59,9 +93,8 @@ def stability_strips(dataset: xr.Dataset) -> Sequence[Strip | Shares]:
         return sorted(found, key=lambda it: np.ptp(it.completed), reverse=True)
     strips = []
     for values in varied:
-        own = values.numbers != values.numbers[0]
-        own[0] = True
-        own &= ran
+        own = ran & (values.numbers != values.numbers[0])
+        own[0] = ran[0]
         strips.append(Strip(values.at(own), float(values.numbers[0]), outcomes.at(own)))
     return strips
 
@@ -123,6 +156,12 @@ class Strip:
     The default is the parameter's value in the case from which all others start.
     """
 
+    heading = (
+        *("parameter", "default", "stable"),
+        *("first failure below", "first failure above", "limit"),
+    )
+    explanation = "One parameter at a time differs from the default."
+
     values: Values
     default: float
     outcomes: Outcomes
@@ -146,14 +185,14 @@ class Strip:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The strip in words, under `STRIP_HEADING`."""
+        """The strip in words, under its heading."""
         values, known = self.values, self.outcomes.known_shares
         stable = [values.text(number) for number in self.stable] or ["none"]
         ends = dict.fromkeys([stable[0], stable[-1]])
-        share = f"up to {known.max():.0%} of the limit" if known.size else ""
         text = ", ".join(stable) if values.categories else " to ".join(ends)
-        default = values.text(self.default)
-        return values.label, default, text, self.margin(-1), self.margin(1), share
+        margins = self.margin(-1), self.margin(1)
+        share = f"up to {known.max():.0%} of the limit" if known.size else ""
+        return values.label, values.text(self.default), text, *margins, share
 
     @property
     def beside(self) -> tuple[str, ...]:
@@ -180,6 +219,22 @@ class Strip:
         why = self.outcomes.status[place], self.outcomes.reason[place]
         return f"{where}, {': '.join(filter(None, map(str, why)))}"
 
+    def draw(self, axes: Axes) -> None:
+        """Draw a mark for each case, the default, and the span that is stable."""
+        stable = self.stable
+        if stable.size and not self.values.categories:
+            ends = stable[[0, -1]]
+            axes.plot(ends, [0, 0], color="0.8", lw=8, solid_capstyle="round", gid="stable")
+        axes.axvline(self.default, color="black", lw=1, gid="default")
+        for number, status, _, share in zip(self.values.numbers, *self.outcomes, strict=True):
+            marker, colour = STATUSES.get(status, OTHER)
+            if np.isfinite(share):
+                colour = to_hex(SHADES(share))
+            axes.plot(number, 0, marker, color=colour, mec="black", mew=0.5, ms=6, gid=status)
+        self.values.dress(axes, room=6)
+        axes.set_ylim(-1, 1)
+        axes.set_yticks([])
+
 
 @dataclass(frozen=True)
 class Shares:
@@ -190,6 +245,9 @@ class Shares:
         bounds: lowest and highest value of each part, shape [part_count, 2].
         parts: how the cases of each part ended.
     """
+
+    heading = ("parameter", "completed", "spread", "least", "what gives way there")
+    explanation = "Each range is cut into parts of equally many cases; bars are shares of a part."
 
     values: Values
     bounds: Floats
@@ -228,7 +286,7 @@ class Shares:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """The shares in words, under `SHARE_HEADING`."""
+        """The shares in words, under their heading."""
         completed, texts = self.completed, self.texts
         told = [
             f"{text}: {share:.0%} of {part.status.size}"
@@ -246,3 +304,80 @@ class Shares:
             return (f"all {sum(part.status.size for part in self.parts)} complete",)
         failures = f"least at {self.words[-2]}: {self.words[-1]}"
         return f"{least:.0%} to {most:.0%} complete", failures
+
+    def draw(self, axes: Axes) -> None:
+        """Draw a bar for each part, in the colours of how its cases ended."""
+        places, base = np.arange(len(self.parts)), np.zeros(len(self.parts))
+        for status in _in_order(np.concatenate([part.status for part in self.parts])):
+            height = self.share(status)
+            axes.bar(places, height, 0.9, base, color=STATUSES.get(status, OTHER)[1], gid=status)
+            base += height
+        known = [part.known_shares for part in self.parts]
+        medians = [np.median(numbers) if numbers.size else np.nan for numbers in known]
+        axes.hlines(medians, places - 0.45, places + 0.45, color="black", lw=2)
+        if np.array_equal(self.bounds[:, 0], self.bounds[:, 1]):
+            axes.set_xticks(places, self.texts)
+        else:
+            edges = [*self.bounds[:, 0], self.bounds[-1, 1]]
+            # Three digits, without an exponent where the number is not long.
+            texts = [f"{float(f'{edge:.3g}'):g}" for edge in edges]
+            axes.set_xticks(np.arange(len(edges)) - 0.5, texts)
+        axes.set(xlim=(-0.5, places.size - 0.5), ylim=(0, 1))
+        axes.set_yticks([0, 0.5, 1], ["0", "", "1"], fontsize=6)
+
+
+@STYLED
+def stability_figure(dataset: xr.Dataset) -> Figure | None:
+    """A strip for each parameter: of single cases, or of the shares of random ones."""
+    if not shows_stability(dataset):
+        return None
+    rows, outcomes = stability_strips(dataset), Outcomes.of(dataset)
+    height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
+    with rc_context({"figure.constrained_layout.use": False}):
+        figure = Figure(figsize=(Figure().get_figwidth(), height))
+    all_axes = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
+    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
+    figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
+    for axes, row in zip(all_axes, rows, strict=True):
+        axes.spines[["top", "right", "left"]].set_visible(False)
+        label = textwrap.fill(row.values.label, 17)
+        axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
+        axes.tick_params(axis="x", labelsize=6, pad=1)
+        row.draw(axes)
+        text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in row.beside)
+        axes.text(1.03, 0.5, text, transform=axes.transAxes, va="center", fontsize=6)
+    is_scaled, is_strip = outcomes.known_shares.size > 0, isinstance(rows[0], Strip)
+    handles: list[Artist] = []
+    for status in _in_order(outcomes.status):
+        marker, own = STATUSES.get(status, OTHER)
+        colour = "white" if is_scaled and status == COMPLETED else own
+        mark = Line2D([], [], ls="", marker=marker, color=colour, mec="black", label=status)
+        handles.append(mark if is_strip else Patch(color=own, label=status))
+    limits = limits_of(dataset).items()
+    limit = " or ".join(f"{spoken(name)} over its limit of {size:g}" for name, size in limits)
+    if is_strip:
+        handles.append(Line2D([], [], color="black", lw=1, label="default"))
+        handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
+        if is_scaled:
+            _draw_scale(figure, f"{limit}, of completed cases")
+    elif is_scaled:
+        label = f"{limit}, median of completed"
+        handles.append(Line2D([], [], color="black", lw=2, label=label))
+    figure.legend(handles=handles, loc="upper left", ncols=3, fontsize=7)
+    return captioned(figure, dataset, rows[0].explanation)
+
+
+def _draw_scale(figure: Figure, label: str) -> None:
+    """Draw the colours of the shares of a limit, below the strips."""
+    height = figure.get_figheight()
+    axes = figure.add_axes((LEFT, 0.85 / height, RIGHT - LEFT, 0.08 / height))
+    scale = ScalarMappable(Normalize(0.0, 1.0), SHADES)
+    figure.colorbar(scale, cax=axes, orientation="horizontal")
+    axes.set_xlabel(label, fontsize=7)
+    axes.tick_params(labelsize=6)
+
+
+def _in_order(statuses: Texts) -> list[str]:
+    """Each status of cases that were run once, in the order of `STATUSES`, others last."""
+    present = set(statuses.tolist()) - {MISSING}
+    return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]

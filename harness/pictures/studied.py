@@ -5,13 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import (
-    COMPLETED,
     headlines_of,
     over_cases,
     parameter_names,
@@ -20,8 +18,8 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import MARKERS, chosen, series_colour
-from harness.pictures.drawing.quantities import Floats, Texts, Values, assigned
+from harness.pictures.drawing.plot_parts import Series, series
+from harness.pictures.drawing.quantities import Floats, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study import scene_part
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
@@ -62,16 +60,6 @@ class Studied:
         return None if self.half_width is None else self.half_width[cases]
 
     @functools.cached_property
-    def status(self) -> Texts:
-        """How each case ended."""
-        return over_cases(self.dataset, "status").astype(str)
-
-    @property
-    def failed(self) -> np.ndarray:
-        """The cases without a headline."""
-        return np.flatnonzero(~np.isfinite(self.computed) | (self.status != COMPLETED))
-
-    @functools.cached_property
     def varied(self) -> dict[str, Values]:
         """The values of each parameter that has more than one, in the order of the study."""
         names = [name for name in varied_names(self.dataset) if name != "scene"]
@@ -84,20 +72,19 @@ class Studied:
         return [name for name, parameter in self.varied.items() if not parameter.categories]
 
     @property
-    def design(self) -> str:
-        """How the varied values were combined."""
-        return str(self.dataset.attrs.get("design", ""))
+    def is_one_at_a_time(self) -> bool:
+        """Whether each case differs from the first in one parameter."""
+        return self.dataset.attrs.get("design") == ONE_AT_A_TIME
 
     @property
     def is_combined(self) -> bool:
         """Whether values were chosen and combined, not drawn by lot or changed one at a time."""
-        return self.design not in (ONE_AT_A_TIME, LATIN_HYPERCUBE)
+        return self.dataset.attrs.get("design") not in (ONE_AT_A_TIME, LATIN_HYPERCUBE)
 
     @property
     def method(self) -> tuple[str, ...]:
         """The parameters of the method alone, as the dataset calls them."""
-        scene = str(self.dataset.attrs.get("scene", ""))
-        return method_of(self.dataset, scene)
+        return method_of(self.dataset, str(self.dataset.attrs.get("scene", "")))
 
     @property
     def bars(self) -> str:
@@ -117,42 +104,31 @@ class Studied:
         places = np.unravel_index(index, self.dataset["status"].shape)
         return self.dataset.isel(dict(zip(dims, map(int, places), strict=True)))
 
-    def groups(self, names: list[str]) -> list[np.ndarray]:
-        """The cases that agree in these varied parameters, by ascending values."""
-        if not names:
-            return [np.arange(self.computed.size)]
-        rows = np.array([self.varied[name].numbers for name in names]).T
-        found, member = np.unique(rows, axis=0, return_inverse=True)
-        return [np.flatnonzero(member.ravel() == place) for place in range(len(found))]
+    def groups(self, names: Iterable[str], along: Floats) -> list[np.ndarray]:
+        """The cases that agree in these varied parameters, by ascending values; each by `along`."""
+        columns = [np.zeros(self.computed.size), *(self.varied[name].numbers for name in names)]
+        found, member = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
+        order = np.argsort(along, kind="stable")
+        return [order[member.ravel()[order] == place] for place in range(len(found))]
 
 
-def label_of(dataset: xr.Dataset, case: int) -> str:
-    """What a case of a result is called; "" where its cases share no headline."""
+def case_labels(dataset: xr.Dataset) -> list[str]:
+    """What each case of a result is called; "" where its cases share no headline."""
     studied = Studied.of(dataset)
-    return "" if studied is None else studied.label(case)
-
-
-class Series(NamedTuple):
-    """How the curve of a case is drawn."""
-
-    case: int
-    colour: str
-    marker: str
-    label: str
+    return [studied.label(case) if studied else "" for case in range(dataset["status"].size)]
 
 
 def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
-    """Some of the cases that have a curve, evenly spread; and how many more there are, in words.
+    """Some of the cases that have a curve, evenly spread; and in words how many more there are.
 
     The curves have the shape [case, :].
     """
-    drawn = np.flatnonzero(np.isfinite(curves).any(axis=1))
-    shown = drawn[chosen(drawn.size)].tolist()
-    series = [
-        Series(case, series_colour(rank, len(shown)), MARKERS[rank], label_of(dataset, case))
-        for rank, case in enumerate(shown)
+    drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
+    shown = [
+        line._replace(place=drawn[line.place], label=labels[drawn[line.place]])
+        for line in series(len(drawn))
     ]
-    return series, left_out(drawn.size - len(shown), "cases")
+    return shown, left_out(len(drawn) - len(shown), "cases")
 
 
 def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:

@@ -23,16 +23,15 @@ from harness.compare.finest_error import FLOOR, credited_error, error_name, stat
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
-    MARKERS,
     MOST_LABELS,
     STYLED,
     chosen,
-    empty_figure,
     image,
     legend_above,
     mark_failures,
     once,
-    series_colour,
+    panels,
+    series,
 )
 from harness.pictures.drawing.quantities import (
     Floats,
@@ -88,17 +87,14 @@ def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     """The settings of a case that vary; of one at a time those that differ from the start."""
-    settings = problem.settings
-    if dataset.attrs.get("design") == ONE_AT_A_TIME:
-        start = problem.cases[0]
-        settings = {
-            n: setting
-            for n, setting in settings.items()
-            if setting.numbers[case] != setting.numbers[start]
-        }
-    elif len(settings) > 1:
-        return " / ".join(quantity(setting.of_case(case)) for setting in settings.values())
-    texts = [assigned(dataset, name, setting.of_case(case)) for name, setting in settings.items()]
+    is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
+    if len(problem.settings) > 1 and not is_one_at_a_time:
+        return " / ".join(quantity(setting.of_case(case)) for setting in problem.settings.values())
+    texts = [
+        assigned(dataset, name, setting.of_case(case))
+        for name, setting in problem.settings.items()
+        if not is_one_at_a_time or setting.numbers[case] != setting.numbers[problem.cases[0]]
+    ]
     return ", ".join(texts) or "start"
 
 
@@ -136,15 +132,16 @@ def _checks_figure(dataset: xr.Dataset) -> Figure:
     """Errors of checks against their run times, alike in a scene; failed runs are left out."""
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
     own = list(dict.fromkeys(scenes))
-    figure, axes = empty_figure()
+    lines = dict(zip(own, series(len(own), len(own)), strict=True))
+    figure, (axes,) = panels()
     figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(own) / 2)
     for number, scene in enumerate(scenes):
-        curve, place = dataset.isel(check=number), own.index(scene)
+        curve = dataset.isel(check=number)
         axes.loglog(
             curve["run_time"],
             curve["error"].where(curve["error"] > 0.0),
-            marker=MARKERS[place % len(MARKERS)],
-            color=series_colour(place, len(own)),
+            marker=lines[scene].marker,
+            color=lines[scene].colour,
             label=once(axes, plain(scene)),
         )
     _dress(figure, axes, "error against the exact solution")
@@ -170,7 +167,7 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
     timed = np.isfinite(measured) & np.isfinite(seconds)
-    figure, axes = empty_figure()
+    figure, (axes,) = panels()
     axes.set(xscale="log", yscale="log")
     drawn = timed & (measured > 0.0)
     errors = np.where(drawn, errors, np.nan)
@@ -206,29 +203,25 @@ def _draw_fronts(
     measured: Floats,
     errors: Floats,
 ) -> None:
-    """Draw the cases of each problem that have an error, its front with labels in a colour.
-
-    `errors` are those by which cases are ranked, no less than what is not known of them.
-    """
+    """Draw the cases of each problem that have an error; `errors` are those that rank them."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
-    for rank, problem in enumerate(problems):
+    for problem, line in zip(problems, series(len(problems), len(problems)), strict=True):
         own = problem.cases[np.isfinite(errors[problem.cases])]
         front = _pareto(seconds, errors, own)
         beaten = np.setdiff1d(own, front)
         if beaten.size:
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
-        colour, marker = series_colour(rank, len(problems)), MARKERS[rank % len(MARKERS)]
         scene = [plain(spelt(spoken(problem.scene)))] if several else []
         name = ", ".join([*scene, *problem.soil]) if len(problems) <= MOST_LABELS else ""
         label = name or once(axes, FRONT)
         place = seconds[front], measured[front]
-        axes.plot(*place, f"{marker}-", color=colour, label=label, zorder=3)
+        axes.plot(*place, f"{line.marker}-", color=line.colour, label=label, zorder=3)
         wider = front[errors[front] > measured[front]]
-        axes.vlines(seconds[wider], measured[wider], errors[wider], color=colour, lw=0.7)
+        axes.vlines(seconds[wider], measured[wider], errors[wider], color=line.colour, lw=0.7)
         apart = _apart(front, measured, np.ptp(np.log(measured[np.isfinite(errors)])))
-        share = min(len(apart), budget // (len(problems) - rank))
+        share = min(len(apart), budget // (len(problems) - line.place))
         budget -= share
         for case in apart[chosen(len(apart), share)]:
             axes.annotate(
@@ -263,8 +256,8 @@ def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
 
 def _pareto(seconds: Floats, errors: Floats, cases: np.ndarray) -> np.ndarray:
     """The cases that no other is both faster and better than, the fastest first."""
-    ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
-    best = np.minimum.accumulate(errors[ordered]) if ordered.size else errors[ordered]
-    before = np.concatenate([[np.inf], best[:-1]])
-    front: np.ndarray = ordered[errors[ordered] < before[: ordered.size]]
-    return front
+    front: list[int] = []
+    for case in cases[np.lexsort((errors[cases], seconds[cases]))]:
+        if not front or errors[case] < errors[front[-1]]:
+            front.append(int(case))
+    return np.array(front, dtype=int)

@@ -1,9 +1,9 @@
 """What pictures have in common: style, axes, series, labels, and the files that they go to."""
 
 import io
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps, style
@@ -31,7 +31,11 @@ def check_replaceable(path: Path) -> None:
         return
     if not path.is_file():
         raise NotOwnFileError(f"{path}: is in the way and is no file; move it away")
-    if MAKER.encode() not in _ends(path):
+    with path.open("rb") as file:
+        content = file.read(SEARCHED)
+        file.seek(max(0, path.stat().st_size - SEARCHED))
+        content += file.read()
+    if MAKER.encode() not in content:
         raise NotOwnFileError(
             f"{path}: was not written by this program, and is not overwritten; move it away, or "
             "write to another place"
@@ -45,13 +49,6 @@ def write_own(content: bytes, path: Path) -> None:
     write_whole(content, path)
 
 
-def _ends(path: Path) -> bytes:
-    with path.open("rb") as file:
-        first = file.read(SEARCHED)
-        file.seek(max(0, path.stat().st_size - SEARCHED))
-        return first + file.read()
-
-
 STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
 """Decorator of whatever makes a figure or its image: the style of all pictures."""
 _MADE_BY = {
@@ -60,6 +57,7 @@ _MADE_BY = {
     "svg": {"Creator": MAKER, "Date": None},
 }
 
+KILO = 1e3
 MARKERS = "osD^v<>p"
 """Of series, which differ in grey too."""
 MOST_LABELS = 8
@@ -81,23 +79,28 @@ def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
 
 
 @STYLED
-def empty_figure(height: float | None = None) -> tuple[Figure, Axes]:
-    """A figure with one pair of axes, of so many inches in height; None: that of the style."""
+def panels(count: int = 1, height: float | None = None, **layout: Any) -> tuple[Figure, list[Axes]]:
+    """A figure with so many pairs of axes side by side, by default as high [inch] as the style."""
     figure = Figure()
     figure.set_figheight(height or figure.get_figheight())
-    return figure, figure.add_subplot()
+    return figure, list(figure.subplots(1, count, squeeze=False, **layout)[0])
 
 
 def series_colour(index: int, count: int) -> str:
     """Colour of one of so many series, by luminance; black where it is alone."""
-    if count == 1:
-        return INK
-    return shade(index / (count - 1))
+    return INK if count == 1 else shade(index / (count - 1))
 
 
 def shade(fraction: float) -> str:
     """Colour of a number on the scale `SHADES`, from 0 to 1."""
     return to_hex(SHADES(fraction))
+
+
+def runs(found: np.ndarray) -> list[slice]:
+    """Where neighbours are all true, one slice each."""
+    from scipy.ndimage import find_objects, label
+
+    return [run for (run,) in find_objects(label(found)[0])]
 
 
 def mark_failures(axes: Axes, positions: Floats, height: float = 0.03) -> None:
@@ -126,8 +129,25 @@ def chosen(count: int, most: int = MOST_LABELS) -> list[int]:
     return sorted({round(place) for place in np.linspace(0, count - 1, most).tolist()})
 
 
-@dataclass(frozen=True)
-class CurveEnd:
+class Series(NamedTuple):
+    """Which of many things is drawn, and how."""
+
+    place: int
+    colour: str
+    marker: str
+    label: str = ""
+
+
+def series(count: int, most: int = MOST_LABELS) -> list[Series]:
+    """Up to `most` of `count` things that are drawn side by side, evenly spread."""
+    shown = chosen(count, most)
+    return [
+        Series(place, series_colour(rank, len(shown)), MARKERS[rank % len(MARKERS)])
+        for rank, place in enumerate(shown)
+    ]
+
+
+class CurveEnd(NamedTuple):
     """The last point of a curve, and what to write there."""
 
     x: float
@@ -136,11 +156,22 @@ class CurveEnd:
     colour: str
 
 
+LABEL_GAP = 0.06
+"""Least distance of two labels beside curves, of the height of the axes."""
+
+
 def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
-    """Write each curve's label right of the axes, spread where they would overlap."""
-    low, high = axes.get_ylim()
+    """Write each curve's label right of the axes, as near to its end as those of others allow."""
+    from scipy.optimize import isotonic_regression
+
     ordered = sorted(ends, key=lambda end: end.y)
-    places = _spread([(end.y - low) / (high - low) for end in ordered])
+    if not ordered:
+        return
+    low, high = axes.get_ylim()
+    heights = [(end.y - low) / (high - low) for end in ordered]
+    steps = min(LABEL_GAP, 1.0 / len(ordered)) * np.arange(len(ordered))
+    # Less these steps the places only have to rise.
+    places = np.clip(isotonic_regression(heights - steps).x, 0.0, 1.0 - steps[-1]) + steps
     for end, place in zip(ordered, places, strict=True):
         leader = {"arrowstyle": "-", "color": end.colour, "lw": 0.5, "relpos": (0, 0.5)}
         axes.annotate(
@@ -153,21 +184,6 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
             va="center",
             arrowprops=leader,
         )
-
-
-def _spread(heights: Sequence[float]) -> list[float]:
-    """Ascending `heights`, pushed apart to a readable distance and kept within 0 to 1."""
-    gap = min(0.06, 1 / max(len(heights), 1))
-    places = list(heights)
-    for _ in range(200):
-        for i in range(len(places) - 1):
-            overlap = max(0.0, gap - (places[i + 1] - places[i]))
-            places[i] -= overlap / 2
-            places[i + 1] += overlap / 2
-        if places:
-            places[0] = max(places[0], 0.0)
-            places[-1] = min(places[-1], 1.0)
-    return places
 
 
 def legend_above(figure: Figure, axes: Axes) -> None:

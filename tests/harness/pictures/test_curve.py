@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from harness.compare.compared import with_experience
 from harness.pictures.case_curves import resistance_figure
 from harness.pictures.curve import curve_figure
-from harness.pictures.drawing.literature import draw_experience
-from harness.pictures.drawing.plot_parts import empty_figure
+from harness.pictures.drawing.plot_parts import panels
+from harness.pictures.literature import draw_experience
 
 from .conftest import MADE, REFERENCES, legend, one_at_a_time, result
 
@@ -138,6 +138,14 @@ def test_the_literature_follows_a_rigidity_index_that_changes_along_the_axis() -
     assert found == pytest.approx(3.4 + 1.6 * np.log([100.0, 50.0, 25.0]) + 1.3 * 0.5)
 
 
+def test_the_literature_follows_a_rigidity_index_that_changes_with_a_text() -> None:
+    dataset = result({"critical_state_shape": ["circle", "matsuoka_nakai"]})
+    dataset["rigidity_index"] = "critical_state_shape", [200.0, 100.0], {"role": "parameter"}
+    lu = curves(curve_figure(dataset))[0]
+    expected = 3.4 + 1.6 * np.log([200.0, 100.0]) + 1.3 * 0.5
+    assert lu.get_ydata()[[0, -1]] == pytest.approx(expected)
+
+
 def test_beside_bands_factors_are_drawn_by_the_strength_of_the_bands_too() -> None:
     dataset = result({"swelling_slope": [1.0, 2.0, 4.0]})
     dataset["cone_factor_by_compression"] = 0.9 * dataset["cone_factor"].drop_attrs()
@@ -209,7 +217,7 @@ IDS = ("karlsrud_2005", "karlsrud_2005_pore_pressure", "mayne_peuchen_2018")
 
 
 def test_bands_of_the_cone_factor_are_hatched_and_named(two_soils: xr.Dataset) -> None:
-    figure, axes = empty_figure()
+    figure, (axes,) = panels()
     draw_experience(axes, with_experience(two_soils, IDS))
     figure.draw_without_rendering()
     wide, narrow = cast("list[Rectangle]", list(axes.patches))

@@ -13,8 +13,7 @@ from matplotlib.patches import Rectangle
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
-from harness.pictures.stability import short_reason, stability_rows
-from harness.pictures.stability_map import stability_figure
+from harness.pictures.stability import short_reason, stability_figure, stability_rows
 from tests.harness.conftest import as_collected
 from tests.harness.pictures.conftest import figures, legend
 
