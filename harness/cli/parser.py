@@ -21,18 +21,6 @@ class Parser(argparse.ArgumentParser):
         layout = argparse.RawDescriptionHelpFormatter
         super().__init__(allow_abbrev=False, formatter_class=layout, **options)
 
-    def flag(self, name: str, meaning: str) -> None:
-        """Take an option that has no value."""
-        self.add_argument(name, action="store_true", help=meaning)
-
-    def value(self, name: str, metavar: str, meaning: str, **options: Any) -> None:
-        """Take an option with a value, or an argument."""
-        self.add_argument(name, metavar=metavar, help=meaning, **options)
-
-    def path(self, name: str, metavar: str, meaning: str, **options: Any) -> None:
-        """Take a path."""
-        self.value(name, metavar, meaning, type=Path, **options)
-
     def error(self, message: str) -> NoReturn:
         """End the process: a value is not allowed, or a word is missing."""
         line = shortened(printable(message), LONGEST_LINE)

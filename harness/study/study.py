@@ -22,7 +22,7 @@ from harness.study.scene_part import (
     read_part,
     read_snapshots,
 )
-from harness.study.tables import Assignments, StudyError, Table, parse_setting, parse_value, shown
+from harness.study.tables import StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import known_names, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
@@ -141,7 +141,13 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
-    _check_settings(settings, scenes.values())
+    known = {
+        name: definition
+        for scene in scenes.values()
+        for name, definition in parameters_of(scene).items()
+    }
+    for key in settings:
+        Table("--set", settings, known).definition(key)
     shared = {key: value for key, value in values.items() if key in OF_SCENE}
     parts = []
     for name, scene in scenes.items():
@@ -149,7 +155,8 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
         _check_derived(document, of_scene)
-        table = Table(where, joined(shared, of_scene.values, design.kind))
+        said = joined(shared, of_scene.values, design.kind)
+        table = Table(where, said, parameters_of(scene))
         parts.append(read_part(name, scene, table, design, settings))
     timing = document.table("timing")
     timing.allow("repeats")
@@ -196,16 +203,6 @@ def _design(document: Table) -> Design:
         samples=document.integer("samples", 1, LARGEST_STUDY),
         seed=document.integer("seed", 0, LARGEST_SEED),
     )
-
-
-def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> None:
-    """Refuse a setting of what is a parameter of none of the scenes."""
-    known = {
-        name: definition for scene in scenes for name, definition in parameters_of(scene).items()
-    }
-    table = Assignments("--set", settings, known)
-    for key in settings:
-        table.definition(key)
 
 
 def _check_derived(*tables: Table) -> None:
