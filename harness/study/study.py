@@ -91,12 +91,13 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
-    *bases, (_, own) = [(file, with_profile(file, said)) for file, said in lineage(path)]
     values: dict[str, Any] = {}
-    for base, its_own in bases:
-        values = _standing_on(values, its_own)
-        _read(base, values, {})  # what is wrong there is reported with the name of that file
-    return _read(path, _standing_on(values, own), assignments)
+    for file, said in lineage(path):
+        own = with_profile(file, said)
+        values = joined(values, own, {**values, **own}.get("design", FULL))
+        # What is wrong in a base is reported with the name of its file.
+        read = _read(file, values, assignments if file == path else {})
+    return read
 
 
 def with_snapshots(study: Study, moments: str) -> Study:
@@ -128,10 +129,6 @@ def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
     """A study of one scene as it is, with settings; it has no file, and no results."""
     assignments = dict(parse_setting(setting) for setting in settings)
     return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
-
-
-def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    return joined(base, own, {**base, **own}.get("design", FULL))
 
 
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
