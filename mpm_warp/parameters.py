@@ -73,7 +73,7 @@ class Parameter:
         if self.choices is not None:
             return "one of " + ", ".join(repr(choice) for choice in self.choices)
         kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
-        return f"{kind[self.kind]} {self._range.allowed}".strip()
+        return f"{kind[self.kind]} {self.bounds.allowed}".strip()
 
     @property
     def explanation(self) -> str:
@@ -111,10 +111,11 @@ class Parameter:
             return value in self.choices
         if isinstance(value, str):
             return True
-        return self._range.holds(value, value)
+        return self.bounds.holds(value, value)
 
     @functools.cached_property
-    def _range(self) -> Range:
+    def bounds(self) -> Range:
+        """The bounds of a number."""
         given = {bound: getattr(self, bound) for bound in BOUNDS}
         return Range(**{bound: value for bound, value in given.items() if value is not None})
 

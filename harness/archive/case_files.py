@@ -39,9 +39,9 @@ class Outcome:
         message: why it did not complete, one line.
         headline: name and value of the scalar that the scene is run for.
         reason: why it has no half width; see `conventions.reasons_of`.
-        seconds: time that the case took in all.
-        start_seconds: of it, the time before the first step: imports, set-up; 0 where not known.
-        compile_seconds: of it, the time to compile kernels or to load them.
+        seconds: time of the case in all [s].
+        start_seconds: of it, before the first step: imports, set-up; 0 where not known.
+        compile_seconds: of it, for compiling kernels or loading them.
         repeats: warm runs that its file has the times of.
         sources: digest of the code that computed it, as its file says.
     """
@@ -98,9 +98,8 @@ def write_case(
 ) -> None:
     """Keep the result of a case, and its snapshots first: what is done has them.
 
-    The dataset is what the scene returned, empty where it did not complete; where another machine
-    computed it, it carries that machine's provenance. `status` and `message` are those of an
-    `Outcome`. Without snapshots those of an earlier run are removed.
+    The dataset is what the scene returned, empty where it did not complete, with the provenance of
+    the machine where that is another. Without snapshots those of an earlier run are removed.
     """
     attributes = {
         "case_key": case.key,
@@ -124,8 +123,7 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
     """The result of a case, or None where there is none yet.
 
     Raises:
-        ArchiveError: the file is damaged, of another format version, not built as results are, or
-            of another case.
+        ArchiveError: the file is of no use, see `opened`, or of another case.
     """
     path = case_file(folder, case)
     if not path.exists():
@@ -136,10 +134,7 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
 
 
 def read_outcome(folder: Path, case: Case) -> Outcome:
-    """How a case ended, as its file says; damage anywhere in the file shows.
-
-    Its status is ``missing`` where there is no file, ``damaged`` where that is of no use.
-    """
+    """How a case ended, as its file says; damage anywhere in the file shows."""
     path = case_file(folder, case)
     if not path.exists():
         return Outcome(MISSING)
@@ -148,13 +143,12 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
             repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
-            roles = {name: forms[name].attributes.get("role") for name in forms}
-            told = [name for name in forms if roles[name] == Role.REASON]
-            half_widths = [name for name in forms if roles[name] == Role.UNCERTAINTY]
-            is_known = any(
-                np.isfinite(found.values(half_width)).all() for half_width in half_widths
+            half_widths, reasons = (
+                [found.values(name) for name in forms if forms[name].attributes.get("role") == role]
+                for role in (Role.UNCERTAINTY, Role.REASON)
             )
-            reason = "" if is_known else "; ".join(str(found.values(name)) for name in told)
+            is_known = any(np.isfinite(half_width).all() for half_width in half_widths)
+            reason = "" if is_known else "; ".join(map(str, reasons))
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
@@ -176,9 +170,8 @@ def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
 
 
 def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
-    texts = (attributes.get(name) for name in ("status", "message", "scene"))
-    is_whole = all(isinstance(text, str) for text in texts)
-    if str(attributes.get("case_key")) != case.key or not is_whole:
+    texts = [attributes.get(name) for name in ("case_key", "status", "message", "scene")]
+    if texts[0] != case.key or not all(isinstance(text, str) for text in texts):
         raise ArchiveError(f"{path}: is not the result of case {case.key}")
 
 

@@ -75,10 +75,11 @@ def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
 
 def limits_of(dataset: xr.Dataset) -> dict[str, float]:
     """The largest sizes allowed, by the names of the variables that have such a limit."""
-    limits = {
-        str(name): variable.attrs.get("limit") for name, variable in dataset.data_vars.items()
+    return {
+        str(name): float(variable.attrs["limit"])
+        for name, variable in dataset.data_vars.items()
+        if "limit" in variable.attrs
     }
-    return {name: float(limit) for name, limit in limits.items() if limit is not None}
 
 
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
@@ -115,17 +116,18 @@ def headlines_of(dataset: xr.Dataset) -> list[str]:
 
 def headline_values(dataset: xr.Dataset) -> np.ndarray:
     """The headline of each case, whatever its scene; not a number where there is none."""
-    values = over_cases(dataset, math.nan)
-    for name in headlines_of(dataset):
-        values = np.where(np.isnan(values), over_cases(dataset, name), values)
-    return values
+    return _first_known(dataset, headlines_of(dataset))
 
 
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     """The half width of each case's headline, not a number where none is known."""
+    return _first_known(dataset, with_role(dataset, Role.UNCERTAINTY))
+
+
+def _first_known(dataset: xr.Dataset, names: Iterable[str]) -> np.ndarray:
+    """Of each case the one result that its scene has, of those of several scenes."""
     known = over_cases(dataset, math.nan)
-    # Each scene has a headline of its own, which the cases of the others do not have.
-    for name in with_role(dataset, Role.UNCERTAINTY):
+    for name in names:
         known = np.where(np.isnan(known), over_cases(dataset, name), known)
     return known
 
@@ -134,10 +136,9 @@ def reasons_of(dataset: xr.Dataset) -> list[str]:
     """Why each case has no uncertainty; "" where it has one, or where nothing is said of it."""
     reasons = [""] * dataset["status"].size
     for name in with_role(dataset, Role.REASON):
-        told = (
-            str(value) if is_there(value) else "" for value in over_cases(dataset, name).tolist()
-        )
-        reasons = [one or other for one, other in zip(reasons, told, strict=True)]
+        told = over_cases(dataset, name).tolist()
+        pairs = zip(reasons, told, strict=True)
+        reasons = [known or (str(value) if is_there(value) else "") for known, value in pairs]
     return reasons
 
 
@@ -157,9 +158,9 @@ def stated(value: float, half_width: float, reason: str = "") -> str:
     The reason is one of `reasons_of`: 10.5, no U: Delta. A half width may be not a number.
     """
     told = known_digits(value, half_width)
-    if not math.isfinite(half_width) or half_width <= 0.0:
-        return ", ".join(filter(None, (told, without_half_width(reason))))
-    return f"{told} +- {known_digits(half_width, half_width)}"
+    if math.isfinite(half_width) and half_width > 0.0:
+        return f"{told} +- {known_digits(half_width, half_width)}"
+    return ", ".join(filter(None, (told, without_half_width(reason))))
 
 
 def without_half_width(reason: str) -> str:
@@ -203,21 +204,15 @@ def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
             of one, and not a number where the dataset does not have it.
     """
     values = dataset.get(variable, np.nan) if isinstance(variable, str) else variable
-    flat: np.ndarray = (
-        xr.DataArray(values)
-        .broadcast_like(dataset["status"])
-        .transpose(*case_dims(dataset))
-        .values.ravel()
-    )
-    return flat
+    of_all = xr.DataArray(values).broadcast_like(dataset["status"])
+    return np.ravel(of_all.transpose(*case_dims(dataset)).values)
 
 
 def curves_over_cases(dataset: xr.Dataset, name: str) -> np.ndarray:
     """The values of a variable with dims of its own, shape [case, ...] with the cases in order."""
     dims = case_dims(dataset)
     values = dataset[name].transpose(*dims, ...).values
-    flat: np.ndarray = values.reshape(-1, *values.shape[len(dims) :])
-    return flat
+    return np.reshape(values, (-1, *values.shape[len(dims) :]))
 
 
 def by_case(dataset: xr.Dataset) -> xr.Dataset:
@@ -270,13 +265,10 @@ def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
     """
     dims = set(dataset["status"].dims)
     is_completed = dataset["status"] == COMPLETED
-    curves = {
-        name: variable
-        for name, variable in dataset.data_vars.items()
-        if set(variable.dims) - dims and dims <= set(variable.dims) and variable.dtype.kind == "f"
-    }
     kept = {
-        name: curve.where(is_completed).transpose(*curve.dims) for name, curve in curves.items()
+        name: curve.where(is_completed).transpose(*curve.dims)
+        for name, curve in dataset.data_vars.items()
+        if dims < set(curve.dims) and curve.dtype.kind == "f"
     }
     return dataset.assign(kept).drop_vars([name for name in kept if kept[name].isnull().all()])
 

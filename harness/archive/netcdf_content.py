@@ -14,9 +14,8 @@ import resource
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
@@ -39,8 +38,7 @@ _STRING_SIZE = 64
 """Bytes that a text takes in memory at least."""
 
 
-@dataclass(frozen=True)
-class Form:
+class Form(NamedTuple):
     """What a variable is, without its values; kind: one of `NUMBERS`, `TEXT`, or another letter."""
 
     shape: tuple[int, ...]
@@ -49,8 +47,7 @@ class Form:
     attributes: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Outline:
+class Outline(NamedTuple):
     """What a file holds: attributes, the forms of its variables, and what reads their values."""
 
     attributes: Mapping[str, Any]
@@ -114,13 +111,9 @@ def _answer(path: Path) -> object:
         with netCDF4.Dataset(path) as file:
             found = outline(file, path.stat().st_size)
             variables = {
-                name: (
-                    (form.shape, form.dims, form.kind, dict(form.attributes)),
-                    found.values(name),
-                )
-                for name, form in found.forms.items()
+                name: (tuple(form), found.values(name)) for name, form in found.forms.items()
             }
-            return dict(found.attributes), variables
+            return found.attributes, variables
     except UNREADABLE as error:
         return " ".join(str(error).split()) or type(error).__name__
 

@@ -66,34 +66,25 @@ def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
 
 
 def _loaded(found: Outline) -> xr.Dataset:
-    """All of a file, as xarray reads it, which takes twice as long for a case file.
-
-    Numbers stand for themselves; dates, which no result has, would stay numbers.
-    """
-    variables: dict[str, xr.Variable] = {}
+    """All of a file, as xarray reads it in twice the time; dates would stay numbers."""
+    data: dict[str, xr.Variable] = {}
     coordinates = set(str(found.attributes.get(COORDINATES, "")).split())
     for name, form in found.forms.items():
         attributes = dict(form.attributes)
         attributes.pop("_FillValue", None)
         coordinates.update(str(attributes.pop(COORDINATES, "")).split())
-        if name in form.dims:
-            coordinates.add(name)
         values = found.values(name)
         if form.kind == TEXT:
             values = values.astype(str)
         elif attributes.pop("dtype", None) == "bool":
             values = values.astype(bool)
-        variables[name] = xr.Variable(form.dims, values, attributes)
-    return xr.Dataset(
-        {name: variable for name, variable in variables.items() if name not in coordinates},
-        {name: variable for name, variable in variables.items() if name in coordinates},
-        # The digest is of the file, not of what was computed.
-        {
-            name: attribute
-            for name, attribute in found.attributes.items()
-            if name not in (DIGEST, COORDINATES)
-        },
-    )
+        data[name] = xr.Variable(form.dims, values, attributes)
+    # The digest is of the file, not of what was computed.
+    hidden = (DIGEST, COORDINATES)
+    said = {key: value for key, value in found.attributes.items() if key not in hidden}
+    coordinates |= {name for name in data if name in data[name].dims}
+    along = {name: data.pop(name) for name in [*data] if name in coordinates}
+    return xr.Dataset(data, along, said)
 
 
 def read_attributes(path: Path, *, any_version: bool = True) -> dict[str, Any]:
@@ -130,7 +121,7 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
             with _reported(path):
                 return found.values(name)
 
-        checked = Outline(found.attributes, found.forms, values)
+        checked = found._replace(values=values)
         version = checked.attributes.get("format_version")
         is_ours = isinstance(version, int | np.integer) and version == FORMAT_VERSION
         if not (is_ours or any_version):

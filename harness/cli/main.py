@@ -9,9 +9,7 @@ import traceback
 import warnings
 from collections.abc import Sequence
 
-from harness.cli.help import HELP
-from harness.cli.options import make_parser
-from harness.cli.parser import mistake_in, options_of, unrecognised
+from harness.cli.options import make_parser, mistake_in, unrecognised
 from harness.cli.process import (
     BAD_INPUT,
     DEFECT,
@@ -75,9 +73,9 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
 
 def _parsed(parser: argparse.ArgumentParser, given: Sequence[str]) -> argparse.Namespace:
     """The command and its options."""
-    if (problem := mistake_in(given, HELP)) is not None:
+    if (problem := mistake_in(given)) is not None:
         raise HarnessError(problem)
     options, unknown = parser.parse_known_args(given)
     if unknown:
-        raise HarnessError(unrecognised(unknown, options_of(parser, options.command)))
+        raise HarnessError(unrecognised(unknown, options.command))
     return options

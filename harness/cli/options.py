@@ -1,49 +1,115 @@
-"""What the command line takes: its commands and their options."""
+"""How a command line is read: values, defaults, and mistakes, answered by one line with a remedy.
 
+A reader of a value raises `argparse.ArgumentTypeError`, which says what is not allowed in one line.
+"""
+
+import argparse
 import math
+import re
 import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
-from harness.cli.help import HELP, epilog
-from harness.cli.parser import BYTES, Parser, html_file, number, positive_count, share
+from harness.cli.help import HELP, Option, epilog
+from harness.cli.process import BAD_INPUT
+from harness.errors import LONGEST_LINE, printable, shortened
 from mpm_warp.execution import THREAD_COUNTS
 
-SHELLS = ("bash", "zsh", "fish")
-"""Shells that the command line can be completed in."""
+BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
+"""Units that may stand behind a number, and what one of them is."""
 
 
-def _shared(name: str, metavar: str, meaning: str, **options: Any) -> Parser:
-    """An argument that several commands take."""
-    shared = Parser(add_help=False)
-    shared.value(name, metavar, meaning, **options)
-    return shared
+def number(
+    meaning: str, units: Mapping[str, float] | None = None, *, or_zero: bool = False
+) -> Callable[[str], float]:
+    """What reads a finite number > 0, described in words; a unit may stand behind it."""
+    sizes = units or {}
+
+    def read(text: str) -> float:
+        unit = next((unit for unit in sizes if text.upper().endswith(unit)), "")
+        try:
+            value = float(text.upper().removesuffix(unit)) * sizes.get(unit, 1.0)
+        except ValueError:
+            value = math.nan
+        if not (0.0 < value < math.inf or (or_zero and value == 0.0)):
+            raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
+        return value
+
+    return read
+
+
+def html_file(text: str) -> Path:
+    """A path that ends in .html."""
+    # A result in its place, the page's name forgotten, would be lost.
+    if not text.endswith(".html"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must end in .html")
+    return Path(text)
+
+
+def share(text: str) -> float:
+    """A share > 0: 1% or 0.01."""
+    value = number("> 0, as 1% or 0.01", {"%": 0.01})(text)
+    if value >= 1.0 and not text.endswith("%"):
+        meant = f"{text}% meant? 100% and more is written with its sign, as {100.0 * value:g}%"
+        raise argparse.ArgumentTypeError(f"{text!r} is {value:.0%}: is {meant}")
+    return value
+
+
+def positive_count(text: str) -> int:
+    """An integer from 1 to 999999."""
+    if not text.isdecimal() or len(text) > 6 or int(text) < 1:
+        shown = text if len(text) < 20 else f"{text[:20]}..."
+        raise argparse.ArgumentTypeError(
+            f"{shown!r} is not allowed: must be an integer from 1 to 999999"
+        )
+    return int(text)
 
 
 RESULTS = Path("results")
-STUDY = _shared("study", "STUDY", "name of a study, or a TOML file")
-SUBJECT = _shared("subject", "NAME", "of a scene or a study, or a TOML file")
-OUT = _shared("--out", "DIR", "folder of the results; default: results", type=Path, default=RESULTS)
-SET = _shared(
-    "--set",
-    "KEY=VALUE",
-    "set a parameter; a list, as in 'KEY=[1, 2]', varies it; repeatable",
-    action="append",
-    default=[],
-)
-THREADS = _shared(
-    "--threads",
-    "N",
-    "threads of a case, 1, 2 or 4; the result does not change; default: idle cores help",
-    type=int,
-    choices=THREAD_COUNTS,
-)
-DEVICE = _shared("--device", "NAME", "cpu, the default, or a GPU: cuda:0, ...", default="cpu")
-RESULT = _shared("file", "FILE", "result of a study, netCDF", type=Path)
-RESULT_OR_CASE = _shared("file", "FILE", "of a case, or result of a study", type=Path)
-CASE = _shared("case", "CASE", "its key, where FILE has many", nargs="?")
-BESIDE = _shared("--out", "DIR", "default: the folder of FILE", type=Path)
+PATHS = ("DIR", "FILE", "OTHER", "TEST", "CSV", "SITE")
+"""What values that are paths are called."""
+VALUES: dict[str, dict[str, Any]] = {
+    "--out": {"default": RESULTS},
+    "--set": {"action": "append", "default": []},
+    "--threads": {"type": int, "choices": THREAD_COUNTS},
+    "--device": {"default": "cpu"},
+    "new --scene": {"default": "cone_penetration"},
+    "run --workers": {"type": positive_count},
+    "run --batch": {"type": positive_count, "default": 1},
+    "run --case-timeout": {"type": number("a number > 0"), "default": math.inf},
+    "run --memory-limit": {"type": number("> 0, as 8e9 or 8GB", BYTES)},
+    "schema of": {"choices": ("study", "site"), "default": "study"},
+    "verify --scene": {"action": "extend", "default": []},
+    "interpret --check": {"nargs": "?", "const": "quick", "choices": ("quick", "standard")},
+    "benchmark action": {"choices": ("run", "score")},
+    "benchmark --accuracy": {"choices": ("quick", "standard", "fine"), "default": "standard"},
+    "benchmark --against": {"default": "mpm_warp_standard"},
+    "compare --tolerance": {"type": number("a number >= 0", or_zero=True)},
+    "plot --format": {"choices": ("png", "pdf", "svg"), "default": ["png"]},
+    "report --out": {"type": html_file, "default": Path("report.html")},
+    "recommend --error": {"type": share, "required": True},
+    "recommend --results": {"default": RESULTS},
+    "help about": {"choices": tuple(HELP)},
+    "completion shell": {"choices": ("bash", "zsh", "fish")},
+}
+"""How values are read that are neither a text nor a path, by the keys of the options."""
+EITHER = ("run --workers", "run --dask")
+"""Options of which one alone may be given."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, like all others, and that takes no options cut short."""
+
+    def __init__(self, **options: Any) -> None:
+        layout = argparse.RawDescriptionHelpFormatter
+        super().__init__(allow_abbrev=False, formatter_class=layout, **options)
+
+    def error(self, message: str) -> NoReturn:
+        """End the process: a value is not allowed, or a word is missing."""
+        line = shortened(printable(message), LONGEST_LINE)
+        self.exit(BAD_INPUT, f"{self.prog}: {line}; see {self.prog} --help\n")
 
 
 def make_parser() -> Parser:
@@ -62,191 +128,36 @@ def make_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
-
-    def add(name: str, function: str, *shared: Parser) -> Parser:
+    for name, told in HELP.items():
         command = commands.add_parser(
             name,
-            help=HELP[name].summary,
-            parents=shared,
-            description=textwrap.fill(HELP[name].description, 80),
+            help=told.summary,
+            description=textwrap.fill(told.description, 80),
             epilog=epilog(name),
         )
-        command.set_defaults(function=function)
-        return command
-
-    _add_options_of_new(add("new", "studies.new"))
-    add("list", "studies.list_names")
-    add("describe", "studies.describe", SUBJECT)
-    add("schema", "studies.schema").value(
-        "of",
-        "KIND",
-        "study, the default, or site: files of `harness interpret`",
-        nargs="?",
-        choices=("study", "site"),
-        default="study",
-    )
-    add("plan", "studies.show_plan", SUBJECT, SET)
-    _add_options_of_run(add("run", "run.run", STUDY, OUT, SET, THREADS, DEVICE))
-
-    status = add("status", "archive.status", OUT, SET)
-    status.value(
-        "study",
-        "STUDY",
-        "name of a study, a TOML file, or a result; without it, or with a scene: all results",
-        nargs="?",
-    )
-    status.flag("--traceback", "print the place in the program where a case failed")
-    add("collect", "archive.collect", STUDY, OUT, SET)
-    add("clean", "archive.clean", STUDY, OUT, SET).flag("--yes", "remove without asking")
-    add("rerun", "run.rerun_case", RESULT_OR_CASE, CASE, THREADS, DEVICE)
-
-    verify = add("verify", "run.verify_scenes")
-    verify.flag(
-        "--quick", "run the cheapest check of each scene alone, where it is short: a minute"
-    )
-    verify.value("--scene", "NAME", "default: all", nargs="+", action="extend", default=[])
-    verify.flag("--extreme", "run the extreme cases instead")
-    verify.path("--out", "DIR", "write dataset, table and picture there")
-    add("bench", "run.bench", OUT, SET, DEVICE)
-
-    add("references", "studies.references").value(
-        "id", "ID", "name of one reference or band; default: all", nargs="?"
-    )
-    compare = add("compare", "results.compare", RESULT)
-    compare.path("other", "OTHER", "a result to set beside it", nargs="?")
-    compare.value(
-        "--tolerance",
-        "X",
-        "largest relative difference allowed between FILE and OTHER; default: 0",
-        type=number("a number >= 0", or_zero=True),
-    )
-    compare.flag(
-        "--standards",
-        "cone factors on four meshes or more: their error by the least squares of Eca and "
-        "Hoekstra, beside the uncertainty stated",
-    )
-    plot = add("plot", "results.plot", RESULT, BESIDE)
-    plot.value(
-        "--format",
-        "FORMAT",
-        "png, the default, pdf or svg; several are allowed",
-        nargs="+",
-        choices=("png", "pdf", "svg"),
-        default=["png"],
-    )
-    view = add("view", "results.view", RESULT_OR_CASE, CASE, BESIDE)
-    view.flag("--vtk", "write points, grid and surface for ParaView too")
-    report = add("report", "results.report")
-    report.path("file", "FILE", "result of a study", nargs="+")
-    report.add_argument(
-        "-o",
-        "--out",
-        type=html_file,
-        default=Path("report.html"),
-        metavar="HTML",
-        help="default: report.html",
-    )
-    recommend = add("recommend", "results.show_recommendation")
-    recommend.value("scene", "SCENE", "name of a scene, as cone_penetration")
-    recommend.value(
-        "--error", "X", "largest relative error, as 1%% or 0.01", type=share, required=True
-    )
-    recommend.path("--results", "DIR", "default: results", default=RESULTS)
-
-    _add_options_of_interpret(add("interpret", "interpret.interpret_site", OUT))
-    _add_options_of_benchmark(add("benchmark", "run.benchmark", OUT))
-
-    add("help", "completion.show_help").add_argument(
-        "about", nargs="?", metavar="COMMAND", choices=tuple(HELP)
-    )
-    add("completion", "completion.completion").value(
-        "shell", "SHELL", ", ".join(SHELLS), choices=SHELLS
-    )
-
-    for command in commands.choices.values():
-        command.flag("--debug", "print where an error of the program arises")
+        command.set_defaults(function=told.function)
+        either = command.add_mutually_exclusive_group() if name == "run" else command
+        for option in told.options:
+            place = either if option.key in EITHER else command
+            place.add_argument(*option.names, **_as_argument(option))
+        debug = "print where an error of the program arises"
+        command.add_argument("--debug", action="store_true", help=debug)
     return parser
 
 
-def _add_options_of_new(new: Parser) -> None:
-    new.value("name", "NAME", "of the study; its file is NAME.toml")
-    test = "write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags"
-    new.path("--interpret", "TEST", test)
-    new.value("--scene", "SCENE", "default: cone_penetration", default="cone_penetration")
-
-
-def _add_options_of_run(run: Parser) -> None:
-    where = run.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers",
-        type=positive_count,
-        metavar="N",
-        help="processes, each with a case at a time; default: as many as there are cores, over "
-        "--threads",
-    )
-    where.add_argument(
-        "--dask", metavar="ADDRESS", help="run on the Dask cluster whose scheduler has this address"
-    )
-    together = "cases that a process computes together, to fill a GPU; default: 1"
-    run.value("--batch", "N", together, type=positive_count, default=1)
-    run.value(
-        "--snapshots",
-        "LIST",
-        "keep the soil of each case, for `harness view`, at these penetrations over the cone "
-        "radius, as 5,10",
-    )
-    run.flag(
-        "--uncertainty",
-        "measure the uncertainty of each cone or resistance factor by further runs, which "
-        "take some ten times as long; the same as --set uncertainty=measured",
-    )
-    run.flag("--fresh", "run all cases, those that are done too")
-    seconds = number("a number > 0")
-    longest = "end a case that computes for longer; default: no limit"
-    run.value("--case-timeout", "SECONDS", longest, type=seconds, default=math.inf)
-    run.value(
-        "--memory-limit",
-        "SIZE",
-        "memory that all running cases may take together, as 8e9 or 8GB; a case that needs "
-        "more than its share is refused; default: 90%% of this machine's",
-        type=number("> 0, as 8e9 or 8GB", BYTES),
-    )
-
-
-def _add_options_of_interpret(interpret: Parser) -> None:
-    interpret.path("site", "SITE", "TOML file of a test and its ground", nargs="+")
-    interpret.path(
-        "--laboratory", "CSV", "strengths to draw beside: columns depth [m] and strength [kPa]"
-    )
-    interpret.flag(
-        "--sharpen", "strength by the resistance without what borders of layers do to it"
-    )
-    interpret.add_argument(
-        "--check",
-        nargs="?",
-        const="quick",
-        choices=("quick", "standard"),
-        help="simulate the sounding through the ground that was found, beside the measured one; "
-        "quick, the default, or standard",
-    )
-
-
-def _add_options_of_benchmark(benchmark: Parser) -> None:
-    benchmark.add_argument("action", choices=("run", "score"), metavar="run|score")
-    benchmark.path("folder", "DIR", "a submission, or a folder of them", nargs="?")
-    benchmark.add_argument(
-        "--accuracy",
-        choices=("quick", "standard", "fine"),
-        default="standard",
-        help="of a run; default: standard",
-    )
-    benchmark.value(
-        "--against",
-        "NAME",
-        "submission that others are compared with where no exact value is known; default: "
-        "mpm_warp_standard",
-        default="mpm_warp_standard",
-    )
+def _as_argument(option: Option) -> dict[str, Any]:
+    """What `argparse` has to know of an option."""
+    if not option.value and option.key not in VALUES:
+        return {"action": "store_true", "help": option.meaning}
+    argument: dict[str, Any] = {"help": option.meaning.replace("%", "%%") or None}
+    name = option.value.removesuffix("...").strip("[]")
+    if name:
+        argument["metavar"] = name
+    if option.value != name:
+        argument["nargs"] = "+" if option.value.endswith("...") else "?"
+    if name in PATHS:
+        argument["type"] = Path
+    return argument | VALUES.get(option.key, {})
 
 
 def _version() -> str:
@@ -254,3 +165,81 @@ def _version() -> str:
         return f"harness {metadata.version('mpm-warp')}"
     except metadata.PackageNotFoundError:
         return "harness, of a source tree that is not installed"
+
+
+SHOWN_LENGTH = 40
+"""Characters of a word that are shown, at most."""
+
+
+def mistake_in(arguments: Sequence[str]) -> str | None:
+    """What is wrong with a command line before it is parsed; None where nothing is seen."""
+    for argument in arguments:
+        if any("\ud800" <= character <= "\udfff" for character in argument):
+            return f"{argument!r}: is not text, which results could not keep"
+    return _unknown_command(arguments) or _missing_quotes(arguments)
+
+
+def options_of(command: str) -> list[str]:
+    """The options of a command, as ``--out``."""
+    names = [name for option in HELP[command].options for name in option.names]
+    return [*(name for name in names if name.startswith("--")), "--debug", "--help"]
+
+
+def unrecognised(words: Sequence[str], command: str) -> str:
+    """What a parser could make nothing of, and what was meant by it."""
+    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+
+    first, *_ = words
+    problem = f"unrecognized arguments: {' '.join(words)}"
+    if first.startswith("-"):
+        return problem + did_you_mean(first.partition("=")[0], options_of(command))
+    if "=" in first and "--set" in options_of(command):
+        return f"{problem}; a parameter is changed by --set {first}"
+    return f"{problem}; what has blanks in it needs quotes"
+
+
+def _unknown_command(arguments: Sequence[str]) -> str | None:
+    if not arguments or arguments[0].startswith("-") or arguments[0] in HELP:
+        return None
+    from harness.study.files import study_names
+    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+
+    word = arguments[0]
+    shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."
+    if word.endswith(".toml") or word in study_names():
+        return f"{shown}: is no command, but a study: run it by `harness run {shown}`"
+    if word.endswith(".nc"):
+        return f"{shown}: is no command, but a result: show it by `harness compare {shown}`"
+    near = did_you_mean(word, HELP)
+    return f"{shown}: is no command{near or '; `harness --help` lists them'}"
+
+
+def _missing_quotes(arguments: Sequence[str]) -> str | None:
+    """Where a shell has cut the value of a setting in pieces, or has eaten its quotes."""
+    for place, argument in enumerate(arguments):
+        if argument == "--set" and place + 1 < len(arguments):
+            start, pieces = "--set ", arguments[place + 1 :]
+        elif argument.startswith("--set="):
+            start, pieces = "", arguments[place:]
+        else:
+            continue
+        if _open_brackets(pieces[0]) <= 0:
+            continue
+        for count in range(2, len(pieces) + 1):
+            whole = " ".join(pieces[:count])
+            if _open_brackets(whole) == 0:
+                key, _, value = whole.removeprefix("--set=").partition("=")
+                return (
+                    f"{start}{pieces[0]}: the shell has cut the value at a blank; "
+                    f"put quotes around it: --set '{key}={value}'"
+                )
+        return f"{start}{pieces[0]}: a bracket is opened and not closed"
+    return None
+
+
+def _open_brackets(text: str) -> int:
+    """Brackets that are opened and not closed, those in texts left aside."""
+    bare = re.sub(r'"[^"]*"', "", text)
+    return sum(bare.count(bracket) for bracket in "[{") - sum(
+        bare.count(bracket) for bracket in "]}"
+    )

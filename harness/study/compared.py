@@ -78,8 +78,7 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
     own = _own_references(document.table(OWN_REFERENCES), parts)
-    known = (*REFERENCE_IDS, *own)
-    named = _ids(table, "references", "reference", known, parts)
+    named = _ids(table, "references", "reference", (*REFERENCE_IDS, *own), parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
         references=tuple(
@@ -101,7 +100,7 @@ def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, OwnRe
     compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:
         raise StudyError(f"{table.where}: no scene here gives a {COMPARED}, which they are of")
-    known = {name for part in compared for name in part.parameters}
+    known = dict.fromkeys(name for part in compared for name in part.parameters)
     return {name: read_own_reference(name, table.table(name), known) for name in table.values}
 
 
@@ -252,11 +251,9 @@ def _evaluated(
             return math.nan
         return found if inside and isinstance(found, float) else math.nan
 
-    quantities = [_quantity(conditions, name) for name in names]
+    given = [_quantity(conditions, name) for name in names]
     inside = _lies_within(ranges, conditions)
-    values: Quantity = xr.apply_ufunc(
-        value, inside, *quantities, vectorize=True, output_dtypes=[float]
-    )
+    values: Quantity = xr.apply_ufunc(value, inside, *given, vectorize=True, output_dtypes=[float])
     return values
 
 

@@ -18,8 +18,7 @@ from harness.study.designs import (
 )
 from harness.study.distributions import is_distribution, read_input
 from harness.study.expressions import Expression, ExpressionError
-from harness.study.tables import Assignments, StudyError, Table, shown
-from mpm_warp.arguments import Range as Allowed
+from harness.study.tables import StudyError, Table, shown
 from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_of
 from mpm_warp.scenes import CatalogueScene
 
@@ -81,40 +80,32 @@ class ScenePart:
 def read_part(
     name: str, scene: Scene, table: Table, design: Design, settings: Mapping[str, Any]
 ) -> ScenePart:
-    """Read what a study does with a scene, and apply settings.
+    """Read what a study does with a scene, whose parameters the table knows, and apply settings.
 
     Settings hold whatever the definition says; those of parameters that the scene does not have are
     left out. In the design `one_at_a_time` a parameter that a setting varies keeps its fixed value
     in the first case.
     """
-    known = parameters_of(scene)
-    settings = {key: value for key, value in settings.items() if key in known}
-
-    def assignments(key: str) -> Assignments:
-        inner = table.table(key)
-        return Assignments(inner.where, inner.values, known)
-
-    fixed = _fixed(assignments("fixed"))
-    vary = assignments("vary")
-    varied = {key: _variation(vary, key, design) for key in vary.values}
-    derived = _derived(assignments("derived"))
-    listed = _listed(known, table, design)
-    _check_varied(vary, design, fixed)
-    given = Assignments("--set", settings, known)
-    for key, value in settings.items():
+    known = table.known
+    given = Table("--set", {key: settings[key] for key in settings if key in known}, known)
+    fixed = _fixed(table.table("fixed"))
+    varied = _varied(table.table("vary"), design, fixed)
+    derived = _derived(table.table("derived"))
+    listed = _listed(table, design)
+    for key, value in given.values.items():
         derived.pop(key, None)
         if not isinstance(value, (list, dict)):
             fixed[key] = given.value(key)
             varied.pop(key, None)
             continue
         if design.kind == LIST:
-            allowed = given.definition(key).allowed
+            allowed = known[key].allowed
             raise given.refuse(key, f'design = "{LIST}" does not vary it; must be {allowed}')
         varied[key] = _variation(given, key, design)
         if design.kind in EITHER_FIXED_OR_VARIED:
             fixed.pop(key, None)
     if design.kind == LATIN_HYPERCUBE and not varied:
-        raise StudyError(f"{vary.where}: nothing varies, there is nothing to sample")
+        raise StudyError(f"{table.where} [vary]: nothing varies, there is nothing to sample")
     return ScenePart(
         name=name,
         scene=scene,
@@ -122,10 +113,11 @@ def read_part(
         fixed=fixed,
         varied=varied,
         listed=tuple(
-            {key: value for key, value in case.items() if key not in settings} for case in listed
+            {key: value for key, value in case.items() if key not in given.values}
+            for case in listed
         ),
         derived=derived,
-        excluded=_excluded(known, table),
+        excluded=_excluded(table),
         snapshots=read_snapshots(name, scene, table) if SNAPSHOTS in table.values else (),
     )
 
@@ -134,8 +126,7 @@ def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
     """Read at which moments the soil is to be kept: a list of numbers, or a range with a count."""
     if scene.snapshots_over is None:
         raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
-    known = {SNAPSHOTS: moment_of(scene, scene.snapshots_over)}
-    given = Assignments(table.where, table.values, known)
+    given = replace(table, known={SNAPSHOTS: moment_of(scene, scene.snapshots_over)})
     moments = _variation(given, SNAPSHOTS, Design(kind=FULL))
     assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
     return tuple(sorted(float(moment) for moment in moments))
@@ -148,7 +139,7 @@ def moment_of(scene: Scene, over: str) -> Parameter:
     return replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
 
 
-def _fixed(table: Assignments) -> dict[str, Value]:
+def _fixed(table: Table) -> dict[str, Value]:
     for key, value in table.values.items():
         table.definition(key)
         if isinstance(value, list):
@@ -156,15 +147,17 @@ def _fixed(table: Assignments) -> dict[str, Value]:
     return table.all_values()
 
 
-def _check_varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> None:
-    for key in table.values:
+def _varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> dict[str, Variation]:
+    varied = {key: _variation(table, key, design) for key in table.values}
+    for key in varied:
         if design.kind == LIST:
             raise table.refuse(key, f'does not go with design = "{LIST}"')
         if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
             raise table.refuse(key, "is under [fixed] as well; keep one of them")
+    return varied
 
 
-def _variation(table: Assignments, key: str, design: Design) -> Variation:
+def _variation(table: Table, key: str, design: Design) -> Variation:
     """A list, a range such as ``{from = 1, to = 100, count = 5}``, or a distribution."""
     value = table.values[key]
     if not isinstance(value, dict):
@@ -175,23 +168,18 @@ def _variation(table: Assignments, key: str, design: Design) -> Variation:
             raise table.refuse(key, f"has no distributions; must be {definition.allowed}")
         if design.kind != LATIN_HYPERCUBE:
             raise table.refuse(key, f'a distribution goes with design = "{LATIN_HYPERCUBE}" alone')
-        bounds = {
-            bound: getattr(definition, bound) for bound in ("minimum", "maximum", "above", "below")
-        }
-        known = {name: bound for name, bound in bounds.items() if bound is not None}
-        return read_input(table, key, Allowed(**known))
-    ends = Table(f"{table.where} {key}:", value)
+        return read_input(table, key, definition.bounds)
     if definition.kind not in (int, float) or definition.choices is not None:
         raise table.refuse(
             key, f"has no ranges; must be a list of values, each {definition.allowed}"
         )
     sampled = design.kind == LATIN_HYPERCUBE
-    ends.allow("from", "to", "spacing", *([] if sampled else ["count"]))
-    for end in ("from", "to"):
-        if end not in value:
-            raise StudyError(f"{ends.where} {end}: is missing; a range has from and to")
-        Assignments(ends.where, value, {end: replace(definition, name=end)}).value(end)
-    start, stop = float(value["from"]), float(value["to"])
+    of_end = {end: replace(definition, name=end) for end in ("from", "to")}
+    ends = Table(f"{table.where} {key}:", value, of_end)
+    ends.allow(*of_end, "spacing", *([] if sampled else ["count"]))
+    for end in of_end:
+        ends.given(end, "; a range has from and to")
+    start, stop = (float(ends.value(end)) for end in of_end)
     logarithmic = ends.word("spacing", SPACINGS) == "logarithmic"
     if logarithmic and min(start, stop) <= 0:
         raise ends.refuse("spacing", "from and to must be > 0")
@@ -201,19 +189,19 @@ def _variation(table: Assignments, key: str, design: Design) -> Variation:
             raise ends.refuse("to", f"must be > {start:g}")
         return span
     numbers = span.values(ends.integer("count", 2, LARGEST_STUDY))
-    return Assignments(table.where, {key: list(numbers)}, table.known).several(key)
+    return replace(table, values={key: list(numbers)}).several(key)
 
 
-def _derived(table: Assignments) -> dict[str, Expression]:
+def _derived(table: Table) -> dict[str, Expression]:
     derived: dict[str, Expression] = {}
     for key, value in table.values.items():
         table.definition(key)
         later = [name for name in table.values if name not in derived]
-        derived[key] = _expression(table.known, table.place(key), value, later)
+        derived[key] = _expression(table, table.place(key), value, later)
     return derived
 
 
-def _excluded(known: Mapping[str, Parameter], table: Table) -> tuple[Expression, ...]:
+def _excluded(table: Table) -> tuple[Expression, ...]:
     texts = table.list("exclude")
     if len(texts) > MOST_EXCLUSIONS:
         raise StudyError(
@@ -221,28 +209,25 @@ def _excluded(known: Mapping[str, Parameter], table: Table) -> tuple[Expression,
             f"{MOST_EXCLUSIONS}; join them by `or`"
         )
     return tuple(
-        _expression(known, f"{table.where} exclude = {shown(text)}", text, []) for text in texts
+        _expression(table, f"{table.where} exclude = {shown(text)}", text, []) for text in texts
     )
 
 
-def _expression(
-    known: Mapping[str, Parameter], where: str, text: object, later: list[str]
-) -> Expression:
+def _expression(table: Table, where: str, text: object, later: list[str]) -> Expression:
     try:
         expression = Expression.parsed(text)
     except ExpressionError as error:
         raise StudyError(f"{where}: {error}") from None
     for name in sorted(expression.names):
-        if name not in known:
-            raise StudyError(f"{where}: unknown parameter {name!r}{nearest_parameter(name, known)}")
+        if name not in table.known:
+            near = nearest_parameter(name, table.known)
+            raise StudyError(f"{where}: unknown parameter {name!r}{near}")
         if name in later:
             raise StudyError(f"{where}: {name} is derived itself, and not before")
     return expression
 
 
-def _listed(
-    known: Mapping[str, Parameter], table: Table, design: Design
-) -> tuple[Combination, ...]:
+def _listed(table: Table, design: Design) -> tuple[Combination, ...]:
     if design.kind != LIST:
         if "case" in table.values:
             raise table.refuse("case", f'goes with design = "{LIST}" alone')
@@ -254,5 +239,6 @@ def _listed(
     for number, case in enumerate(cases, 1):
         if not isinstance(case, dict):
             raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
-        listed.append(Assignments(f"{table.where} [[case]] {number}:", case, known).all_values())
+        here = Table(f"{table.where} [[case]] {number}:", case, table.known)
+        listed.append(here.all_values())
     return tuple(listed)

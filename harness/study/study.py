@@ -22,7 +22,7 @@ from harness.study.scene_part import (
     read_part,
     read_snapshots,
 )
-from harness.study.tables import Assignments, StudyError, Table, parse_setting, parse_value, shown
+from harness.study.tables import StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import known_names, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
@@ -91,12 +91,13 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
         )
     path = find_study(study)
     assignments = dict(parse_setting(setting) for setting in settings)
-    *bases, (_, own) = [(file, with_profile(file, said)) for file, said in lineage(path)]
     values: dict[str, Any] = {}
-    for base, its_own in bases:
-        values = _standing_on(values, its_own)
-        _read(base, values, {})  # what is wrong there is reported with the name of that file
-    return _read(path, _standing_on(values, own), assignments)
+    for file, said in lineage(path):
+        own = with_profile(file, said)
+        values = joined(values, own, {**values, **own}.get("design", FULL))
+        # What is wrong in a base is reported with the name of its file.
+        read = _read(file, values, assignments if file == path else {})
+    return read
 
 
 def with_snapshots(study: Study, moments: str) -> Study:
@@ -130,10 +131,6 @@ def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
     return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
 
-def _standing_on(base: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    return joined(base, own, {**base, **own}.get("design", FULL))
-
-
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
     document = Table(f"{path}:", values)
     document.allow(*OF_STUDY, *OF_SCENE)
@@ -141,7 +138,13 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
-    _check_settings(settings, scenes.values())
+    known = {
+        name: definition
+        for scene in scenes.values()
+        for name, definition in parameters_of(scene).items()
+    }
+    for key in settings:
+        Table("--set", settings, known).definition(key)
     shared = {key: value for key, value in values.items() if key in OF_SCENE}
     parts = []
     for name, scene in scenes.items():
@@ -149,7 +152,8 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         of_scene.allow(*OF_SCENE)
         where = of_scene.where if of_scene.values else document.where
         _check_derived(document, of_scene)
-        table = Table(where, joined(shared, of_scene.values, design.kind))
+        said = joined(shared, of_scene.values, design.kind)
+        table = Table(where, said, parameters_of(scene))
         parts.append(read_part(name, scene, table, design, settings))
     timing = document.table("timing")
     timing.allow("repeats")
@@ -196,16 +200,6 @@ def _design(document: Table) -> Design:
         samples=document.integer("samples", 1, LARGEST_STUDY),
         seed=document.integer("seed", 0, LARGEST_SEED),
     )
-
-
-def _check_settings(settings: Mapping[str, Any], scenes: Iterable[Scene]) -> None:
-    """Refuse a setting of what is a parameter of none of the scenes."""
-    known = {
-        name: definition for scene in scenes for name, definition in parameters_of(scene).items()
-    }
-    table = Assignments("--set", settings, known)
-    for key in settings:
-        table.definition(key)
 
 
 def _check_derived(*tables: Table) -> None:

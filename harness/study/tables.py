@@ -9,6 +9,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from typing import Any, TypeGuard
 
 from harness.errors import HarnessError, printable, shortened
@@ -30,12 +31,13 @@ class StudyError(HarnessError):
         super().__init__(shortened(printable(message), LONGEST_MESSAGE))
 
 
+@dataclass(frozen=True)
 class Table:
-    """A TOML table: its keys and values, and for messages the file and the name of the table."""
+    """A TOML table: for messages its file and name, its keys and values, and known parameters."""
 
-    def __init__(self, where: str, values: Mapping[str, Any]) -> None:
-        self.where = where
-        self.values = values
+    where: str
+    values: Mapping[str, Any]
+    known: Mapping[str, Parameter] = field(default_factory=dict)
 
     def place(self, key: str) -> str:
         """Where a key stands, with its value, for messages."""
@@ -56,16 +58,17 @@ class Table:
         value = self.values.get(key, {})
         if not isinstance(value, dict):
             raise self.refuse(key, f"must be a table [{key}]")
-        return Table(f"{self.where} [{key}]", value)
+        return Table(f"{self.where} [{key}]", value, self.known)
 
-    def _given(self, key: str, remedy: str) -> Any:
+    def given(self, key: str, remedy: str) -> Any:
+        """The value of a key that must be there; `remedy` says what to do where it is not."""
         if key not in self.values:
             raise StudyError(f"{self.where} {key}: is missing{remedy}")
         return self.values[key]
 
     def text(self, key: str, remedy: str = "") -> str:
-        """A text of one line that must be there; `remedy` says what to do where it is not."""
-        value = self._given(key, remedy)
+        """A text of one line that must be there; `remedy` as in :meth:`given`."""
+        value = self.given(key, remedy)
         if not (isinstance(value, str) and value.strip() and value.isprintable()):
             raise self.refuse(key, "must be a text of one line")
         if len(value) > LONGEST_TEXT:
@@ -83,7 +86,7 @@ class Table:
 
     def integer(self, key: str, least: int, most: int) -> int:
         """An integer that must be there."""
-        value = self._given(key, f"; an integer, {least} to {most}")
+        value = self.given(key, f"; an integer, {least} to {most}")
         if type(value) is not int or not least <= value <= most:
             raise self.refuse(key, f"must be an integer, {least} to {most}")
         return value
@@ -101,16 +104,6 @@ class Table:
         if not isinstance(value, list):
             raise self.refuse(key, "must be a list")
         return value
-
-
-class Assignments(Table):
-    """A table whose keys are parameters of a scene, with their definitions."""
-
-    def __init__(
-        self, where: str, values: Mapping[str, Any], known: Mapping[str, Parameter]
-    ) -> None:
-        super().__init__(where, values)
-        self.known = known
 
     def definition(self, key: str) -> Parameter:
         """The parameter called `key`."""

@@ -10,7 +10,7 @@ from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.cli.parser import share
+from harness.cli.options import share
 from harness.compare.compared import NothingToCompareError
 from harness.compare.costs import DERIVED, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
