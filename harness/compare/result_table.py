@@ -281,7 +281,10 @@ def _exact_table(dataset: xr.Dataset) -> str:
     }
     headlines = [name for name in headlines_of(dataset) if name in one_a_case - {error}]
     if not headlines and error is None:
-        raise NothingToCompareError(_why_nothing(dataset))
+        why = f"no case of {dataset['status'].size} completed"
+        if (dataset["status"] == COMPLETED).any():
+            why = "the scene has neither a headline nor an error"
+        raise NothingToCompareError(f"nothing to compare: {why}")
     columns, notes = [], []
     for name in headlines:
         if f"{name}_uncertainty" in with_role(dataset, Role.UNCERTAINTY):
@@ -315,10 +318,3 @@ def _note(dataset: xr.Dataset, name: str) -> str:
     unit = "" if said.get("units", "1") == "1" else f" [{said['units']}]"
     description = f"; {said['description']}" if "description" in said else ""
     return f"{name}: {said.get('long_name', spoken(name))}{unit}{description}"
-
-
-def _why_nothing(dataset: xr.Dataset) -> str:
-    completed = int((dataset["status"] == COMPLETED).sum())
-    if completed == 0:
-        return f"nothing to compare: no case of {dataset['status'].size} completed"
-    return "nothing to compare: the scene has neither a headline nor an error"

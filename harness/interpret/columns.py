@@ -275,8 +275,9 @@ def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.
             )
         if known.any():
             slope += np.tan(np.interp(length, length[known], angle[known])) ** 2
-    way: Floats = cumulative_trapezoid(1.0 / np.sqrt(1.0 + slope), length, initial=0.0)
-    return length[0] + way
+    cosine = 1.0 / np.sqrt(1.0 + slope)
+    depth: Floats = length[0] + cumulative_trapezoid(cosine, length, initial=0.0)
+    return depth
 
 
 def _refuse_impossible(path: Path, values: Mapping[str, Floats], places: np.ndarray) -> None:

@@ -95,7 +95,8 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     test = measured(site.test)
     depth, layering = test.depth.values, (site.borders, site.test.cone_radius)
     used = without_borders(test, *layering) if sharpen else test
-    causes = _causes(site)
+    names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
+    causes = [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
@@ -166,7 +167,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     strength = net / (10.0 * errors)
     for _ in range(REPETITIONS):
         anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
-        held = _within("stress_anisotropy", anisotropy)
+        held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
         adhesion = _adhesion(inputs, at["sleeve_friction"], strength * ratio, along, held)
         before, strength = strength, net / (along(held, adhesion, 1)["cone_factor"] * errors)
         if np.max(np.abs(strength / before - 1.0)) < SETTLED:
@@ -218,13 +219,7 @@ def _in_table(
                 f"draws leave the table of factors: {name} is {values.min():.3g} to "
                 f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
             )
-    return {name: _within(name, value) for name, value in soil.items()}, ratio
-
-
-def _within(name: str, values: Floats) -> Floats:
-    """Values moved to the range of the table."""
-    held: Floats = np.clip(values, *RANGES[name])
-    return held
+    return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:
@@ -310,9 +305,3 @@ def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floa
     total = np.sum(list(shares.values()), axis=0)
     over = np.maximum(total, 1.0)
     return {name: share / over for name, share in shares.items()} | {TOGETHER: 1.0 - total / over}
-
-
-def _causes(site: Site) -> list[str]:
-    """All causes of an error in any layer, in the order in which they are shown."""
-    names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
-    return [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
