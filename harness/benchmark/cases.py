@@ -97,23 +97,19 @@ def benchmark_folder() -> Path:
 def benchmark_cases() -> tuple[BenchmarkCase, ...]:
     """All cases, in their order."""
     path = benchmark_folder() / "cases.csv"
-    return tuple(_case(row) for row in csv.DictReader(path.read_text().splitlines()))
-
-
-def _case(row: Mapping[str, str]) -> BenchmarkCase:
-    low, high = row["exact_low"], row["exact_high"]
-    return BenchmarkCase(
-        name=row["case"],
-        phase=int(row["phase"]),
-        title=row["title"],
-        unit=row["unit"],
-        exact=(float(low), float(high)) if low else None,
-        scene=row["scene"],
-        result=row["result"],
-        fixed=dict(map(parse_setting, row["parameters"].split())),
-        accuracy={
-            accuracy: dict(map(parse_setting, row[accuracy].split())) for accuracy in ACCURACIES
-        },
+    return tuple(
+        BenchmarkCase(
+            name=row["case"],
+            phase=int(row["phase"]),
+            title=row["title"],
+            unit=row["unit"],
+            exact=(float(row["exact_low"]), float(row["exact_high"])) if row["exact_low"] else None,
+            scene=row["scene"],
+            result=row["result"],
+            fixed=dict(map(parse_setting, row["parameters"].split())),
+            accuracy={name: dict(map(parse_setting, row[name].split())) for name in ACCURACIES},
+        )
+        for row in csv.DictReader(path.read_text().splitlines())
     )
 
 
@@ -214,16 +210,10 @@ def computed(case: BenchmarkCase, accuracy: str) -> Result:
     found = scene.run()
     seconds = time.perf_counter() - start
     name, _, place = (word.strip() for word in case.result.partition("@"))
-    stated = [
-        half_width
-        for half_width in with_role(found, Role.UNCERTAINTY)
-        if half_width == f"{name}_uncertainty"
-    ]
-    value, uncertainty = (
-        _at(found[variable], place) if variable else math.nan
-        for variable in (name, next(iter(stated), ""))
-    )
-    return Result(value, uncertainty, seconds)
+    half_width = f"{name}_uncertainty"
+    is_stated = half_width in with_role(found, Role.UNCERTAINTY)
+    uncertainty = _at(found[half_width], place) if is_stated else math.nan
+    return Result(_at(found[name], place), uncertainty, seconds)
 
 
 def _at(values: xr.DataArray, place: str) -> float:

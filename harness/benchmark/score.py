@@ -50,8 +50,9 @@ def scores(
     if against not in by_name:
         near = nearest_name(against, by_name)
         raise StudyError(f"--against {against}: is no submission{near}")
+    yardstick = by_name[against]
     return [
-        _score(submission, case, by_name[against])
+        _score(submission, case, yardstick)
         for case in cases
         for submission in submissions
         if case.name in submission.results
@@ -59,23 +60,19 @@ def scores(
 
 
 def _score(submission: Submission, case: BenchmarkCase, yardstick: Submission) -> Score:
-    result = submission.results[case.name]
-    beside = yardstick.results.get(case.name)
-    error = distance = math.nan
+    result, beside = submission.results[case.name], None
     if case.exact is not None:
-        nearest = float(np.clip(result.value, *case.exact))
-        error, distance = _beside(result, nearest, 0.0)
-    elif submission is not yardstick and beside is not None:
-        error, distance = _beside(result, beside.value, beside.uncertainty)
+        beside = Result(float(np.clip(result.value, *case.exact)), 0.0, math.nan)
+    elif submission is not yardstick:
+        beside = yardstick.results.get(case.name)
+    error = distance = math.nan
+    if beside is not None:
+        difference = result.value - beside.value
+        error = difference / beside.value
+        distance = abs(difference) / math.hypot(result.uncertainty, beside.uncertainty)
     return Score(
         submission=submission.name, case=case, result=result, error=error, distance=distance
     )
-
-
-def _beside(result: Result, value: float, uncertainty: float) -> tuple[float, float]:
-    """E over the yardstick, and d."""
-    difference = result.value - value
-    return difference / value, abs(difference) / math.hypot(result.uncertainty, uncertainty)
 
 
 def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
@@ -138,17 +135,14 @@ def case_rows(found: Sequence[Score]) -> list[list[str]]:
     """A row a result; a heading first."""
     rows = [["case", "submission", "value", "U", "E", "d", "seconds"]]
     for scored in found:
+        result = scored.result
         numbers = (
-            scored.result.value,
-            scored.result.uncertainty,
-            scored.error,
-            scored.distance,
-            scored.result.seconds,
+            (result.value, ".5g"),
+            (result.uncertainty, ".2g"),
+            (scored.error, "+.1%"),
+            (scored.distance, ".2f"),
+            (result.seconds, ".3g"),
         )
-        forms = (".5g", ".2g", "+.1%", ".2f", ".3g")
-        told = [
-            format(value, form) if math.isfinite(value) else ""
-            for value, form in zip(numbers, forms, strict=True)
-        ]
+        told = [format(value, form) if math.isfinite(value) else "" for value, form in numbers]
         rows.append([scored.case.name, scored.submission, *told])
     return rows

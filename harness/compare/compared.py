@@ -165,11 +165,6 @@ def with_tolerances(dataset: xr.Dataset, tolerances: Mapping[str, float]) -> xr.
     return dataset.assign_attrs({TOLERANCES: json.dumps(dict(tolerances))} if tolerances else {})
 
 
-def has_tolerances(dataset: xr.Dataset) -> bool:
-    """Whether a result has tolerances of its study."""
-    return TOLERANCES in dataset.attrs
-
-
 def misses(dataset: xr.Dataset) -> list[str]:
     """What the tolerances that are stored in `dataset` do not allow, a line each.
 

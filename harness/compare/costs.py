@@ -7,7 +7,6 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from string import Formatter
 
 import numpy as np
 import xarray as xr
@@ -25,7 +24,7 @@ from harness.archive.study_files import read_study
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError
 from harness.study.scene_part import method_of
-from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import scene_class
 
 DERIVED = "derived"
@@ -68,13 +67,10 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     says that none has errors, and whether any is there. The error is dimensionless.
     """
     known = scene_class(scene)
-    method = method_of(known)
-    results = {file: read_study(file) for file in files if _has(file, scene)}
-    kinds = {name: parameters_of(known)[name].kind for name in method}
-    found = list[Recommendation]()
-    for file, dataset in results.items():
-        results[file] = _of_scene(scene, dataset)
-        found += _measured(kinds, results[file], file)
+    method = {name: parameters_of(known)[name] for name in method_of(known)}
+    read = {file: read_study(file) for file in files if _has(file, scene)}
+    results = {file: _of_scene(scene, dataset) for file, dataset in read.items()}
+    found = [one for file, dataset in results.items() for one in _measured(method, dataset, file)]
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
     good = [entry for entry in found if entry.error <= largest_error]
@@ -120,16 +116,25 @@ def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> st
     return f"no result at hand has errors, for none varies the method: {', '.join(method)}"
 
 
-def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> list[Recommendation]:
+def _measured(
+    method: Mapping[str, Parameter], dataset: xr.Dataset, file: Path
+) -> list[Recommendation]:
     """What each combination of settings of the method cost and was worth."""
     if error_name(dataset) is None or "run_time" not in dataset:
         return []
     error = credited_error(dataset)
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
-    varied = _varied(kinds, dataset)
-    fixed = _fixed(kinds, dataset)
-    columns = [_settings(over_cases(dataset, name), kinds[name]) for name in varied]
+    varied = _varied(method, dataset)
+    columns = [_settings(over_cases(dataset, name), method[name]) for name in varied]
+    shared = {
+        name: _settings(dataset[stored].values.reshape(1), method[name])[0]
+        for name, stored in parameter_names(dataset).items()
+        if name in method and dataset[stored].ndim == 0
+    }
+    fixed = {
+        name: value for name, value in shared.items() if method[name].default not in (None, value)
+    }
     groups: dict[tuple[Value, ...], list[int]] = {}
     for case in range(error.size):
         groups.setdefault(tuple(column[case] for column in columns), []).append(case)
@@ -152,23 +157,10 @@ def _measured(kinds: Mapping[str, type], dataset: xr.Dataset, file: Path) -> lis
     return found
 
 
-def _fixed(kinds: Mapping[str, type], dataset: xr.Dataset) -> dict[str, Value]:
-    """Parameters of the method that all cases share, and that are not as by default."""
-    defaults = parameters_of(scene_class(str(dataset.attrs["scene"]).split()[0]))
-    shared = {
-        name: _settings(dataset[stored].values.reshape(1), kinds[name])[0]
-        for name, stored in parameter_names(dataset).items()
-        if name in kinds and name in defaults and dataset[stored].ndim == 0
-    }
-    return {
-        name: value for name, value in shared.items() if defaults[name].default not in (None, value)
-    }
-
-
-def _settings(values: np.ndarray, kind: type) -> list[Value]:
+def _settings(values: np.ndarray, definition: Parameter) -> list[Value]:
     """Values of a parameter in its own type, as a file of several scenes does not keep them."""
     return [
-        DERIVED if isinstance(value, float) and math.isnan(value) else kind(value)
+        DERIVED if isinstance(value, float) and math.isnan(value) else definition.kind(value)
         for value in values.tolist()
     ]
 
@@ -177,14 +169,13 @@ SMALL = 0.01
 """Share of a step below which its stages are put together."""
 
 
-TABLES = {
-    "million updates/s, median (least to most)": (
-        "{update_rate:.1f} ({update_rate_lowest:.1f} to {update_rate_highest:.1f})"
-    ),
-    "times as fast as one thread": "{thread_gain:.2f}",
-    "arrays, bytes a point": "{array_bytes:.0f}",
+RATES = ("update_rate", "update_rate_lowest", "update_rate_highest")
+TABLES: Mapping[str, tuple[str, Sequence[str], float]] = {
+    "million updates/s, median (least to most)": ("{:.1f} ({:.1f} to {:.1f})", RATES, 1e6),
+    "times as fast as one thread": ("{:.2f}", ["thread_gain"], 1.0),
+    "arrays, bytes a point": ("{:.0f}", ["array_bytes"], 1.0),
 }
-"""Titles of the tables, and what stands in them of each case."""
+"""Titles of the tables; how results of a case stand there, which, and their unit."""
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
@@ -198,21 +189,20 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
     cases = dataset.stack(it=dims) if dims else dataset.expand_dims("it")
     completed = cases.isel(it=np.flatnonzero(cases.status.values == COMPLETED))
     each = [completed.isel(it=place) for place in range(completed.sizes["it"])]
-    tables = [_by_size(title, text, each, dims) for title, text in TABLES.items()]
+    tables = [_by_size(title, each, dims) for title in TABLES]
     rows = [line for table in tables if table for line in (*table, "")]
     return [*rows, *_stage_rows(completed)] if "stage_time" in completed else rows[:-1]
 
 
-def _by_size(title: str, text: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> list[str]:
+def _by_size(title: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> list[str]:
     """A table with a column for each size and a row for whatever else varies; none of no case."""
-    names = [name for _, name, _, _ in Formatter().parse(text) if name]
+    text, names, unit = TABLES[title]
     table: dict[str, dict[int, str]] = {}
     for case in cases:
-        values = {name: case[name].item() if name in case else np.nan for name in names}
-        values |= {name: values[name] / 1e6 for name in names if name.startswith("update_rate")}
-        if np.isfinite(values[names[0]]):
+        values = [case[name].item() / unit if name in case else np.nan for name in names]
+        if np.isfinite(values[0]):
             others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
-            table.setdefault(others, {})[int(case["size"].item())] = text.format(**values)
+            table.setdefault(others, {})[int(case["size"].item())] = text.format(*values)
     sizes = sorted({size for row in table.values() for size in row})
     rows = [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()]
     return _markdown([title, *(f"{size:,} points" for size in sizes)], rows) if rows else []

@@ -8,6 +8,7 @@ import xarray as xr
 
 from harness.archive.conventions import (
     Role,
+    headline_values,
     over_cases,
     parameter_names,
     spoken,
@@ -48,7 +49,7 @@ def credited_error(dataset: xr.Dataset) -> np.ndarray:
     half_width = uncertainty_of(dataset)
     if not np.isfinite(half_width).any():
         return error
-    headline = np.abs(over_cases(dataset, with_role(dataset, Role.HEADLINE)[0]).astype(float))
+    headline = np.abs(headline_values(dataset))
     return np.where(states_its_error(dataset), np.fmax(error, half_width / headline), np.nan)
 
 

@@ -54,8 +54,14 @@ BY_MODE = {
     "average": "by su,_average",
 }
 """Headings of factors by the test that su is from."""
-PORE_PRESSURE = ("Bq", "N_ke")
-"""Results of a cone that stand beside its factor, over the same su; N_du is u2 over su."""
+BESIDE_FACTOR = {
+    "cone_factor_simulated": ("as_simulated", "#.3g"),
+    "cone_factor_normal": ("normal_part", "#.3g"),
+    **{f"{COMPARED}_by_{mode}": (heading, "#.3g") for mode, heading in BY_MODE.items()},
+    "Bq": ("_Bq", ".2f"),
+    "N_ke": ("_N ke", ".2f"),
+}
+"""Results of a cone that stand beside its factor: headings, and forms of the numbers."""
 PRESSURE = "pore_pressure_factor_shoulder"
 """u2 of a cone over su, which has an uncertainty of its own."""
 Column = list[str]
@@ -163,14 +169,9 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
 
 def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
     yield half_width_column(dataset, COMPARED, COMPARED)
-    parts = {"cone_factor_simulated": "as_simulated", "cone_factor_normal": "normal_part"}
-    for name, heading in parts.items():
+    for name, (heading, form) in BESIDE_FACTOR.items():
         if name in dataset:
-            yield _numbers(dataset, name, "#.3g", heading)
-    yield from _mode_columns(dataset, COMPARED)
-    for name in PORE_PRESSURE:
-        if name in dataset:
-            yield _numbers(dataset, name, ".2f", f"_{name.replace('_', ' ')}")
+            yield _numbers(dataset, name, form, heading)
     if f"{PRESSURE}_uncertainty" in dataset:
         half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
         told = zip(over_cases(dataset, PRESSURE), half_widths, strict=True)
@@ -181,12 +182,6 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         yield _numbers(dataset, shear, ".3f", "shear_part")
         pairs = zip(over_cases(dataset, exact), deviations, strict=True)
         yield column("exact_shear", (_with_deviation(*pair, digits=3) for pair in pairs))
-
-
-def _mode_columns(dataset: xr.Dataset, factor: str) -> Iterable[Column]:
-    for mode, heading in BY_MODE.items():
-        if (name := f"{factor}_by_{mode}") in dataset:
-            yield _numbers(dataset, name, "#.3g", heading)
 
 
 def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
@@ -286,14 +281,21 @@ def _exact_table(dataset: xr.Dataset) -> str:
     }
     headlines = [name for name in headlines_of(dataset) if name in one_a_case - {error}]
     if not headlines and error is None:
-        raise NothingToCompareError(_why_nothing(dataset))
+        why = f"no case of {dataset['status'].size} completed"
+        if (dataset["status"] == COMPLETED).any():
+            why = "the scene has neither a headline nor an error"
+        raise NothingToCompareError(f"nothing to compare: {why}")
     columns, notes = [], []
     for name in headlines:
         if f"{name}_uncertainty" in with_role(dataset, Role.UNCERTAINTY):
             columns.append(half_width_column(dataset, name, name))
         else:
             columns.append(_numbers(dataset, name, ".4g", name))
-        columns += _mode_columns(dataset, name)
+        columns += [
+            _numbers(dataset, by_mode, "#.3g", heading)
+            for mode, heading in BY_MODE.items()
+            if (by_mode := f"{name}_by_{mode}") in dataset
+        ]
         notes.append(_note(dataset, name))
         if (exact := f"{name}_exact") in one_a_case:
             columns.append(_numbers(dataset, exact, ".4g", exact))
@@ -316,10 +318,3 @@ def _note(dataset: xr.Dataset, name: str) -> str:
     unit = "" if said.get("units", "1") == "1" else f" [{said['units']}]"
     description = f"; {said['description']}" if "description" in said else ""
     return f"{name}: {said.get('long_name', spoken(name))}{unit}{description}"
-
-
-def _why_nothing(dataset: xr.Dataset) -> str:
-    completed = int((dataset["status"] == COMPLETED).sum())
-    if completed == 0:
-        return f"nothing to compare: no case of {dataset['status'].size} completed"
-    return "nothing to compare: the scene has neither a headline nor an error"

@@ -11,10 +11,12 @@ through the cases, in the logarithm of an input where that is the more symmetric
 in cases kept out, one at a time, and what only several inputs do together, is the share `together`.
 """
 
+import functools
 import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import xarray as xr
@@ -137,7 +139,7 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     found = sobol_indices(
         func=lambda points: terms(points) @ weights,
         n=SAMPLES,
-        dists=[_AsDrawn(numbers) for numbers in drawn],
+        dists=[SimpleNamespace(ppf=functools.partial(np.quantile, it)) for it in drawn],
         rng=np.random.default_rng(1),
     )
     shares = told * np.maximum(found.first_order, 0.0)
@@ -159,17 +161,6 @@ def _exponents(count: int) -> np.ndarray:
     """Of each input in each term, shape [terms, inputs]."""
     powers = np.eye(count + 1, dtype=int)[:, 1:]  # the first is none of them
     return np.array([a + b for a, b in itertools.combinations_with_replacement(powers, 2)])
-
-
-@dataclass(frozen=True)
-class _AsDrawn:
-    """The distribution that drawn values have, as SciPy asks for it."""
-
-    values: Floats
-
-    def ppf(self, share: Floats) -> Floats:
-        """Quantiles."""
-        return np.quantile(self.values, share)
 
 
 def spread_rows(spread: Spread) -> list[tuple[str, str]]:

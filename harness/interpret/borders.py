@@ -18,13 +18,12 @@ What is measured is then multiplied by the ratio of the soil's own q to the q so
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+import xarray as xr
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
-from harness.interpret.measured import Measured
 from mpm_warp.grid.fitted import Floats
 
 Kernel = tuple[float, float]
@@ -77,15 +76,19 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
     return near
 
 
-def without_borders(test: Measured, borders: Sequence[float], radius: float) -> Measured:
+def without_borders(test: xr.Dataset, borders: Sequence[float], radius: float) -> xr.Dataset:
     """A test in which each depth has the resistance of its own layer, with the error of that.
 
     Sleeve friction and pore pressure stay; the others are as for `near_border`.
     """
-    net = sharpened(test.depth, test.net, borders, radius)
-    effect = net - test.net
-    errors = {**test.errors, "qt": np.hypot(test.errors["qt"], LEFT * effect)}
-    return replace(test, net=net, qt=test.qt + effect, errors=errors)
+    measured = test.net_resistance.values
+    net = sharpened(test.depth.values, measured, borders, radius)
+    effect = net - measured
+    return test.assign(
+        net_resistance=("depth", net),
+        total_resistance=test.total_resistance + effect,
+        total_resistance_error=np.hypot(test.total_resistance_error, LEFT * effect),
+    )
 
 
 def sharpened(depth: Floats, net: Floats, borders: Sequence[float], radius: float) -> Floats:

@@ -46,7 +46,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
     radius, depth = site.test.cone_radius, found.depth.values
     rows, soils, ways = [], [], []
     for number, layer in enumerate(site.layers):
-        inside = (depth >= layer.top) & (depth <= layer.bottom) & (found.reason.values == 0)
+        inside = layer.holds(depth) & (found.reason.values == 0)
         # Depths that feel another layer tell of it too, unless their resistance is sharpened.
         own = inside & (found.near_border.values == 0)
         if "sharpened_resistance" in found or not own.any():
@@ -142,8 +142,7 @@ def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
     """How far the simulated net resistance is from the measured one, a sentence a layer."""
     sentences = []
     for number, layer in enumerate(site.layers):
-        inside = (found.depth >= layer.top) & (found.depth <= layer.bottom)
-        own = found.misfit[inside & found.misfit.notnull()]
+        own = found.misfit[layer.holds(found.depth) & found.misfit.notnull()]
         if not own.size:
             continue
         worst = own[int(np.argmax(np.abs(own.values)))]

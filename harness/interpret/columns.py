@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import Heading, TestFile, read_file
 from harness.interpret.keys import AXES, TEST_KEYS
@@ -275,8 +276,7 @@ def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.
         if known.any():
             slope += np.tan(np.interp(length, length[known], angle[known])) ** 2
     cosine = 1.0 / np.sqrt(1.0 + slope)
-    steps = np.diff(length) * 0.5 * (cosine[1:] + cosine[:-1])
-    depth: Floats = length[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    depth: Floats = length[0] + cumulative_trapezoid(cosine, length, initial=0.0)
     return depth
 
 

@@ -76,23 +76,28 @@ def site_rows(path: Path) -> list[str]:
 
 def test_rows(path: Path) -> list[tuple[str, str, str]]:
     """What a site file says of the test: key, value and meaning, of those that have a value."""
-    values, rows = read_toml(path), []
-    for keys, given in ((SITE_KEYS, values), (TEST_KEYS, values["test"])):
-        for name, key in keys.items():
-            value = given.get(name, key.default)
-            if value is not None:
-                default = "" if name in given else "default "
-                unit = f" [{key.unit}]" if key.unit else ""
-                rows.append((name, f"{default}{toml(value)}", f"{key.meaning}{unit}"))
-    return rows
+    values = read_toml(path)
+    stated = [*_stated(SITE_KEYS, values), *_stated(TEST_KEYS, values["test"])]
+    return [
+        (name, text, f"{key.meaning}{key.in_unit}")
+        for name, key, value, text in stated
+        if value is not None
+    ]
+
+
+def _stated(
+    keys: Mapping[str, Key], given: Mapping[str, Any]
+) -> Iterator[tuple[str, Key, Any, str]]:
+    """Name, key, value and its text for each key of a table that is given."""
+    for name, key in keys.items():
+        value = given.get(name, key.default)
+        default = "" if name in given else "default "
+        yield name, key, value, "-" if value is None else f"{default}{toml(value)}"
 
 
 def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[str]:
     """A row a key; of a distribution a row more."""
-    for name, key in keys.items():
-        value = given.get(name, key.default)
-        default = "default " if name not in given and value is not None else ""
-        text = "-" if value is None else f"{default}{toml(value)}"
+    for name, key, value, text in _stated(keys, given):
         yield f"{name:18} {text:36} {key.told}"
         if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
             shares = np.array(PERCENTILES) / 100.0

@@ -17,13 +17,11 @@ basis functions (scipy) are no better.
 
 from __future__ import annotations
 
-import csv
 import functools
 import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -149,13 +147,6 @@ def scaled(name: str, value: Floats | float) -> Floats:
     return scaled
 
 
-def read_table(path: Path) -> dict[str, Floats]:
-    """The columns of the table by name, shape [cases]."""
-    with path.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-
-
 @functools.cache
 def factors() -> Factors:
     """The polynomials through the tables that ship, by least squares."""
@@ -164,10 +155,10 @@ def factors() -> Factors:
     weights = np.zeros((len(exponents), len(QUANTITIES)))
     fit_errors, half_widths = {}, {}
     for place, name in enumerate(QUANTITIES):
-        table = read_table(studies_folder() / TABLES[name])
+        table = np.genfromtxt(studies_folder() / TABLES[name], delimiter=",", names=True)
         values, simulated_error = _fitted_values(name, table)
         if name == PRESSURE:
-            table["adhesion_factor"] = np.asarray(share_of_wedge(table["adhesion_factor"]))
+            table["adhesion_factor"] = share_of_wedge(table["adhesion_factor"])
         inputs = np.stack([scaled(ranged, table[ranged]) for ranged in RANGES], axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
@@ -177,7 +168,7 @@ def factors() -> Factors:
     return Factors(exponents, weights, half_widths, fit_errors)
 
 
-def _fitted_values(name: str, table: Mapping[str, Floats]) -> tuple[Floats, float]:
+def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, float]:
     """What is fitted of a quantity of a table, shape [cases], and 95 % of its error over it."""
     values = table[name]
     if name == PRESSURE:

@@ -257,7 +257,12 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
     )
     return TestFile(
         headings=[
-            Heading(title.lower() if is_there else "", title, _bro_unit(title), BRO_MISSING)
+            Heading(
+                title.lower() if is_there else "",
+                title,
+                BRO_UNITS.get(title.lower(), "MPa"),
+                BRO_MISSING,
+            )
             for title, is_there in titles
         ],
         rows=[
@@ -273,10 +278,6 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
         },
         in_order=False,
     )
-
-
-def _bro_unit(title: str) -> str:
-    return BRO_UNITS.get(title.lower(), "MPa")
 
 
 def _ags(path: Path, text: str, sounding: str | None) -> TestFile:

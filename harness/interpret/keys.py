@@ -75,9 +75,13 @@ class Key:
     required: bool = False
 
     @property
+    def in_unit(self) -> str:
+        """The unit in brackets, a blank before it; "" where there is none."""
+        return f" [{self.unit}]" if self.unit else ""
+
+    @property
     def told(self) -> str:
         """Meaning, unit and what is allowed, in a line."""
-        unit = f" [{self.unit}]" if self.unit else ""
         bounds = f" {self.allowed.allowed}" if self.allowed.allowed else ""
         forms = [form.value for form in self.forms if form is not Form.WORDS]
         if any(form in self.forms for form in (Form.NUMBER, Form.INTEGER, Form.INPUT)):
@@ -85,7 +89,7 @@ class Key:
         words = ", ".join(self.choices)
         if self.choices:
             forms.append(f"a list of {words}" if Form.WORDS in self.forms else words)
-        return f"{self.meaning}{unit}; {', or '.join(forms)}"
+        return f"{self.meaning}{self.in_unit}; {', or '.join(forms)}"
 
 
 _text = functools.partial(Key, forms=(Form.TEXT,))

@@ -7,16 +7,16 @@ a is the net area ratio (EN ISO 22476-1; Lunne, Robertson & Powell 1997; Ic: Rob
 stress exponent 1, as in clay), all as commonly quoted.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-
 import numpy as np
+import xarray as xr
+from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.columns import read_columns
 from harness.interpret.keys import COLUMNS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.results import curves
 
 WATER = 9.81e3
 """Unit weight of water [N/m3]."""
@@ -40,55 +40,22 @@ REASONS = (
 """Why a depth has no strength, by number; the first has one."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Measured:
-    """A test by depth, in SI units; arrays of shape [n], not a number where a value is missing.
+def measured(test: MeasuredTest) -> xr.Dataset:
+    """The test of a site over its depth, corrected; not a number where a value is missing.
 
-    Attributes:
-        depth: of the tip [m], rising.
-        qc, fs, u2: as measured [Pa].
-        u0: water pressure before [Pa].
-        vertical_stress: total [Pa], with the median of the unit weight.
-        qt, net: corrected and net resistance [Pa].
-        pore_pressure_ratio, friction_ratio, soil_index: Bq, Fr, Ic.
-        errors: half widths of 95 % of qc, fs, u2 and qt [Pa], each the same share of its error
-            along the whole test.
-        reason: numbers of `REASONS`; the layers' are not among them yet.
-        notes: what a reader must know of the file.
+    `reason` has numbers of `REASONS`, the layers' not among them yet; the attribute `notes` tells
+    what a reader must know of the file.
     """
-
-    depth: Floats
-    qc: Floats
-    fs: Floats
-    u2: Floats
-    u0: Floats
-    vertical_stress: Floats
-    qt: Floats
-    net: Floats
-    pore_pressure_ratio: Floats
-    friction_ratio: Floats
-    soil_index: Floats
-    errors: Mapping[str, Floats]
-    reason: np.ndarray
-    notes: tuple[str, ...]
-
-
-def measured(test: MeasuredTest) -> Measured:
-    """The test of a site, corrected."""
     read = read_columns(test)
-    columns, area_ratio = read.values, read.area_ratio
-    depth, qc, fs, u2 = (columns[name] for name in COLUMNS)
+    depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
     if isinstance(test.water, ByDepth):
         u0 = np.interp(depth, test.water.depth, test.water.value)
     else:
         u0 = WATER * np.maximum(0.0, depth - test.water)
     stress = vertical_stress(test, depth)
-    errors = {
-        name: np.maximum(least, share * np.abs(columns[name]))
-        for name, (least, share) in test.accuracy.items()
-    }
-    qt = qc + (1.0 - area_ratio) * u2 if area_ratio < 1.0 else qc
-    errors["qt"] = np.hypot(errors["qc"], (1.0 - area_ratio) * np.nan_to_num(errors["u2"]))
+    by_u2 = 1.0 - read.area_ratio
+    qt = qc + by_u2 * u2 if by_u2 > 0.0 else qc
+    qt_error = np.hypot(error_of(test, "qc", qc), by_u2 * np.nan_to_num(error_of(test, "u2", u2)))
     net = qt - stress
     if not (net > 0.0).any():
         raise StudyError(
@@ -107,22 +74,34 @@ def measured(test: MeasuredTest) -> Measured:
     reason[net <= 0.0] = REASONS.index("qnet not above 0")
     reason[~np.isfinite(net)] = REASONS.index("value missing")
     reason[depth < read.pre_drilled] = REASONS.index("pre-drilled")
-    return Measured(
-        depth=depth,
-        qc=qc,
-        fs=fs,
-        u2=u2,
-        u0=u0,
-        vertical_stress=stress,
-        qt=qt,
-        net=net,
-        pore_pressure_ratio=ratio,
-        friction_ratio=friction,
-        soil_index=index,
-        errors=errors,
-        reason=reason,
-        notes=read.notes,
+    found = curves(
+        "depth",
+        (depth, "m", "depth of the tip"),
+        cone_resistance=(qc, "Pa", "cone resistance qc as measured"),
+        sleeve_friction=(fs, "Pa", "sleeve friction fs as measured"),
+        pore_pressure=(u2, "Pa", "pore pressure u2 as measured"),
+        water_pressure=(u0, "Pa", "water pressure u0 before"),
+        vertical_stress=(stress, "Pa", "total vertical stress before"),
+        total_resistance=(qt, "Pa", "corrected cone resistance qt"),
+        total_resistance_error=(qt_error, "Pa", "half width of 95 % of qt"),
+        net_resistance=(net, "Pa", "net resistance qnet"),
+        pore_pressure_ratio=(ratio, "1", "pore pressure ratio Bq"),
+        friction_ratio=(friction, "1", "friction ratio Fr = fs / qnet"),
+        soil_index=(index, "1", "soil behaviour type index Ic"),
     )
+    flags = {
+        "long_name": "why there is no strength",
+        "flag_values": np.arange(len(REASONS), dtype=np.int8),
+        "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
+    }
+    found["reason"] = xr.Variable("depth", reason, flags)
+    return found.assign_attrs(notes="; ".join(read.notes))
+
+
+def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:
+    """Half width of 95 % of qc, fs or u2 [Pa]: the same share of it along the whole test."""
+    least, share = test.accuracy[name]
+    return np.maximum(least, share * np.abs(values))
 
 
 def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
@@ -133,7 +112,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
     # Linear between the depths given: fine steps integrate it to rounding of what is known.
     fine = np.linspace(0.0, depth[-1], 4001)
     values = np.interp(fine, weight.depth, weight.value)
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(fine))])
+    total = cumulative_trapezoid(values, fine, initial=0.0)
     stress: Floats = np.interp(depth, fine, total)
     return stress
 

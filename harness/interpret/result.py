@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.interpret.measured import REASONS, Measured
+from harness.interpret.measured import REASONS
 from harness.interpret.site import Layer, Site
-from mpm_warp.results import curves, labelled
+from mpm_warp.results import labelled
 
 PERCENTILES = (5.0, 50.0, 95.0)
 GROUND: Mapping[str, tuple[str, str]] = {
@@ -25,15 +25,14 @@ FEWEST_DRAWS = 50
 """Draws that count after weighing below which the measured values contradict the inputs."""
 
 
-def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Dataset:
+def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Dataset:
     """What was measured over depth, and what is to be found, not a number yet.
 
     That is over depth, layers, percentiles, and the `causes` of an error.
     """
-    layers = [layer.title for layer in site.layers]
-    places: dict[str, Any] = {
-        "depth": test.depth,
-        "layer": layers,
+    places = {
+        "depth": test.depth.values,
+        "layer": [layer.title for layer in site.layers],
         "cause": causes,
         "percentile": PERCENTILES,
     }
@@ -41,32 +40,11 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
     def unknown(*dims: str, **quantities: tuple[str, str]) -> dict[str, xr.Variable]:
         shape = tuple(len(places[dim]) for dim in dims)
         told: dict[str, Any] = {
-            k: (np.full(shape, np.nan), *value) for k, value in quantities.items()
+            name: (np.full(shape, np.nan), *said) for name, said in quantities.items()
         }
         return labelled(dims=dims, **told)
 
-    by_depth = curves(
-        "depth",
-        (test.depth, "m", "depth of the tip"),
-        cone_resistance=(test.qc, "Pa", "cone resistance qc as measured"),
-        sleeve_friction=(test.fs, "Pa", "sleeve friction fs as measured"),
-        pore_pressure=(test.u2, "Pa", "pore pressure u2 as measured"),
-        water_pressure=(test.u0, "Pa", "water pressure u0 before"),
-        vertical_stress=(test.vertical_stress, "Pa", "total vertical stress before"),
-        total_resistance=(test.qt, "Pa", "corrected cone resistance qt"),
-        total_resistance_error=(test.errors["qt"], "Pa", "half width of 95 % of qt"),
-        net_resistance=(test.net, "Pa", "net resistance qnet"),
-        pore_pressure_ratio=(test.pore_pressure_ratio, "1", "pore pressure ratio Bq"),
-        friction_ratio=(test.friction_ratio, "1", "friction ratio Fr = fs / qnet"),
-        soil_index=(test.soil_index, "1", "soil behaviour type index Ic"),
-    )
-    flags = {
-        "long_name": "why there is no strength",
-        "flag_values": np.arange(len(REASONS), dtype=np.int8),
-        "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
-    }
-    by_depth["reason"] = xr.Variable("depth", test.reason.copy(), flags)
-    found = by_depth.assign(
+    found = test.assign(
         unknown(
             *("depth", "percentile"),
             strength=("Pa", "undrained shear strength su"),
@@ -83,23 +61,20 @@ def without_strength(site: Site, test: Measured, causes: list[str]) -> xr.Datase
     )
     modes = "; ".join(f"{layer.title}: {layer.strength}" for layer in site.layers)
     return found.assign_coords(
-        percentile=list(PERCENTILES), cause=causes, layer=layers
-    ).assign_attrs(
-        title=site.title,
-        site=site.name,
-        strength_mode=modes,
-        use=" ".join(site.use),
-        notes="; ".join(test.notes),
-    )
+        percentile=list(PERCENTILES), cause=causes, layer=places["layer"]
+    ).assign_attrs(title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use))
 
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
     """What may be quoted, a sentence a layer, with its assumptions."""
     sentences, measures = [], ", ".join(site.use).replace("_", " ")
     for layer, told in zip(site.layers, found["layer"].values, strict=True):
-        here = (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == 0)
+        inside = layer.holds(found.depth)
+        here = inside & (found.reason == 0)
         if not bool(here.any()):
-            sentences.append(f"{told}: no strength; {_why_none(found, layer)}.")
+            numbers = np.unique(found.reason.values[inside.values]).tolist()
+            why = ", ".join(REASONS[number] for number in numbers) or "the test does not reach it"
+            sentences.append(f"{told}: no strength; {why}.")
             continue
         own = found.sel(depth=here)
         low, middle, high = own.strength.mean("depth").values / 1e3
@@ -124,9 +99,3 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
 def rate_in_words(layer: Layer) -> str:
     """The strain rate of a layer's strength, in the unit of laboratories."""
     return f"{100.0 * 3600.0 * layer.laboratory_rate:.2g} %/h"
-
-
-def _why_none(found: xr.Dataset, layer: Layer) -> str:
-    inside = (found.depth >= layer.top) & (found.depth <= layer.bottom)
-    numbers = np.unique(found.reason.values[inside.values])
-    return ", ".join(REASONS[int(number)] for number in numbers) or "the test does not reach it"

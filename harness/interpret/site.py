@@ -21,6 +21,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from harness.interpret.keys import (
     ACCURACY,
@@ -98,6 +99,10 @@ class Layer:
     strength: str
     model_error: float
     assumed: tuple[str, ...] = ()
+
+    def holds(self, depth: Any) -> Any:
+        """Whether depths [m] lie in it, element by element."""
+        return (depth >= self.top) & (depth <= self.bottom)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -23,8 +23,8 @@ import numpy as np
 import xarray as xr
 
 from harness.interpret.borders import near_border, without_borders
-from harness.interpret.factors import RANGES, Along, at_table_rate, factors
-from harness.interpret.measured import REASONS, Measured, measured
+from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, Along, at_table_rate, factors
+from harness.interpret.measured import REASONS, error_of, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
@@ -93,14 +93,16 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     test = measured(site.test)
-    used = without_borders(test, site.borders, site.test.cone_radius) if sharpen else test
-    causes = _causes(site)
+    depth, layering = test.depth.values, (site.borders, site.test.cone_radius)
+    used = without_borders(test, *layering) if sharpen else test
+    names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
+    causes = [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
-    in_layer = np.full(len(test.depth), -1)
+    in_layer = np.full(len(depth), -1)
     for number, layer in enumerate(site.layers):
-        in_layer[(test.depth >= layer.top) & (test.depth <= layer.bottom)] = number
+        in_layer[layer.holds(depth)] = number
     reason[in_layer < 0] = REASONS.index("no layer")
     for number in range(len(site.layers)):
         here = np.flatnonzero((in_layer == number) & (reason == 0))
@@ -125,16 +127,16 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
-    near = near_border(test.depth, test.net, site.borders, site.test.cone_radius)
+    near = near_border(depth, test.net_resistance.values, *layering)
     meaning = "1 where the resistance feels another layer"
     own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
     if sharpen:
         told = "net resistance without the effect of borders"
-        own["sharpened_resistance"] = (used.net, "Pa", told)
+        own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
     return found.assign(labelled(dims=("depth",), **own))
 
 
-def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
+def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     """Draw the inputs of a layer, and the strength of each draw at its depths, which are at `here`.
 
     Raises:
@@ -151,41 +153,41 @@ def draw(site: Site, number: int, test: Measured, here: np.ndarray) -> Drawn:
         causes[WEIGHT] = weight
     inputs = sampled(causes, site.samples, site.seed + number)
 
-    def by_depth(values: Floats) -> Floats:
-        column: Floats = values[here][:, None]
-        return column
-
-    stress = by_depth(test.vertical_stress)
+    at = {str(name): array.values[here, None] for name, array in test.variables.items()}
+    stress = at["vertical_stress"]
     if WEIGHT in inputs:
-        stress = by_depth(test.depth) * inputs[WEIGHT]
-    net = by_depth(test.qt) + by_depth(test.errors["qt"]) * inputs[MEASUREMENT] - stress
-    net = np.maximum(net, LEAST_RESISTANCE * by_depth(test.net))
+        stress = at["depth"] * inputs[WEIGHT]
+    qt_error = at["total_resistance_error"] * inputs[MEASUREMENT]
+    net = at["total_resistance"] + qt_error - stress
+    net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])
     soil, ratio = _in_table(site, number, inputs)
     along, errors = table.along(soil), ratio * np.exp(inputs[TABLE_ERROR] + inputs[MODEL])
 
     # The ground's own Delta, and the adhesion of its sleeve, follow from the strength in turn.
     strength = net / (10.0 * errors)
     for _ in range(REPETITIONS):
-        anisotropy = _anisotropy(inputs, stress - by_depth(test.u0), strength) / ratio
-        held = _within("stress_anisotropy", anisotropy)
-        adhesion = _adhesion(inputs, by_depth(test.fs), strength * ratio, along, held)
+        anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
+        held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
+        adhesion = _adhesion(inputs, at["sleeve_friction"], strength * ratio, along, held)
         before, strength = strength, net / (along(held, adhesion, 1)["cone_factor"] * errors)
         if np.max(np.abs(strength / before - 1.0)) < SETTLED:
             break
     simulated = along(held, adhesion)
     likelihood = np.zeros(site.samples)
-    for use, column, values, quantity, left_out in (
-        ("sleeve", "fs", test.fs, "sleeve_friction_factor", MODEL_OF_SLEEVE),
-        ("pore_pressure", "u2", test.u2 - test.u0, "pore_pressure_factor_shoulder", MODEL_OF_U2),
+    fs, u2 = test.sleeve_friction.values[here], test.pore_pressure.values[here]
+    excess = u2 - test.water_pressure.values[here]
+    for use, values, half_width, quantity, left_out in (
+        ("sleeve", fs, error_of(site.test, "fs", fs), SLEEVE, MODEL_OF_SLEEVE),
+        ("pore_pressure", excess, error_of(site.test, "u2", u2), PRESSURE, MODEL_OF_U2),
     ):
         if use in site.use:
             width = math.hypot(left_out, table.half_widths[quantity] / HALF_WIDTH)
             expected = simulated[quantity] * ratio * strength
-            likelihood += log_likelihood(values[here], expected, test.errors[column][here], width)
+            likelihood += log_likelihood(values, expected, half_width, width)
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
     wanted = strength * _over_average(layer, inputs)
-    own = net / errors / by_depth(test.net)
+    own = net / errors / at["net_resistance"]
     of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
     ground = {
         name: np.broadcast_to(draws, strength.shape)
@@ -217,13 +219,7 @@ def _in_table(
                 f"draws leave the table of factors: {name} is {values.min():.3g} to "
                 f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
             )
-    return {name: _within(name, value) for name, value in soil.items()}, ratio
-
-
-def _within(name: str, values: Floats) -> Floats:
-    """Values moved to the range of the table."""
-    held: Floats = np.clip(values, *RANGES[name])
-    return held
+    return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:
@@ -309,9 +305,3 @@ def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floa
     total = np.sum(list(shares.values()), axis=0)
     over = np.maximum(total, 1.0)
     return {name: share / over for name, share in shares.items()} | {TOGETHER: 1.0 - total / over}
-
-
-def _causes(site: Site) -> list[str]:
-    """All causes of an error in any layer, in the order in which they are shown."""
-    names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
-    return [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]

@@ -1,7 +1,7 @@
 """All references and all experience: found by id, and as text for a terminal."""
 
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TypeVar
 
 from harness.errors import HarnessError
@@ -50,6 +50,24 @@ def _entry_of(entries: Iterable[Entry], entry_id: str, *, kind: str) -> Entry:
 
 def all_entries() -> str:
     """All references, then all experience, four lines or so for each, without a final new line."""
+    factors = " and ".join(factor.definition for factor in Factor)
+    references = {
+        reference.id: (
+            reference.formula,
+            f"criterion: {reference.criterion}; valid for: {reference.validity}",
+            reference.source,
+        )
+        for reference in CONE_FACTORS
+    }
+    bands = {
+        f"{entry.id}: {entry.band}": (
+            f"{entry.formula}, for {entry.spans}",
+            entry.clays,
+            entry.source,
+            f"how known: {entry.how_known}",
+        )
+        for entry in EXPERIENCE
+    }
     lines = [
         *_wrapped(
             "REFERENCES: cone factors by analysis, Nc = (qc - sigma_v0) / su, for a 60 degree "
@@ -57,20 +75,9 @@ def all_entries() -> str:
             "[references.NAME]."
         ),
         *_wrapped(SYMBOLS),
-    ]
-    for reference in CONE_FACTORS:
-        lines += ["", reference.id]
-        lines += _indented(
-            reference.formula,
-            f"criterion: {reference.criterion}; valid for: {reference.validity}",
-            reference.source,
-        )
-    lines += [
+        *_listed(references),
         "",
         *_wrapped(f"how known: {_once(reference.how_known for reference in CONE_FACTORS)}"),
-    ]
-    factors = " and ".join(factor.definition for factor in Factor)
-    lines += [
         "",
         "",
         *_wrapped(
@@ -79,15 +86,8 @@ def all_entries() -> str:
         ),
         *_wrapped(f"They hold {HOLDS}."),
         *_wrapped(f"su: {_once(entry.strength for entry in EXPERIENCE)}; {BESIDE_COMPRESSION}."),
+        *_listed(bands),
     ]
-    for entry in EXPERIENCE:
-        lines += ["", f"{entry.id}: {entry.band}"]
-        lines += _indented(
-            f"{entry.formula}, for {entry.spans}",
-            entry.clays,
-            entry.source,
-            f"how known: {entry.how_known}",
-        )
     return "\n".join(lines)
 
 
@@ -147,9 +147,9 @@ def _wrapped(text: str) -> list[str]:
     return textwrap.wrap(text, WIDTH)
 
 
-def _indented(*texts: str) -> list[str]:
-    return [
-        line
-        for text in texts
-        for line in textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
-    ]
+def _listed(entries: Mapping[str, Iterable[str]]) -> Iterator[str]:
+    """Entries one below the other: a title, and texts that are indented."""
+    for title, texts in entries.items():
+        yield from ("", title)
+        for text in texts:
+            yield from textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")

@@ -255,12 +255,12 @@ def _described(path: Path, keys: Container[str], shared: Mapping[str, Parameters
         return f"a copy of case {key}"
     if scene not in shared:
         return f"no case of this study: {told}: another scene"
-    others = ", ".join(
+    others = [
         f"{name}={value}"
         for name, value in parameters.items()
-        if name not in shared[scene] or value != shared[scene][name]
-    )
-    return f"no case of this study: {told}: {others or 'the same parameters'}"
+        if (name, value) not in shared[scene].items()
+    ]
+    return f"no case of this study: {told}: {', '.join(others) or 'the same parameters'}"
 
 
 def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:

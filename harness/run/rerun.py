@@ -4,7 +4,6 @@ import json
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -85,8 +84,7 @@ def rerun(case: Case, watcher: Watcher, options: RunOptions = DEFAULTS) -> xr.Da
         prepare(folder)
         run_cases([case], folder, 1, watcher, options)
         again = read_case(folder, case)
-    if again is None:
-        raise ArchiveError(f"case {case.key}: left no result")
+    assert again is not None, "what cannot be written ends the run"
     return again
 
 
@@ -103,7 +101,13 @@ def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
     )
     if not names:
         return True, "bit-identical"
-    return False, f"differs in {', '.join(names)}{_changes(before.attrs, again.attrs)}"
+    changes = [
+        f"{name} {before.attrs.get(name) or 'unknown'} -> {again.attrs[name]}"
+        for name in PROVENANCE
+        if before.attrs.get(name) != again.attrs[name]
+    ]
+    where = ", ".join(changes) or "on the same machine with the same versions"
+    return False, f"differs in {', '.join(names)}; {where}"
 
 
 def _status(dataset: xr.Dataset) -> str:
@@ -154,12 +158,3 @@ def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
             kept = values if is_kept else values.astype(array.dtype)
             variables[name] = xr.Variable(array.dims, kept)
     return xr.Dataset(variables)
-
-
-def _changes(before: Mapping[str, Any], again: Mapping[str, Any]) -> str:
-    changed = [
-        f"{name} {before.get(name) or 'unknown'} -> {again[name]}"
-        for name in PROVENANCE
-        if before.get(name) != again[name]
-    ]
-    return f"; {', '.join(changed)}" if changed else "; on the same machine with the same versions"

@@ -38,7 +38,7 @@ NOTICED = 0.05
 
 
 class Display(AbstractContextManager["Display"]):
-    """Shows so many cases as they run, with a bar where the stream is a terminal.
+    """A `Watcher` that shows so many cases as they run, with a bar where the stream is a terminal.
 
     It is a context that leaves the terminal's line clean.
     """

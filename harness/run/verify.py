@@ -12,7 +12,7 @@ import xarray as xr
 from harness.errors import HarnessError, in_one_line
 from harness.run.resources import UPDATE_RATE
 from mpm_warp.results import labelled
-from mpm_warp.scenes import Verification, scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, Verification, scene_class, scene_names
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,13 +29,22 @@ class Check:
         return " ".join([self.scene, *(f"{key}={value}" for key, value in settings.items())])
 
     @property
+    def runs(self) -> list[CatalogueScene]:
+        """The scene at each resolution; the coarsest of several is run once more before the others.
+
+        So no run time includes the compilation of kernels.
+        """
+        verification, scene = self.verification, scene_class(self.scene)
+        first = verification.resolutions[:1] if len(verification.resolutions) > 1 else ()
+        return [
+            scene(**verification.settings, **{verification.resolution: resolution})
+            for resolution in (*first, *verification.resolutions)
+        ]
+
+    @property
     def predicted_time(self) -> float:
         """Time of all its runs on one thread, about [s]; runs of unknown size count as none."""
-        verification, scene = self.verification, scene_class(self.scene)
-        sizes = [
-            scene(**verification.settings, **{verification.resolution: resolution}).run_size()
-            for resolution in _runs(verification)
-        ]
+        sizes = [scene.run_size() for scene in self.runs]
         return sum(size.particle_updates / UPDATE_RATE for size in sizes if size is not None)
 
 
@@ -127,28 +136,15 @@ def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
             pool.shutdown(cancel_futures=True)
 
 
-def _runs(verification: Verification) -> tuple[int, ...]:
-    """The resolutions of all runs, the coarsest of several once more before the others."""
-    resolutions = verification.resolutions
-    return (resolutions[0], *resolutions) if len(resolutions) > 1 else resolutions
-
-
 def verify(check: Check) -> Verified:
-    """Run a check; the results of a run that ends with an exception are not a number.
-
-    Of several resolutions the coarsest is run once more before the others, so that no run time
-    includes the compilation of kernels.
-    """
-    scene, verification = scene_class(check.scene), check.verification
-
-    def outcome(resolution: int) -> tuple[xr.Dataset | None, str]:
+    """Run a check; the results of a run that ends with an exception are not a number."""
+    outcomes: list[tuple[xr.Dataset | None, str]] = []
+    for scene in check.runs:
         try:
-            return scene(**verification.settings, **{verification.resolution: resolution}).run(), ""
+            outcomes.append((scene.run(), ""))
         except Exception as error:
-            return None, in_one_line(error)
-
-    outcomes = [outcome(run) for run in _runs(verification)][-len(verification.resolutions) :]
-    results, messages = zip(*outcomes, strict=True)
+            outcomes.append((None, in_one_line(error)))
+    results, messages = zip(*outcomes[-len(check.verification.resolutions) :], strict=True)
     return Verified(check=check, results=results, messages=messages)
 
 
@@ -184,21 +180,20 @@ def table_rows(verified: Verified) -> str:
 
 def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
     """Errors, run times and observed orders, over checks and the ranks of their resolutions."""
-    each = [_as_dataset(verified) for verified in all_verified]
+    each = []
+    for verified in all_verified:
+        resolutions = verified.check.verification.resolutions
+        over_ranks = labelled(
+            dims=("rank",),
+            error=(verified.values("error"), "1", "error against the exact solution"),
+            run_time=(verified.values("run_time"), "s", "wall-clock time of the run"),
+            resolution=(resolutions, "1", "resolution, in the scene's own parameter"),
+        )
+        passed = int(not verified.shortfalls)
+        alone = labelled(
+            order=(verified.order, "1", "observed order between the two finest resolutions"),
+            passed=(passed, "1", "1 where every bound is reached"),
+        )
+        each.append(xr.Dataset(over_ranks | alone, {"rank": range(len(resolutions))}))
     together = xr.concat(each, dim="check", join="outer", combine_attrs="override")
     return together.assign_coords(check=[verified.check.label for verified in all_verified])
-
-
-def _as_dataset(verified: Verified) -> xr.Dataset:
-    resolutions, passed = verified.check.verification.resolutions, not verified.shortfalls
-    over_ranks = labelled(
-        dims=("rank",),
-        error=(verified.values("error"), "1", "error against the exact solution"),
-        run_time=(verified.values("run_time"), "s", "wall-clock time of the run"),
-        resolution=(resolutions, "1", "resolution, in the scene's own parameter"),
-    )
-    alone = labelled(
-        order=(verified.order, "1", "observed order between the two finest resolutions"),
-        passed=(int(passed), "1", "1 where every bound is reached"),
-    )
-    return xr.Dataset(over_ranks | alone, coords={"rank": range(len(verified.results))})

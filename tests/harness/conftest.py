@@ -1,9 +1,6 @@
 """Studies that run in no time."""
 
-import contextlib
 import itertools
-import os
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from textwrap import dedent
@@ -44,6 +41,8 @@ rigidity_index = { from = 5, to = 500, spacing = "logarithmic" }
 material = ["tresca", "von_mises"]
 """
 
+Command = Callable[..., Any]
+"""Runs a command of these words, which ends with `code`, 0 by default: what it says."""
 Refusal = Callable[[list[str]], str]
 """Runs a command that is to be refused, and gives the one line with which it is."""
 Depth = Callable[[int, int], int]
@@ -137,12 +136,21 @@ def two_soils() -> xr.Dataset:
 
 
 @pytest.fixture
-def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
+def command(capsys: pytest.CaptureFixture[str]) -> Command:
+    def ended(*words: object, code: int = 0) -> Any:
+        capsys.readouterr()
+        assert main([str(word) for word in words]) == code
+        return capsys.readouterr()
+
+    return ended
+
+
+@pytest.fixture
+def refusal(command: Command) -> Refusal:
     def refused(arguments: list[str]) -> str:
-        assert main(arguments) == 2
-        captured = capsys.readouterr()
-        assert captured.out == ""
-        (line,) = captured.err.splitlines()
+        told = command(*arguments, code=2)
+        assert told.out == ""
+        (line,) = told.err.splitlines()
         return line
 
     return refused
@@ -154,13 +162,3 @@ def written(study: Study, out: Path) -> dict[str, tuple[int, int]]:
     done = [case for case in study.cases if case_files.is_complete(folder, case)]
     stats = {case.key: case_files.case_file(folder, case).stat() for case in done}
     return {key: (stat.st_ino, stat.st_mtime_ns) for key, stat in stats.items()}
-
-
-def wait_for_end(group: int) -> None:
-    """Wait until all processes of a group have ended, which must be soon."""
-    deadline = time.monotonic() + 30
-    with contextlib.suppress(ProcessLookupError):
-        while True:
-            os.killpg(group, 0)
-            assert time.monotonic() < deadline
-            time.sleep(0.01)

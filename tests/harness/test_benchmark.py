@@ -10,8 +10,6 @@ import pytest
 from harness.benchmark import cases as benchmark
 from harness.benchmark.cases import META_KEYS, Result, Submission, benchmark_cases
 from harness.benchmark.score import formulas, scores, summary_rows
-from harness.cli.main import main
-from harness.cli.process import BAD_INPUT, DONE
 from harness.report.plain_pages import benchmark_figure
 from harness.study.tables import StudyError
 from mpm_warp.scenes import scene_class
@@ -103,10 +101,9 @@ def test_results_without_an_uncertainty_are_drawn_hollow():
         (ROWS + "cone_100_smooth;10.5;;\n", "row 2: has 1 cells, must have 4"),
     ],
 )
-def test_malformed_results_are_told_in_one_line(results, told, tmp_path, capsys):
+def test_malformed_results_are_told_in_one_line(results, told, tmp_path, refusal):
     folder = written(tmp_path / "theirs", results)
-    assert main(["benchmark", "score", str(folder), "--out", str(tmp_path)]) == BAD_INPUT
-    (line,) = capsys.readouterr().err.splitlines()
+    line = refusal(["benchmark", "score", str(folder), "--out", str(tmp_path)])
     assert "results.csv" in line
     assert told in line
 
@@ -139,17 +136,16 @@ def test_missing_files_and_folders_are_told(tmp_path):
         benchmark.read_submissions(folder)
 
 
-def test_scores_are_printed_and_written(tmp_path, capsys):
+def test_scores_are_printed_and_written(tmp_path, command):
     folder = written(tmp_path / "theirs", ROWS + "cone_smooth,5.0,0.1,7\n")
     out = tmp_path / "out"
-    arguments = ["benchmark", "score", str(folder), "--against", "mpm_warp_quick"]
-    assert main([*arguments, "--out", str(out)]) == DONE
-    printed = capsys.readouterr().out
-    assert "theirs" in printed
+    options = ["--out", out, "--against"]
+    told = command("benchmark", "score", folder, *options, "mpm_warp_quick").out
+    assert "theirs" in told
     assert {it.suffix for it in out.glob("benchmark.*")} == {".csv", ".png", ".html"}
     assert "theirs" in (out / "benchmark.html").read_text()
     assert "cone_smooth,theirs,5,0.1,+12.3%,5.48,7" in (out / "benchmark.csv").read_text()
-    assert main(["benchmark", "score", "--against", "nobody", "--out", str(out)]) == BAD_INPUT
+    command("benchmark", "score", *options, "nobody", code=2)
 
 
 @pytest.mark.slow

@@ -10,9 +10,10 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import ENDING, find_fields, read_fields
+from harness.archive.conventions import TOLERANCES
 from harness.archive.study_files import read_study
 from harness.cli.process import DONE, INCOMPLETE
-from harness.compare.compared import NothingToCompareError, has_tolerances, misses
+from harness.compare.compared import NothingToCompareError, misses
 from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.least_squares import least_squares_table
@@ -41,7 +42,7 @@ def compare(options: argparse.Namespace) -> int:
         try:
             print(result_table(dataset))
         except NothingToCompareError:
-            if not has_tolerances(dataset):
+            if TOLERANCES not in dataset.attrs:
                 raise
         return list_misses(dataset)
 
@@ -70,7 +71,7 @@ def list_misses(dataset: xr.Dataset) -> int:
     lines = misses(dataset)
     for line in lines:
         tell(f"tolerance missed: {line}")
-    if not lines and has_tolerances(dataset):
+    if not lines and TOLERANCES in dataset.attrs:
         tell("all tolerances are kept")
     return INCOMPLETE if lines else DONE
 

@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import prepare
-from harness.archive.case_files import case_folder, write_case
+from harness.archive.case_files import write_case
 from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import collect
 from harness.compare.compared import with_references
 from harness.references.registry import cone_factor_reference
-from harness.study.study import load_study
+from tests.harness.conftest import HEAD, prepared, study_in
 
-HEAD = 'title = "t"\nscene = "cone_penetration"\n'
 FACTORS = (10.0, 11.0, 12.0)
 
 
@@ -27,11 +25,8 @@ def collected(
     folder: Path, factors: tuple[float, ...] = FACTORS, settings: tuple[str, ...] = ()
 ) -> xr.Dataset:
     """A study of three cases whose cone factors are given; one not a number has failed."""
-    path = folder / "s.toml"
-    path.write_text(HEAD + "[vary]\nadhesion_factor = [0, 0.5, 1]\n")
-    study = load_study(str(path), settings)
-    out = case_folder(folder, study)
-    prepare(out)
+    study = study_in(folder, f"{HEAD}[vary]\nadhesion_factor = [0, 0.5, 1]\n", *settings)
+    out = prepared(study, folder)
     for case, factor in zip(study.cases, factors, strict=True):
         result = xr.Dataset(
             {

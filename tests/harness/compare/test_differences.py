@@ -8,12 +8,11 @@ import pytest
 import xarray as xr
 
 from harness.archive.study_files import write_study
-from harness.cli.main import main
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import differences, differing, unshared
 from mpm_warp.parameters import parameter
 from tests.harness.compare.conftest import FACTORS, Two, collected
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Command, Refusal
 
 
 def test_equal_results_do_not_differ(two: Two) -> None:
@@ -32,16 +31,13 @@ def test_the_largest_difference_is_named_with_its_case(two: Two) -> None:
 
 
 def test_a_case_that_failed_in_one_differs_without_bound(two: Two) -> None:
-    found, lonely = differences(*two(10.0, np.nan, 12.0))
-    assert {it.size for it in found} == {np.inf}
-    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
-
-
-def test_a_status_that_differs_counts_where_no_number_does(two: Two) -> None:
-    one, other = (it[["status", "adhesion_factor"]] for it in two(10.0, np.nan, 12.0))
-    found, lonely = differences(one, other)
-    assert found == []
-    assert lonely == ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+    """And counts by its status alone where there are no numbers."""
+    one, other = two(10.0, np.nan, 12.0)
+    lonely = ["completed in the first, diverged in the second: adhesion_factor=0.5"]
+    found, told = differences(one, other)
+    assert ({it.size for it in found}, told) == ({np.inf}, lonely)
+    bare = ["status", "adhesion_factor"]
+    assert differences(one[bare], other[bare]) == ([], lonely)
 
 
 def test_what_was_not_compared_is_not_passed(tmp_path: Path, refusal: Refusal, two: Two) -> None:
@@ -66,14 +62,9 @@ def test_results_of_other_parameters_are_not_compared(two: Two) -> None:
         differences(*two(*FACTORS, settings=("density=1800",)))
 
 
-def without(dataset: xr.Dataset, name: str) -> xr.Dataset:
-    """A result of the scene before it had a parameter."""
-    return dataset.drop_vars(name)
-
-
 def test_a_result_from_before_a_parameter_is_compared_at_its_default(two: Two) -> None:
     one, other = two(*FACTORS)
-    older = without(one, "friction_coefficient")
+    older = one.drop_vars("friction_coefficient")
     assert differences(older, other) == differences(one, other)
     assert differences(other, older) == differences(other, one)
     assert unshared(one, other) == []
@@ -101,7 +92,7 @@ def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
     monkeypatch.setattr("harness.compare.differences.scene_class", lambda name: Derives)
     one, other = two(*FACTORS)
     name, role = "shaft_adhesion_factor", {"role": "parameter"}
-    older = without(one, name) if derived is None else one
+    older = one.drop_vars(name) if derived is None else one
     newer = other.assign({name: ("adhesion_factor", [0.0, 0.5, 1.0], role)})
     found, lonely = differences(older, newer)
     assert ([it.size for it in found], lonely) == ([0.0, 0.0], [])
@@ -116,13 +107,13 @@ def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
 def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(two: Two) -> None:
     one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
     with pytest.raises(NothingToCompareError):
-        differences(without(one, "friction_coefficient"), other)
+        differences(one.drop_vars("friction_coefficient"), other)
 
 
 def test_a_parameter_that_only_one_varies_leaves_its_default_to_compare(two: Two) -> None:
     varied = ("adhesion_factor=0.5", "friction_coefficient=[0.2, 0.1, 0]")
     one, other = two(10.0, 11.0, 11.11, settings=varied)
-    found, lonely = differences(without(one, "friction_coefficient"), other)
+    found, lonely = differences(one.drop_vars("friction_coefficient"), other)
     assert [it.size for it in found] == pytest.approx([0.01, 0.01])
     assert sum(line.startswith("only in the second: ") for line in lonely) == 2
 
@@ -138,17 +129,13 @@ def test_a_parameter_that_is_no_more_is_named(two: Two) -> None:
 
 @pytest.mark.parametrize(("tolerance", "code"), [("0", 1), ("0.005", 1), ("0.02", 0)])
 def test_two_files_beside_each_other(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], tolerance: str, code: int, two: Two
+    tmp_path: Path, command: Command, tolerance: str, code: int, two: Two
 ) -> None:
-    paths = [str(tmp_path / "one.nc"), str(tmp_path / "other.nc")]
+    paths = tmp_path / "one.nc", tmp_path / "other.nc"
     for path, dataset in zip(paths, two(10.0, 11.11, 12.0), strict=True):
-        write_study(Path(path), dataset)
-    assert main(["compare", *paths, "--tolerance", tolerance]) == code
-    assert capsys.readouterr().out.splitlines()[0].split()[:3] == [
-        "cone_factor",
-        "0.01",
-        "MISSED" if code else "ok",
-    ]
+        write_study(path, dataset)
+    first, *_ = command("compare", *paths, "--tolerance", tolerance, code=code).out.splitlines()
+    assert first.split()[:3] == ["cone_factor", "0.01", "MISSED" if code else "ok"]
 
 
 def test_a_single_bit_a_type_and_a_sign_of_zero_differ() -> None:
@@ -178,31 +165,29 @@ def missed(dataset: xr.Dataset, **tolerances: float) -> list[str]:
     return misses(with_tolerances(dataset, tolerances))
 
 
-def test_the_bound_of_a_result(tmp_path: Path) -> None:
-    dataset = collected(tmp_path)
-    assert missed(dataset, error=0.012) == []
-    assert missed(dataset, error=0.0115) == [
-        "error: adhesion_factor=1.0: 0.012 is beyond the tolerance 0.0115"
-    ]
-
-
-def test_the_bound_of_a_deviation(tmp_path: Path) -> None:
-    dataset = collected(tmp_path)
-    # 10 / 10.77 - 1, 11 / 11.42 - 1, 12 / 12.07 - 1
-    assert missed(dataset, lu_2004=0.08) == []
-    (line,) = missed(dataset, lu_2004=0.05)
-    assert line.startswith("lu_2004: adhesion_factor=0.0: 0.071")
+@pytest.mark.parametrize(
+    ("name", "limit", "told"),
+    [
+        ("error", 0.012, ""),
+        ("error", 0.0115, "adhesion_factor=1.0: 0.012 is beyond the tolerance 0.0115"),
+        # 10 / 10.77 - 1, 11 / 11.42 - 1, 12 / 12.07 - 1
+        ("lu_2004", 0.08, ""),
+        ("lu_2004", 0.05, "adhesion_factor=0.0: 0.0713 is beyond the tolerance 0.05"),
+        ("eror", 1.0, "is neither a reference nor a result here; did you mean 'error'?"),
+    ],
+)
+def test_what_is_beyond_a_tolerance_or_not_there_is_missed(
+    tmp_path: Path, name: str, limit: float, told: str
+) -> None:
+    assert missed(collected(tmp_path), **{name: limit}) == ([f"{name}: {told}"] if told else [])
 
 
 def test_a_reference_is_not_asked_outside_its_validity(tmp_path: Path) -> None:
     dataset = collected(tmp_path, settings=("rigidity_index=5",))
     assert missed(dataset, lu_2004=0.001) == ["lu_2004: applies to no case"]
     dataset = collected(tmp_path, settings=("adhesion_factor=0", "rigidity_index=[5, 100, 200]"))
-    lines = missed(dataset, lu_2004=0.001)
-    assert [line.split(":")[1] for line in lines] == [
-        " rigidity_index=100.0",
-        " rigidity_index=200.0",
-    ]
+    cases = [line.split(":")[1] for line in missed(dataset, lu_2004=0.001)]
+    assert cases == [" rigidity_index=100.0", " rigidity_index=200.0"]
 
 
 def test_what_failed_is_missed(tmp_path: Path) -> None:
@@ -210,29 +195,21 @@ def test_what_failed_is_missed(tmp_path: Path) -> None:
     assert line.startswith("error: adhesion_factor=0.5: nan")
 
 
-def test_what_is_not_there_is_missed(tmp_path: Path) -> None:
-    (line,) = missed(collected(tmp_path), eror=1.0)
-    assert line == "eror: is neither a reference nor a result here; did you mean 'error'?"
-
-
 @pytest.mark.parametrize(("limit", "code"), [(0.02, 0), (0.011, 1)])
 def test_compare_ends_with_1_where_a_tolerance_is_missed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], limit: float, code: int
+    tmp_path: Path, command: Command, limit: float, code: int
 ) -> None:
     dataset = collected(tmp_path).assign_attrs(design="full")
     write_study(tmp_path / "s.nc", with_tolerances(dataset, {"error": limit}))
-    assert main(["compare", str(tmp_path / "s.nc")]) == code
-    assert ("error: adhesion_factor=1.0" in capsys.readouterr().err) == bool(code)
+    told = command("compare", tmp_path / "s.nc", code=code).err
+    assert ("error: adhesion_factor=1.0" in told) == bool(code)
 
 
-def test_collecting_keeps_the_tolerances_of_the_study(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_collecting_keeps_the_tolerances_of_the_study(tmp_path: Path, command: Command) -> None:
     collected(tmp_path)
-    with (tmp_path / "s.toml").open("a") as file:
-        file.write("[compare]\ntolerance = { error = 0.011 }\n")
-    assert main(["collect", str(tmp_path / "s.toml"), "--out", str(tmp_path)]) == 0
-    assert main(["compare", str(tmp_path / "s.nc")]) == 1
+    study = tmp_path / "s.toml"
+    study.write_text(f"{study.read_text()}[compare]\ntolerance = {{ error = 0.011 }}\n")
+    command("collect", study, "--out", tmp_path)
+    command("compare", tmp_path / "s.nc", code=1)
     # Nothing is to be run again: run checks what is there.
-    assert main(["run", str(tmp_path / "s.toml"), "--out", str(tmp_path)]) == 1
-    assert "tolerance missed: error" in capsys.readouterr().err
+    assert "tolerance missed: error" in command("run", study, "--out", tmp_path, code=1).err

@@ -16,7 +16,7 @@ from harness.compare.costs import DERIVED, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
-from tests.harness.conftest import Refusal, as_collected
+from tests.harness.conftest import Command, Refusal, as_collected
 
 
 def test_error_is_against_the_costliest_case_of_the_same_soil(two_soils: xr.Dataset) -> None:
@@ -132,36 +132,25 @@ def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
 def test_recommended_are_the_cheapest_settings_good_for_every_soil(
     tmp_path: Path, two_soils: xr.Dataset
 ) -> None:
+    """None that failed once."""
     file = written(tmp_path, two_soils)
     found = recommend("cone_penetration", 0.05, [file])
     assert found.settings == {"cells_per_radius": 2.0}
     assert (found.error, found.run_time) == (pytest.approx(0.02), 2.5)
     cheap = recommend("cone_penetration", 0.5, [file])
     assert cheap.settings == {"cells_per_radius": 1.5}
-
-
-def test_settings_that_failed_once_are_not_recommended(
-    tmp_path: Path, two_soils: xr.Dataset
-) -> None:
-    dataset = two_soils
-    dataset["status"].loc[{"rigidity_index": 100.0, "cells_per_radius": 2.0}] = "diverged"
-    assert recommend("cone_penetration", 0.05, [written(tmp_path, dataset)]) is None
-
-
-def test_nothing_is_recommended_from_nothing(tmp_path: Path, two_soils: xr.Dataset) -> None:
-    file = written(tmp_path, two_soils.drop_vars("error_finest"))
-    with pytest.raises(HarnessError, match="no result with errors"):
-        recommend("cone_penetration", 0.05, [file])
+    two_soils["status"].loc[{"rigidity_index": 100.0, "cells_per_radius": 2.0}] = "diverged"
+    assert recommend("cone_penetration", 0.05, [written(tmp_path, two_soils)]) is None
 
 
 @pytest.mark.parametrize(("error", "code"), [("5%", 0), ("0.0001", 1)])
 def test_recommend_from_the_command_line(
-    error: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str], two_soils: xr.Dataset
+    error: str, code: int, tmp_path: Path, command: Command, two_soils: xr.Dataset
 ) -> None:
     written(tmp_path, two_soils)
-    arguments = ["recommend", "cone_penetration", "--error", error, "--results", str(tmp_path)]
-    assert main(arguments) == code
-    assert ("cells_per_radius = 2.0" in capsys.readouterr().out) == (code == 0)
+    arguments = ["recommend", "cone_penetration", "--error", error, "--results", tmp_path]
+    told = command(*arguments, code=code).out
+    assert ("cells_per_radius = 2.0" in told) == (code == 0)
 
 
 def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
@@ -182,14 +171,14 @@ def test_values_that_the_scene_derives_are_alike(tmp_path: Path) -> None:
     assert (found.settings, found.case_count) == ({"domain_radius": DERIVED}, 2)
 
 
-def test_that_none_varies_the_method_is_told(tmp_path: Path) -> None:
+def test_why_nothing_is_recommended_is_told(tmp_path: Path, two_soils: xr.Dataset) -> None:
+    file = written(tmp_path, two_soils.drop_vars("error_finest"))
+    with pytest.raises(HarnessError, match="no result with errors"):
+        recommend("cone_penetration", 0.05, [file])
     dataset = two_scenes().drop_vars(["error", "cell_count", "cells_per_length", "scene"])
     file = written(tmp_path, dataset.assign_attrs(scene="cone_penetration"))
     with pytest.raises(HarnessError, match="none varies the method: accuracy, cells_per_radius"):
         recommend("cone_penetration", 0.05, [file])
-
-
-def test_that_a_scene_has_no_errors_is_told() -> None:
     with pytest.raises(HarnessError, match="step_cost: has no errors"):
         recommend("step_cost", 0.05, [])
 

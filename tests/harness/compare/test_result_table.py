@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import uncertainty_of, varied_names
+from harness.archive.conventions import uncertainty_of
 from harness.archive.study_files import write_study
-from harness.cli.main import main
 from harness.compare.compared import NothingToCompareError
 from harness.compare.differences import difference, ratio, slope
 from harness.compare.least_squares import fit, least_squares_table
 from harness.compare.result_table import result_table
+from harness.study.files import studies_folder
 from mpm_warp.results import labelled
 from mpm_warp.uncertainty.laws import mesh_error
-from tests.harness.conftest import as_collected
+from tests.harness.conftest import Command, as_collected
 
 
 def footings(status: list[str]) -> xr.Dataset:
@@ -85,14 +85,11 @@ def cone_and_bar() -> xr.Dataset:
 
 
 def test_cones_and_other_scenes_have_a_table_each() -> None:
+    """Of all parameters those are varied that differ between cases of one scene."""
     cones, others = (it.splitlines() for it in result_table(cone_and_bar()).split("\n\n")[::2])
     assert cones[3].split()[:4] == ["cone_penetration", "11.36", "+-", "0.11"]
     assert others[3].split() == ["t_bar_penetration", "0.5", "10.81", "+-", "0.07", "completed"]
     assert others[4].split() == ["t_bar_penetration", "0", "9.12", "completed"]
-
-
-def test_of_several_scenes_a_parameter_is_varied_where_it_differs() -> None:
-    assert set(varied_names(cone_and_bar())) == {"scene", "adhesion_factor"}
 
 
 def test_each_scene_has_the_half_width_of_its_own_headline() -> None:
@@ -118,9 +115,6 @@ def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
     assert "no uncertainty" not in result_table(both)
 
 
-STUDIES = Path(__file__).parents[3] / "studies"
-
-
 def test_half_widths_are_those_of_samples() -> None:
     """Normal numbers of these means; a half width of 95 % is twice the standard deviation."""
     places = np.array([0.0, 1.0, 3.0])
@@ -138,7 +132,7 @@ def test_half_widths_are_those_of_samples() -> None:
 
 def test_differences_and_ratios_of_random_cases_are_inside() -> None:
     default, held_out = (
-        np.genfromtxt(STUDIES / f"{name}.csv", delimiter=",", names=True)
+        np.genfromtxt(studies_folder() / f"{name}.csv", delimiter=",", names=True)
         for name in ("held_out_default", "held_out")
     )
     known = list(zip(default["cone_factor"], default["cone_factor_uncertainty"], strict=True))
@@ -190,7 +184,6 @@ def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
 
 
 SIZES = [0.8, 0.4, 0.2, 0.1]
-MESH_ERROR = Path(__file__).parents[3] / "studies" / "mesh_error.csv"
 
 
 @pytest.mark.parametrize("order", [0.5, 1.0, 1.5, 2.0])
@@ -218,7 +211,7 @@ def test_values_that_scatter_have_a_larger_half_width() -> None:
 
 def cases() -> xr.Dataset:
     """The cases of `mesh_error`, their cone factors corrected for the mesh."""
-    table = np.genfromtxt(MESH_ERROR, delimiter=",", names=True)
+    table = np.genfromtxt(studies_folder() / "mesh_error.csv", delimiter=",", names=True)
     names = ("rigidity_index", "adhesion_factor", "cells_per_radius")
     rows = np.round(table["cells_per_radius"] * math.sqrt(3.0))
     errors = [
@@ -258,9 +251,7 @@ def test_three_meshes_are_too_few() -> None:
         least_squares_table(few)
 
 
-def test_the_table_from_the_command_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_table_from_the_command_line(tmp_path: Path, command: Command) -> None:
     write_study(tmp_path / "s.nc", cases())
-    assert main(["compare", str(tmp_path / "s.nc"), "--standards"]) == 0
-    assert "least squares: Eca & Hoekstra" in capsys.readouterr().out
+    told = command("compare", tmp_path / "s.nc", "--standards").out
+    assert "least squares: Eca & Hoekstra" in told

@@ -9,6 +9,7 @@ import xarray as xr
 
 from harness.cli.main import main
 from harness.compare.costs import bench_rows
+from tests.harness.conftest import Command
 
 pytestmark = pytest.mark.slow
 
@@ -58,22 +59,17 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
 
 
 def test_of_cases_that_are_computed_together_the_table_shows_speed_and_memory_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, command: Command
 ) -> None:
     settings = ["--set", "physics=elastic", "--set", "threads=[1, 2]", "--set", "cases=[1, 2]"]
-    assert main(["bench", *QUICK, *settings, "--out", str(tmp_path)]) == 0
-    rows = capsys.readouterr().out.splitlines()
+    rows = command("bench", *QUICK, *settings, "--out", tmp_path).out.splitlines()
     each = {f"threads {threads}, cases {cases}" for threads in (1, 2) for cases in (1, 2)}
     assert table(rows, SPEED).keys() == table(rows, MEMORY).keys() == each
     assert all(float(cell.split()[0]) > 0 for cell in table(rows, SPEED).values())
     assert table(rows, GAIN).keys() == {"threads 2, cases 1"}
 
 
-def test_two_benches_can_be_compared(
-    result: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["bench", *QUICK, "--out", str(tmp_path / "two")]) == 0
-    other = tmp_path / "two" / "bench.nc"
-    capsys.readouterr()
-    assert main(["compare", str(result), str(other), "--tolerance", "1e6"]) == 0
-    assert "update_rate " in capsys.readouterr().out
+def test_two_benches_can_be_compared(result: Path, tmp_path: Path, command: Command) -> None:
+    command("bench", *QUICK, "--out", tmp_path)
+    told = command("compare", result, tmp_path / "bench.nc", "--tolerance", "1e6").out
+    assert "update_rate " in told

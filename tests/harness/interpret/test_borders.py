@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.cli.main import main
 from harness.interpret.borders import (
     FAR,
     LEFT,
@@ -21,6 +20,7 @@ from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.sounding.sounding import Sounding
+from tests.harness.conftest import Command
 from tests.harness.interpret.conftest import LAYER, SITE, measured_rows
 
 RADIUS = 0.01785
@@ -62,10 +62,8 @@ def test_stiffness_acts_from_farther_away(factor_ratio: float) -> None:
     """At least half of what a change of Nkt does is taken away: its place and size compete."""
     net, own = felt(1.0, factor_ratio)
     near = np.abs(WAY) < 15.0
-    before, after = (
-        np.abs(np.log(it / own))[near].mean()
-        for it in (net, sharpened(DEPTH, net, [BORDER], RADIUS))
-    )
+    both = net, sharpened(DEPTH, net, [BORDER], RADIUS)
+    before, after = (np.abs(np.log(it / own))[near].mean() for it in both)
     assert after < 0.5 * before
 
 
@@ -104,10 +102,8 @@ def test_the_effect_of_a_simulated_border_is_halved_at_least(ratio: float) -> No
     way, net = found.depth.values - 56.0, found.net_resistance.values
     own = np.where(way < 0.0, 1.0, ratio) * net[:100].mean()
     near = np.abs(way) < 15.0
-    before, after = (
-        np.abs(it / own - 1.0)[near].mean()
-        for it in (net, sharpened(found.depth.values, net, [56.0], 1.0))
-    )
+    both = net, sharpened(found.depth.values, net, [56.0], 1.0)
+    before, after = (np.abs(it / own - 1.0)[near].mean() for it in both)
     assert after < 0.5 * before
 
 
@@ -148,18 +144,14 @@ def test_a_site_of_two_layers_is_sharpened(folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_loop_is_closed_from_the_command_line(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_loop_is_closed_from_the_command_line(folder: Path, command: Command) -> None:
     """A sounding through what was found gives what was measured.
 
     Away from the border within the numerical errors of the table and of the simulation, 3 % and
     1.5 %.
     """
     out = folder / "out"
-    arguments = ["interpret", str(folder / "site.toml"), "--sharpen", "--check"]
-    assert main([*arguments, "--out", str(out)]) == 0
-    told = capsys.readouterr()
+    told = command("interpret", folder / "site.toml", "--sharpen", "--check", "--out", out)
     assert told.out.count("simulated over expected net resistance") == 2
     assert "simulating the sounding, quick: about " in told.err
     found = xr.open_dataset(out / "site_check.nc")

@@ -1,17 +1,18 @@
 """Site files in words and by their schema: both from the keys that the reader itself takes."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.cli.main import main
 from harness.interpret.description import site_schema, site_text
 from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS
 from harness.interpret.site import load_site
 from harness.study.tables import StudyError
+from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import LAYER, SITE
 
 SCHEMA = Draft202012Validator(site_schema())
@@ -32,27 +33,41 @@ VALID = {
     "use": ("[test]", 'use = ["tip", "sleeve"]\n[test]'),
     "names": ("[test]", '[test]\ncolumns = { qc = "cone" }\nunits = { qc = "bar" }'),
 }
-INVALID = {
-    "misspelt": ("rigidity_index", "rigidty_index"),
-    "lacks a key": ("rigidity_index = 120", ""),
-    "beyond": ("= 120", "= 5000"),
-    "half a range": ("= 120", "= { low = 50 }"),
-    "unknown shape": ("= 120", '= { mean = 100, deviation = 9, shape = "beta" }'),
-    "one percentile": ("= 120", "= { p10 = 50 }"),
-    "a text": ("= 120", '= "stiff"'),
-    "a depth above": ("from = 2", "from = -2"),
-    "sleeve of another key": ("= 120", '= "sleeve"'),
-    "no such class": ("accuracy = {", 'accuracy = "class 7" # {'),
-    "half the errors": (", u2 = 0 }", " }"),
-    "two waters": ("[test]", "[test]\nu0 = { depth = [0], value = [0] }"),
-    "no water": ("water_level = 1.0", ""),
-    "K0 and Delta": ("[[layer]]", "[[layer]]\nK0 = 0.5"),
-    "no such use": ("[test]", 'use = ["tap"]\n[test]'),
-    "too few samples": ("[test]", "samples = 3\n[test]"),
-    "rate of what": ("laboratory_rate = 1e-6", 'laboratory_rate = "5 %"'),
-    "no layer": ("[[layer]]", "[other]"),
-    "a column of another name": ("[test]", '[test]\ncolumns = { tip = "cone" }'),
+REFUSED = {
+    "misspelt": ("rigidity_index", "rigidty_index", "did you mean 'rigidity_index'"),
+    "lacks a key": ("rigidity_index = 120", "", "rigidity_index: is missing"),
+    "beyond": ("= 120", "= 5000", "must be a number >= 15 and <= 1000"),
+    "half a range": ("= 120", "= { low = 50 }", "must be a number, { low, high }"),
+    "unknown shape": (
+        "= 120",
+        '= { mean = 100, deviation = 9, shape = "beta" }',
+        "shape must be normal",
+    ),
+    "one percentile": ("= 120", "= { p10 = 50 }", "must be a number, { low, high }"),
+    "a text": ("= 120", '= "stiff"', "must be a number, { low, high }"),
+    "a depth above": ("from = 2", "from = -2", "must be >= 0; depth of its top"),
+    "sleeve of another key": ("= 120", '= "sleeve"', "must be a number, { low, high }"),
+    "no such class": ("accuracy = {", 'accuracy = "class 7" # {', "must be one of class 1"),
+    "half the errors": (", u2 = 0 }", " }", "must have qc, fs and u2"),
+    "two waters": ("[test]", "[test]\nu0 = { depth = [0], value = [0] }", "says the same"),
+    "no water": ("water_level = 1.0", "", "water_level: is missing"),
+    "K0 and Delta": ("[[layer]]", "[[layer]]\nK0 = 0.5", "says the same"),
+    "no such use": ("[test]", 'use = ["tap"]\n[test]', "must be a list of tip, sleeve"),
+    "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer, 64 to 65536"),
+    "rate of what": ("= 1e-6", '= "5 %"', 'must be a text as "5 %/h"'),
+    "two points": ("= 1e-6", '= "1.2.3 %/h"', 'must be a text as "5 %/h"'),
+    "rate too high": ("= 1e-6", "= 1", "must be >= 1e-06"),
+    "no layer": ("[[layer]]", "[other]", "unknown key"),
+    "a column of another name": (
+        "[test]",
+        '[test]\ncolumns = { tip = "cone" }',
+        "unknown key",
+    ),
+    "area ratio": ("area_ratio = 0.8", "area_ratio = 1.8", "> 0 and <= 1"),
+    "heavy": ("= 17", "= 17000", "must be a number > 0 and <= 30"),
+    "heavy below": ("= 17", "= { depth = [1], value = [90] }", "at all depths"),
 }
+"""A text, what stands there instead, and what is said of it."""
 
 
 def test_the_schema_is_one() -> None:
@@ -67,42 +82,40 @@ def test_the_schema_and_the_reader_take_the_same(tmp_path: Path, change: str) ->
     assert list(SCHEMA.iter_errors(tomllib.loads(text))) == []
 
 
-@pytest.mark.parametrize("change", INVALID)
-def test_the_schema_and_the_reader_refuse_the_same(tmp_path: Path, change: str) -> None:
-    text = WHOLE.replace(*INVALID[change], 1)
+@pytest.mark.parametrize(("old", "new", "told"), REFUSED.values(), ids=REFUSED)
+def test_the_schema_and_the_reader_refuse_the_same(
+    tmp_path: Path, old: str, new: str, told: str
+) -> None:
+    text = WHOLE.replace(old, new, 1)
     assert text != WHOLE
-    (tmp_path / "site.toml").write_text(text)
-    with pytest.raises(StudyError):
-        load_site(tmp_path / "site.toml")
+    path = tmp_path / "site.toml"
+    path.write_text(text)
+    with pytest.raises(StudyError, match=f"^{re.escape(str(path))}: .*{re.escape(told)}"):
+        load_site(path)
     assert not SCHEMA.is_valid(tomllib.loads(text))
 
 
 def test_a_new_site_file_is_valid_and_every_key_of_it_is_described(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, command: Command
 ) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(site_text("test.csv", {"area_ratio": 0.8}))
     assert SCHEMA.is_valid(tomllib.loads(path.read_text()))
     assert {"adhesion_factor", "K0", "rate_factor"} <= set(load_site(path).layers[0].assumed)
     assert max(map(len, path.read_text().splitlines())) <= 100
-    assert main(["describe", str(path)]) == 0
-    told = capsys.readouterr().out
+    told = command("describe", path).out
     named = [line.split()[0] for line in told.splitlines()[2:] if line and line[0] not in " ["]
     assert [*SITE_KEYS, *TEST_KEYS, *LAYER_KEYS, "an"] == named
     assert "rigidity_index     { low = 50, high = 300 }" in told
     assert "5 %: 54.7, 50 %: 122, 95 %: 274" in told  # uniform in the logarithm
 
 
-def test_a_damaged_site_file_is_described_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_damaged_site_file_is_described_in_one_line(tmp_path: Path, refusal: Refusal) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(WHOLE.replace("= 120", "= 5000"))
-    assert main(["describe", str(path)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "rigidity_index = 5000: must be a number >= 15 and <= 1000" in line
+    told = "rigidity_index = 5000: must be a number >= 15 and <= 1000"
+    assert told in refusal(["describe", str(path)])
 
 
-def test_the_schema_of_sites_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["schema", "site"]) == 0
-    assert json.loads(capsys.readouterr().out) == site_schema()
+def test_the_schema_of_sites_is_printed(command: Command) -> None:
+    assert json.loads(command("schema", "site").out) == site_schema()

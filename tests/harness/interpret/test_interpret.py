@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.cli.main import main
 from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from mpm_warp.errors import ParameterError
+from tests.harness.conftest import Command
 from tests.harness.interpret.conftest import DEPTH, STRENGTH, changed, measured_rows
 
 
@@ -164,18 +164,16 @@ def test_values_that_cannot_be_clay_are_left_out(folder: Path) -> None:
 
 
 def test_a_site_is_interpreted_from_the_command_line(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     """From the test alone: a site file is written, completed by hand, and interpreted."""
     monkeypatch.chdir(folder)
     (folder / "triaxial.csv").write_text("depth [m],strength [kPa]\n5,15.5\n")
-    assert main(["new", "mine", "--interpret", "test.csv"]) == 0
-    assert main(["interpret", "mine.toml"]) == 2
-    assert "area_ratio: is missing" in capsys.readouterr().err
+    command("new", "mine", "--interpret", "test.csv")
+    assert "area_ratio: is missing" in command("interpret", "mine.toml", code=2).err
     text = (folder / "mine.toml").read_text()
     (folder / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
-    assert main(["interpret", "mine.toml", "--laboratory", "triaxial.csv"]) == 0
-    told = capsys.readouterr()
+    told = command("interpret", "mine.toml", "--laboratory", "triaxial.csv")
     assert told.out.startswith("2 to 10 m: su (isotropic")
     assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err

@@ -5,11 +5,10 @@ from typing import Any
 
 import pytest
 
-from harness.cli.main import main
 from harness.references.cone_factors import CONE_FACTORS
 from harness.references.experience import EXPERIENCE, HOLDS, Experience, Factor
 from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS, WIDTH, all_entries, one_entry
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Command, Refusal
 
 # By hand: log10 1.2 = 0.0791812, log10 6.3 = 0.7993405, ln 0.5 = -0.6931472, ln 1.1 = 0.0953102.
 BOUNDS = {
@@ -105,11 +104,9 @@ def test_a_terminal_is_wide_enough() -> None:
     assert max(len(line) for text in texts for line in text.splitlines()) <= WIDTH
 
 
-def test_the_command_prints_them(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["references"]) == 0
-    assert capsys.readouterr().out == f"{all_entries()}\n"
-    assert main(["references", "yu_2000"]) == 0
-    assert capsys.readouterr().out == f"{one_entry('yu_2000')}\n"
+def test_the_command_prints_them(command: Command) -> None:
+    assert command("references").out == f"{all_entries()}\n"
+    assert command("references", "yu_2000").out == f"{one_entry('yu_2000')}\n"
 
 
 @pytest.mark.parametrize(

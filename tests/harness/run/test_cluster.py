@@ -5,8 +5,7 @@ import json
 import shutil
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -23,10 +22,10 @@ from harness.run.worker import compute
 from harness.study.study import Study
 from tests.harness.conftest import Refusal, study_in, written
 
+from .conftest import LIMIT, wait_until
+
 pytestmark = pytest.mark.slow
 
-LIMIT = 120
-"""Seconds after which what is waited for does not come."""
 CASE_COUNT = 20
 DEFINITION = f"""
 title = "Twenty cases that take a moment"
@@ -73,13 +72,6 @@ def process(command: list[str], stderr: int) -> Iterator[subprocess.Popen[str]]:
             yield started
         finally:
             started.kill()
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""`status`, `collect` and `clean`, as the command line has them."""
+"""`status`, `collect` and `clean`: what they say, and that only what was listed is removed."""
 
 import io
 import os
@@ -10,43 +10,48 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive import case_files, study_files
-from harness.archive.atomic_files import partial_ending
+from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
+from harness.archive.case_files import case_file, discard, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
-from harness.cli.main import main
+from harness.archive.provenance import SOURCES, sources_digest
+from harness.archive.study_files import read_study
+from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.run.resources import case_time
-from harness.study.cases import Case
 from harness.study.study import Study
-from tests.harness.conftest import DONE, prepared
+from tests.harness.conftest import DONE, Command, keep, prepared
 
-pytestmark = pytest.mark.slow
-
-
-@pytest.fixture
-def folder(tmp_path: Path, small: Study) -> Path:
-    return prepared(small, tmp_path / "out")
+NOBODY = partial_ending(2**22 + 1)
+"""Ending of what a process was writing that has ended."""
 
 
 @pytest.fixture
-def half_done(folder: Path, small: Study) -> list[Case]:
+def out(tmp_path: Path) -> Path:
+    return tmp_path / "out"
+
+
+@pytest.fixture
+def folder(out: Path, small: Study) -> Path:
+    return prepared(small, out)
+
+
+@pytest.fixture
+def half_done(folder: Path, small: Study) -> Study:
     """A study of which one case is done, one has crashed and one has not run."""
-    cases = list(small.cases)
     done = DONE.assign(case_time=case_time(12.25))
-    case_files.write_case(folder, cases[0], done, COMPLETED)
-    case_files.write_case(folder, cases[1], xr.Dataset(), CRASHED, "worker killed by SIGKILL")
-    return cases
+    write_case(folder, small.cases[0], done, COMPLETED)
+    write_case(folder, small.cases[1], xr.Dataset(), CRASHED, "worker killed by SIGKILL")
+    return small
 
 
-def command(name: str, small_file: Path, *more: str) -> list[str]:
-    return [name, str(small_file), "--out", str(small_file.parent / "out"), *more]
+@pytest.fixture
+def of_small(command: Command, small: Study, out: Path) -> Command:
+    """A command on that study."""
+    return lambda name, *more, code=0: command(name, small.source, "--out", out, *more, code=code)
 
 
-def test_status_lists_every_case_and_counts_them(
-    half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(command("status", small_file)) == 1
-    _, done, crashed, missing, summary = capsys.readouterr().out.splitlines()
-    keys = [case.key for case in half_done]
+def test_status_lists_every_case_and_counts_them(half_done: Study, of_small: Command) -> None:
+    _, done, crashed, missing, summary = of_small("status", code=1).out.splitlines()
+    keys = [case.key for case in half_done.cases]
     assert done.split() == [keys[0], "completed", "12.2", "s", "adhesion_factor=0.0"]
     assert crashed.split(maxsplit=2)[:2] == [keys[1], "crashed"]
     assert crashed.endswith("adhesion_factor=0.5: worker killed by SIGKILL")
@@ -55,121 +60,213 @@ def test_status_lists_every_case_and_counts_them(
 
 
 def test_status_says_why_a_case_has_no_half_width_and_what_one_means(
-    folder: Path, small: Study, small_file: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, out: Path, small: Study, command: Command, of_small: Command
 ) -> None:
     told = ((), "Delta: it is beyond 0.95; speed: it is too high", {"role": "reason"})
-    case_files.write_case(folder, small.cases[0], DONE.assign(why_no_uncertainty=told), COMPLETED)
-    main(command("collect", small_file))
-    capsys.readouterr()
-    collected = ["status", str(small_file.parent / "out" / f"{small.name}.nc")]
-    for which in (command("status", small_file), collected):
-        main(which)
-        lines = capsys.readouterr().out.splitlines()
+    write_case(folder, small.cases[0], DONE.assign(why_no_uncertainty=told), COMPLETED)
+    of_small("collect", code=1)
+    for said in (of_small("status", code=1), command("status", out / "small.nc", code=1)):
+        lines = said.out.splitlines()
         assert lines[1].endswith("adhesion_factor=0.0: no U: Delta, speed")
         assert lines[-1] == f"U: {HALF_WIDTH}"
 
     known = (), 0.1, {"role": "uncertainty"}
     partly = DONE.assign(why_no_uncertainty=told, last_cone_factor_uncertainty=known)
-    case_files.write_case(folder, small.cases[0], partly, COMPLETED)
-    main(command("status", small_file))
-    assert "no U" not in capsys.readouterr().out  # of some depths of a sounding alone
+    write_case(folder, small.cases[0], partly, COMPLETED)
+    assert "no U" not in of_small("status", code=1).out  # of some depths of a sounding alone
 
 
-def test_collect_writes_what_there_is(
-    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(command("collect", small_file)) == 1
-    captured = capsys.readouterr()
-    path = small_file.parent / "out" / "small.nc"
-    assert captured.out == f"{path}\n"
-    assert "3 cases: 1 completed, 1 crashed, 1 missing" in captured.err
-    dataset = study_files.read_study(path)
+def test_collect_writes_what_there_is(out: Path, half_done: Study, of_small: Command) -> None:
+    told = of_small("collect", code=1)
+    assert told.out == f"{out / 'small.nc'}\n"
+    assert "3 cases: 1 completed, 1 crashed, 1 missing" in told.err
+    dataset = read_study(out / "small.nc")
     assert dataset.status.values.tolist() == [COMPLETED, CRASHED, "missing"]
     assert dataset.cone_factor.values[0] == 10
-    for case in half_done:
-        case_files.write_case(folder, case, DONE, COMPLETED)
-    assert main(command("collect", small_file)) == 0
-    assert main(command("status", small_file)) == 0
+    keep(half_done, out)
+    of_small("collect")
+    of_small("status")
+
+
+OTHERS = (
+    "harness: small: 2 of 3 results computed by other sources of the simulator, of the same "
+    "version; kept: `harness run --fresh` computes them anew"
+)
+
+
+def keep_made(study: Study, out: Path, *sources: str | None) -> None:
+    """Write results of all cases, which say by which sources they were computed."""
+    said = [{} if digest is None else {SOURCES: digest} for digest in sources]
+    keep(study, out, *(DONE.assign(made=1.0).assign_attrs(it) for it in said))
+
+
+@pytest.mark.parametrize("name", ["run", "status", "collect"])
+def test_results_of_other_sources_are_kept_and_told(
+    name: str, small: Study, out: Path, of_small: Command
+) -> None:
+    ours = sources_digest(small.parts[0].scene)
+    keep_made(small, out, ours, ours, ours)
+    assert "sources" not in of_small(name).err
+    keep_made(small, out, ours, "earlier", None)
+    assert OTHERS in of_small(name).err.splitlines()
+    if name != "status":
+        dataset = read_study(out / "small.nc")
+        assert dataset["made"].values.tolist() == [1.0, 1.0, 1.0]
+        assert dataset[SOURCES].values.tolist() == [ours, "earlier", ""]
+
+
+@pytest.mark.slow
+def test_fresh_computes_them_anew(small: Study, out: Path, of_small: Command) -> None:
+    keep_made(small, out, "earlier", "earlier", "earlier")
+    assert "sources" not in of_small("run", "--fresh").err
+    dataset = read_study(out / "small.nc")
+    assert dataset.attrs[SOURCES] == sources_digest(small.parts[0].scene)
+    assert "cone_factor" in dataset
 
 
 @pytest.fixture
-def leftovers(folder: Path, half_done: list[Case]) -> set[Path]:
+def leftovers(folder: Path, half_done: Study) -> set[Path]:
     """One of each kind of file that belongs to no case."""
-    case = half_done[0]
+    case = half_done.cases[0]
     stranger = replace(case, parameters={**case.parameters, "rigidity_index": 50.0})
-    case_files.write_case(folder, stranger, DONE, COMPLETED)
-    damaged = case_files.case_file(folder, half_done[2])
-    damaged.write_bytes(b"noise")
-    noise = folder / "noise.nc"
-    noise.write_bytes(b"noise")
+    write_case(folder, stranger, DONE, COMPLETED)
+    damaged, noise = case_file(folder, half_done.cases[2]), folder / "noise.nc"
+    for path in (damaged, noise):
+        path.write_bytes(b"noise")
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    half = case_files.case_file(folder, case)
-    partial = half.with_name(f".{half.name}{partial_ending(ended.pid)}")
+    partial = folder / f".{case.key}.nc{partial_ending(ended.pid)}"
     partial.touch()
-    return {case_files.case_file(folder, stranger), damaged, noise, partial}
-
-
-def removed(folder: Path, leftovers: set[Path]) -> set[Path]:
-    return {path for path in leftovers if path not in set(folder.iterdir())}
+    return {case_file(folder, stranger), damaged, noise, partial}
 
 
 @pytest.mark.parametrize("answer", [None, "", "n\n", "yes please\n"])
 def test_clean_removes_nothing_without_a_yes(
-    answer: str | None,
-    folder: Path,
-    leftovers: set[Path],
-    small_file: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    answer: str | None, leftovers: set[Path], of_small: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Nobody can answer where standard input is closed.
     monkeypatch.setattr(sys, "stdin", None if answer is None else io.StringIO(answer))
-    assert main(command("clean", small_file)) == 1
-    captured = capsys.readouterr()
-    assert {Path(line.partition(": ")[0]) for line in captured.out.splitlines()} == leftovers
-    assert "rigidity_index=50.0" in captured.out
-    assert "remove 4 files? [y/N]" in captured.err
-    assert captured.err.endswith("nothing removed\n")
-    assert removed(folder, leftovers) == set()
+    told = of_small("clean", code=1)
+    assert {Path(line.partition(": ")[0]) for line in told.out.splitlines()} == leftovers
+    assert "rigidity_index=50.0" in told.out
+    assert "remove 4 files? [y/N]" in told.err
+    assert told.err.endswith("nothing removed\n")
+    assert all(path.exists() for path in leftovers)
 
 
 def test_clean_leaves_the_results_of_the_study_and_what_is_being_written(
-    folder: Path, half_done: list[Case], leftovers: set[Path], small_file: Path
+    folder: Path, half_done: Study, leftovers: set[Path], of_small: Command
 ) -> None:
     being_written = folder / f".x.nc{partial_ending(os.getpid())}"
     elsewhere = folder / ".x.nc.another_machine-1.part"
     for path in (being_written, elsewhere):
         path.touch()
-    assert main(command("clean", small_file, "--yes")) == 0
-    assert removed(folder, leftovers) == leftovers
-    kept = {case_files.case_file(folder, case) for case in half_done[:2]}
+    of_small("clean", "--yes")
+    kept = {case_file(folder, case) for case in half_done.cases[:2]}
     assert set(folder.iterdir()) == {*kept, being_written, elsewhere}
-    assert main(command("clean", small_file)) == 0  # nothing to ask about
+    of_small("clean")  # nothing to ask about
 
 
-def test_clean_says_what_each_file_is(
-    folder: Path, half_done: list[Case], small_file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    second = half_done[1]
+def test_clean_says_what_each_file_is(folder: Path, half_done: Study, of_small: Command) -> None:
+    second = half_done.cases[1]
     copy, older, stiff = (folder / name for name in ("copy.nc", "older.nc", "stiff.nc"))
-    copy.write_bytes(case_files.case_file(folder, second).read_bytes())
+    copy.write_bytes(case_file(folder, second).read_bytes())
     for path, changed in (
         (older, replace(second, scene_version=0)),
         (stiff, replace(second, parameters={**second.parameters, "rigidity_index": 50.0})),
     ):
-        case_files.write_case(folder, changed, DONE, COMPLETED)
-        case_files.case_file(folder, changed).rename(path)
-    damaged = case_files.case_file(folder, second)
+        write_case(folder, changed, DONE, COMPLETED)
+        case_file(folder, changed).rename(path)
+    damaged = case_file(folder, second)
     damaged.write_bytes(b"noise")
-    assert main(command("clean", small_file, "--yes")) == 0
-    told = dict(line.split(": ", 1) for line in capsys.readouterr().out.splitlines())
+    told = dict(line.split(": ", 1) for line in of_small("clean", "--yes").out.splitlines())
     assert told.pop(str(damaged)).startswith("cannot be read: ")
     stranger = "no case of this study: cone_penetration version"
-    version = second.scene_version
     of_second = "adhesion_factor=0.5, shaft_adhesion_factor=0.5"
     assert told == {
         str(copy): f"a copy of case {second.key}",
         str(older): f"{stranger} 0, completed: {of_second}",
-        str(stiff): f"{stranger} {version}, completed: rigidity_index=50.0, {of_second}",
+        str(stiff): f"{stranger} {second.scene_version}, completed: rigidity_index=50.0, "
+        f"{of_second}",
     }
+
+
+@pytest.fixture
+def outside(tmp_path: Path, small: Study) -> Path:
+    """A folder beside the results, with files that `clean` would remove among its own."""
+    outside = tmp_path / "outside"
+    (outside / "cases").mkdir(parents=True)
+    for place in (outside, outside / "cases"):
+        (place / "precious.nc").write_bytes(b"noise")
+        case_file(place, small.cases[0]).write_bytes(b"noise")
+        (place / f".x.nc{NOBODY}").touch()
+    return outside
+
+
+@pytest.mark.parametrize("name", ["clean --yes", "run", "run --fresh"])
+@pytest.mark.parametrize("link", ["small", "small/cases"])
+def test_a_linked_folder_is_refused_and_left_as_it_is(
+    link: str, name: str, outside: Path, out: Path, of_small: Command
+) -> None:
+    place = out / link
+    prepare(place.parent)
+    place.symlink_to(outside)
+    before = set(outside.rglob("*"))
+    (line,) = of_small(*name.split(), code=2).err.splitlines()
+    assert line.startswith(f"harness: {place}: is a link, and no file is removed outside")
+    assert set(outside.rglob("*")) == before
+
+
+def test_the_folder_of_results_itself_may_be_a_link(
+    small: Study, out: Path, tmp_path: Path, of_small: Command
+) -> None:
+    folder = prepared(small, tmp_path / "real")
+    (folder / "noise.nc").write_bytes(b"noise")
+    out.symlink_to(tmp_path / "real")
+    assert of_small("clean", "--yes").err == "harness: 1 file removed\n"
+    assert not list(folder.iterdir())
+
+
+def test_links_go_and_what_they_lead_to_stays_and_a_folder_stops_nothing(
+    outside: Path, small: Study, folder: Path, of_small: Command
+) -> None:
+    links = {
+        folder / "file.nc": outside / "precious.nc",
+        folder / "folder.nc": outside / "cases",
+        folder / "nowhere.nc": outside / "none",
+        case_file(folder, small.cases[1]): outside / "precious.nc",
+    }
+    for link, end in links.items():
+        link.symlink_to(end)
+    folders = {case_file(folder, small.cases[0]), folder / "a.nc", folder / f".half.nc{NOBODY}"}
+    for kept in folders:
+        kept.mkdir()
+        (kept / "inside.nc").touch()
+    before = set(outside.rglob("*"))
+    told = of_small("clean", "--yes")
+    assert {Path(line.partition(": ")[0]) for line in told.out.splitlines()} == links.keys()
+    assert told.err.count("is a folder, where only files belong; kept") == 2
+    assert told.err.endswith("harness: 4 files removed\n")
+    assert set(outside.rglob("*")) == before
+    assert set(folder.iterdir()) == folders
+
+
+def test_what_was_written_anew_since_it_was_listed_is_kept(
+    small: Study, out: Path, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = case_file(folder, small.cases[0])
+    for noise in (path, folder / "noise.nc"):
+        noise.write_bytes(b"noise")
+    found = stray_files(small, out)
+    assert len(found) == 2
+    path.write_bytes(b"a result that another run has written")
+    assert remove_stray(found) == 1
+    assert capsys.readouterr().err == f"harness: {path}: was written anew meanwhile; kept\n"
+    assert list(folder.iterdir()) == [path]
+
+
+def test_a_folder_called_like_a_case_file_is_not_discarded(small: Study, folder: Path) -> None:
+    case_file(folder, small.cases[0]).mkdir()
+    with pytest.raises(ArchiveError, match="is a folder, where only files belong"):
+        discard(folder, small.cases)
+    assert case_file(folder, small.cases[0]).is_dir()

@@ -18,16 +18,22 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
-from harness.study.study import Study
-from tests.harness.conftest import Depth, study_in, wait_for_end, written
+from tests.harness.conftest import Depth, study_in, written
+
+from .conftest import LIMIT, wait_until
 
 pytestmark = pytest.mark.slow
 
 INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
 
 
-LIMIT = 120
-"""Seconds after which what is waited for does not come."""
+def has_ended(group: int) -> bool:
+    """Whether all processes of a group have ended."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return True
+    return False
 
 
 def run_of(study: Path, out: Path, workers: int, *more: str) -> list[str]:
@@ -94,7 +100,7 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
     interrupted = INTERRUPTED.search(told)
     assert interrupted[1].startswith("2 cases: 1 completed, 1 missing; ")
     assert "Traceback" not in told
-    wait_for_end(process.pid)
+    wait_until(lambda: has_ended(process.pid))
     assert statuses_left(out) == [COMPLETED]
     dataset = study_files.read_study(out / "small.nc")
     assert dataset.status.values.tolist() == [COMPLETED, "missing"]
@@ -113,7 +119,7 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     assert process.returncode == 130
     assert INTERRUPTED.search(told)
     assert "Traceback" not in told
-    wait_for_end(process.pid)
+    wait_until(lambda: has_ended(process.pid))
     assert statuses_left(out) == []
 
 
@@ -122,7 +128,7 @@ def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Pa
     with running(small_file, out, until="harness: small: ") as process:
         process.stderr.close()
     assert process.returncode == 141
-    wait_for_end(process.pid)
+    wait_until(lambda: has_ended(process.pid))
     assert statuses_left(out) == [COMPLETED]
 
 
@@ -139,39 +145,15 @@ def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> No
     assert int(held, 16) & 1 << (signal.SIGINT - 1)
 
 
-LONGEST_RUN = 600
-"""Seconds after which a run is taken to hang: it needs less than a minute."""
-
-
-def many(folder: Path, case_count: int) -> Study:
-    """A study of small cases."""
-    values = [0.4 * i / case_count for i in range(case_count)]
-    head = 'title = "Many small cases"\nscene = "gravity_column"\n'
-    text = f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {values}\n"
-    return study_in(folder, head + text, name="many")
-
-
-def kill_when(command: list[str], folder: Path, done: int, delay: float) -> int:
-    """Run a command, and kill its group of processes a moment after `done` case files are there."""
-    with group(command) as process:
-        deadline = time.monotonic() + LONGEST_RUN
-        while len(list(folder.glob("*.nc"))) < done:
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.005)
-        time.sleep(delay)
-        os.killpg(process.pid, signal.SIGKILL)
-    assert process.returncode == -signal.SIGKILL  # it had not ended by itself
-    return process.pid
-
-
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     tmp_path: Path, depth: Depth
 ) -> None:
     case_count, kills = depth(60, 200), depth(4, 10)
-    study = many(tmp_path, case_count)
+    ratios = [0.4 * i / case_count for i in range(case_count)]
+    text = f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {ratios}\n"
+    study = study_in(tmp_path, f'title = "t"\nscene = "gravity_column"\n{text}', name="many")
     undisturbed = run_of(study.source, tmp_path / "whole", 2)
-    subprocess.run(undisturbed, check=True, capture_output=True, timeout=LONGEST_RUN)
+    subprocess.run(undisturbed, check=True, capture_output=True, timeout=5 * LIMIT)
 
     out = tmp_path / "killed"
     folder = case_files.case_folder(out, study)
@@ -180,13 +162,18 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     # Half of the cases are left at the last kill, so that it does not come too late.
     for done in sorted(moments.sample(range(case_count // 2), kills)):
         delay = moments.uniform(0, 0.1)
-        wait_for_end(kill_when(run_of(study.source, out, 2), folder, done, delay))
+        with group(run_of(study.source, out, 2)) as process:
+            wait_until(lambda count=done: len(list(folder.glob("*.nc"))) >= count)
+            time.sleep(delay)
+            os.killpg(process.pid, signal.SIGKILL)
+        assert process.returncode == -signal.SIGKILL  # it had not ended by itself
+        wait_until(lambda: has_ended(process.pid))
         now = written(study, out)
         assert seen.items() <= now.items()
         seen = now
     assert 0 < len(seen) < case_count
     goes_on = run_of(study.source, out, 2)
-    subprocess.run(goes_on, check=True, capture_output=True, timeout=LONGEST_RUN)
+    subprocess.run(goes_on, check=True, capture_output=True, timeout=5 * LIMIT)
 
     assert seen.items() <= written(study, out).items()
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in study.cases}
@@ -226,12 +213,9 @@ def test_no_worker_outlives_its_parent(tmp_path: Path, depth: Depth) -> None:
     study.write_text(LONG_STEPS)
     for _ in range(depth(2, 20)):
         with group(run_of(study, tmp_path / "out", 2)) as process:
-            deadline = time.monotonic() + 60
-            while worker_count(process.pid) < 2:
-                assert time.monotonic() < deadline
-                time.sleep(0.05)
+            wait_until(lambda: worker_count(process.pid) >= 2)
             time.sleep(moments.uniform(0.0, LATEST))
             process.kill()
             process.wait()
-            wait_for_end(process.pid)
+            wait_until(lambda: has_ended(process.pid))
     assert not list((tmp_path / "out").rglob("*.nc"))

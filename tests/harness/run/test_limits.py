@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from harness.cli.main import main
 from harness.run import resources
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -33,7 +32,7 @@ from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
 from mpm_warp.scenes.run_size import shortest_crossing
 from mpm_warp.scenes.sounding.sounding import Sounding
-from tests.harness.conftest import values
+from tests.harness.conftest import Command, values
 
 from .conftest import Record
 
@@ -124,13 +123,11 @@ def test_the_shortest_crossing_is_that_of_cells_at_the_surface(make: Callable[[]
 
 
 def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     settings = ["--set", "adhesion_factor=0", "--set", "cells_per_radius=[1, 60]"]
-    out = str(tmp_path / "results")
-    run = ["run", str(small_file), "--out", out, "--workers", "2", *settings]
-    assert main([*run, "--memory-limit", "0.8GB"]) == 1
-    told = capsys.readouterr().err
+    options = ["--out", tmp_path / "results", "--workers", 2, "--memory-limit", "0.8GB"]
+    told = command("run", small_file, *options, *settings, code=1).err
     assert "cells_per_radius=60.0: refused: needs about 1.25 GB" in told
     assert "where a case may take 0.4 GB" in told
     assert "cells_per_radius=1.0: completed" in told

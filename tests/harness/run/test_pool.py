@@ -6,7 +6,7 @@ import os
 import re
 import signal
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from textwrap import dedent
 from typing import NoReturn
@@ -23,7 +23,7 @@ from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.run import pool
 from harness.run.pool import cases_at_once, run_cases, share_of_cores
-from harness.run.resources import RunOptions
+from harness.run.resources import DEFAULTS, RunOptions
 from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
@@ -32,6 +32,8 @@ from tests.harness.conftest import DONE, SMALL, prepared, study_in
 from .conftest import Record, kill_workers, run
 
 pytestmark = pytest.mark.slow
+
+Begun = Callable[..., WorkerProcess]
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,26 @@ def test_every_case_is_run_once_and_has_the_same_bits(
     assert run_together(case_folder(tmp_path, small), small.cases) == [together] * 3
 
 
+@pytest.fixture
+def folder(tmp_path: Path, small: Study) -> Path:
+    """Where the results of three cases are kept."""
+    return prepared(small, tmp_path)
+
+
+@pytest.fixture
+def begun(folder: Path, small: Study) -> Iterator[Begun]:
+    """Makes workers that have taken on the first of the cases."""
+    workers = []
+
+    def made(options: RunOptions = DEFAULTS) -> WorkerProcess:
+        workers.append(WorkerProcess(folder, options))
+        workers[-1].begin(small.cases[:1])
+        return workers[-1]
+
+    yield made
+    end_all(workers)
+
+
 def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
     """How many cases each of some was run with, itself among them."""
     kept = [case_files.read_case(folder, case) for case in cases]
@@ -71,7 +93,7 @@ def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
 
 
 def test_a_case_has_its_threads_from_the_first_step_on(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+    folder: Path, small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sent = []
     send = WorkerProcess._send
@@ -81,9 +103,8 @@ def test_a_case_has_its_threads_from_the_first_step_on(
         send(worker, message)
 
     monkeypatch.setattr(WorkerProcess, "_send", noted)
-    cases = small.cases
-    run_cases(cases, prepared(small, tmp_path), 1, Record(), RunOptions(threads=2))
-    assert sent == [2, *((case,) for case in cases)]
+    run_cases(small.cases, folder, 1, Record(), RunOptions(threads=2))
+    assert sent == [2, *((case,) for case in small.cases)]
 
 
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,9 +158,8 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
 
 
 def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
-    tmp_path: Path, small: Study
+    folder: Path, small: Study
 ) -> None:
-    folder = prepared(small, tmp_path)
     case = small.cases[0]
 
     def kill(case: Case, fraction: float) -> None:
@@ -155,9 +175,8 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
 
 
 def test_what_another_run_has_completed_meanwhile_is_not_run_again(
-    tmp_path: Path, small: Study
+    folder: Path, small: Study
 ) -> None:
-    folder = prepared(small, tmp_path)
     first, *others = small.cases
 
     def complete(case: Case, fraction: float) -> None:
@@ -208,60 +227,47 @@ def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Stu
     assert not multiprocessing.active_children()
 
 
-def test_the_time_of_a_case_begins_with_its_computation(tmp_path: Path, small: Study) -> None:
+def test_the_time_of_a_case_begins_with_its_computation(begun: Begun, small: Study) -> None:
     """Not when the worker has taken it on: it imports, sets up and compiles first."""
-    worker = WorkerProcess(prepared(small, tmp_path), RunOptions(time_limit=1.0))
-    try:
-        worker.begin(small.cases[:1])
-        worker.connection.poll(60)
-        assert worker.news() == [(small.cases[0], 0.0)]
-        assert worker.deadline == math.inf
-        worker.connection.poll(60)
-        assert worker.news() == [(small.cases[0], 0.0)]
-        assert worker.deadline <= time.monotonic() + 1.0
-    finally:
-        end_all([worker])
+    worker = begun(RunOptions(time_limit=1.0))
+    worker.connection.poll(60)
+    assert worker.news() == [(small.cases[0], 0.0)]
+    assert worker.deadline == math.inf
+    worker.connection.poll(60)
+    assert worker.news() == [(small.cases[0], 0.0)]
+    assert worker.deadline <= time.monotonic() + 1.0
 
 
 def test_while_all_processes_are_stopped_no_time_of_a_case_passes(
-    tmp_path: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+    begun: Begun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As by Ctrl-Z; a limit of 10 s, of which 5 are gone, and an hour's stop."""
-    worker = WorkerProcess(prepared(small, tmp_path), RunOptions(time_limit=10.0))
-    try:
-        worker.begin(small.cases[:1])
-        worker.began, clock = 1000.0, [1005.0]
-        with monkeypatch.context() as patched:
-            patched.setattr(worker.connection, "poll", lambda: False)
-            patched.setattr(time, "monotonic", lambda: clock[-1])
-            patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left + 3600.0))
-            assert pool._with_news([worker]) == []
-            patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left))
-            assert pool._with_news([worker]) == []
-            clock.append(clock[-1] + 5.0)
-            assert pool._with_news([worker]) == [worker]
-    finally:
-        end_all([worker])
+    worker = begun(RunOptions(time_limit=10.0))
+    worker.began, clock = 1000.0, [1005.0]
+    with monkeypatch.context() as patched:
+        patched.setattr(worker.connection, "poll", lambda: False)
+        patched.setattr(time, "monotonic", lambda: clock[-1])
+        patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left + 3600.0))
+        assert pool._with_news([worker]) == []
+        patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left))
+        assert pool._with_news([worker]) == []
+        clock.append(clock[-1] + 5.0)
+        assert pool._with_news([worker]) == [worker]
 
 
 def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
-    tmp_path: Path, small: Study
+    begun: Begun, folder: Path, small: Study
 ) -> None:
     """What is at work may have a file half-written, and is told to end by a signal it can catch."""
-    folder = prepared(small, tmp_path)
-    busy, idle = (WorkerProcess(folder) for _ in range(2))
-    try:
-        busy.begin(small.cases[:1])
-        busy.connection.poll(60)
-        assert busy.news() == [(small.cases[0], 0.0)]
-    finally:
-        end_all([busy, idle])
+    busy, idle = begun(), WorkerProcess(folder)
+    busy.connection.poll(60)
+    assert busy.news() == [(small.cases[0], 0.0)]
+    end_all([busy, idle])
     assert busy.process.exitcode == 128 + signal.SIGTERM
     assert idle.process.exitcode == -signal.SIGKILL
 
 
-def test_a_batch_leaves_no_worker_without_a_case(tmp_path: Path, small: Study) -> None:
-    folder = prepared(small, tmp_path)
+def test_a_batch_leaves_no_worker_without_a_case(folder: Path, small: Study) -> None:
     run_cases(small.cases, folder, 2, Record(), RunOptions(batch=10))
     assert run_together(folder, small.cases) == [2, 2, 1]
 

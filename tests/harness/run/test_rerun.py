@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 
@@ -11,13 +10,12 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
-from harness.archive import study_files as archive
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
 from harness.study.study import Study, load_study
-from tests.harness.conftest import SMALL, Refusal, keep, study_in
+from tests.harness.conftest import SMALL, Command, Refusal, keep, study_in
 
 pytestmark = pytest.mark.slow
 
@@ -42,30 +40,27 @@ def done(ran: Path, tmp_path: Path) -> Study:
 
 
 def test_a_case_file_gives_the_same_bits_again(
-    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    done: Study, tmp_path: Path, command: Command
 ) -> None:
     case = done.cases[1]
     path = case_files.case_file(case_files.case_folder(tmp_path, done), case)
     elsewhere = path.rename(tmp_path / "alone.nc")
     files = set(tmp_path.rglob("*"))
-    capsys.readouterr()
-    assert main(["rerun", str(elsewhere)]) == 0
-    assert capsys.readouterr().out == f"{case.key}: bit-identical\n"
+    assert command("rerun", elsewhere).out == f"{case.key}: bit-identical\n"
     assert set(tmp_path.rglob("*")) == files
 
 
 def test_a_case_of_a_collected_file_gives_the_same_bits_again(
-    done: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    done: Study, tmp_path: Path, command: Command
 ) -> None:
     for case in done.cases:
-        capsys.readouterr()
-        assert main(["rerun", str(tmp_path / "small.nc"), case.key]) == 0
-        assert capsys.readouterr().out == f"{case.key}: bit-identical\n"
+        told = command("rerun", tmp_path / "small.nc", case.key)
+        assert told.out == f"{case.key}: bit-identical\n"
 
 
 @pytest.mark.parametrize("collected", [False, True])
 def test_another_bit_is_noticed(
-    done: Study, tmp_path: Path, collected: bool, capsys: pytest.CaptureFixture[str]
+    done: Study, tmp_path: Path, collected: bool, command: Command
 ) -> None:
     case = done.cases[1]
     folder = case_files.case_folder(tmp_path, done)
@@ -76,10 +71,8 @@ def test_another_bit_is_noticed(
     path = case_files.case_file(folder, case)
     if collected:
         path = tmp_path / "changed.nc"
-        study_files.write_study(path, archive.collect(done, folder))
-    capsys.readouterr()
-    assert main(["rerun", str(path), case.key]) == 1
-    told = capsys.readouterr().out
+        study_files.write_study(path, study_files.collect(done, folder))
+    told = command("rerun", path, case.key, code=1).out
     assert told.startswith(f"{case.key}: differs in penetration_resistance; ")
     assert "; commit other -> " in told
     assert "same machine" not in told
@@ -97,18 +90,19 @@ def test_an_integer_that_has_none_in_a_collected_file_differs() -> None:
 
 
 def test_a_case_that_had_crashed_is_run_but_not_compared(
-    small: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small: Study, tmp_path: Path, command: Command
 ) -> None:
     case = small.cases[0]
     case_files.write_case(tmp_path, case, xr.Dataset(), CRASHED, "why")
-    assert main(["rerun", str(case_files.case_file(tmp_path, case))]) == 1
-    assert "not to be compared: crashed before, completed again" in capsys.readouterr().out
+    told = command("rerun", case_files.case_file(tmp_path, case), code=1).out
+    assert "not to be compared: crashed before, completed again" in told
 
 
+MALFORMED = "a parameter is missing or malformed; it cannot be run again"
 CHANGES: list[tuple[dict[str, object], str]] = [
     ({"rigidity_index": 51.0}, "the parameters there are not those of case"),
-    ({"parameters": "{"}, "a parameter is missing or malformed; it cannot be run again"),
-    ({"parameters": "[1]"}, "a parameter is missing or malformed; it cannot be run again"),
+    ({"parameters": "{"}, MALFORMED),
+    ({"parameters": "[1]"}, MALFORMED),
     ({"scene_version": "new"}, "scene, scene_version or status is missing or malformed"),
     ({"scene_version": 0}, "was computed by version 0 of cone_penetration, this simulator has"),
     ({"scene": "spiral"}, "unknown scene 'spiral'"),
@@ -127,13 +121,34 @@ def test_a_case_file_that_cannot_be_run_again_is_one_line(
     assert told in refusal(["rerun", str(path)])
 
 
+@pytest.mark.parametrize(
+    ("friction", "version", "told"),
+    [(None, {}, MALFORMED), ("rough", {}, MALFORMED), (None, {"scene_version": 0}, CHANGES[4][1])],
+    ids=["missing", "no number", "of another version, before its parameters are read"],
+)
+def test_a_result_that_cannot_be_run_again_is_one_line(
+    friction: str | None,
+    version: dict[str, int],
+    told: str,
+    small: Study,
+    tmp_path: Path,
+    refusal: Refusal,
+) -> None:
+    path, result = tmp_path / "changed.nc", study_files.collect(small, tmp_path)
+    changed = result.drop_vars("friction_coefficient").assign_attrs(version)
+    if friction is not None:
+        changed = changed.assign(friction_coefficient=friction)
+    study_files.write_study(path, changed)
+    assert told in refusal(["rerun", str(path), small.cases[1].key])
+
+
 def test_a_case_that_is_not_in_the_file_is_one_line(
     small: Study, tmp_path: Path, refusal: Refusal
 ) -> None:
     one, other, _ = small.cases
     folder = keep(small, tmp_path)
     path, result = case_files.case_file(folder, one), tmp_path / "small.nc"
-    study_files.write_study(result, archive.collect(small, folder))
+    study_files.write_study(result, study_files.collect(small, folder))
     stranger = tmp_path / "stranger.nc"
     netcdf_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     for arguments, told in (
@@ -144,36 +159,6 @@ def test_a_case_that_is_not_in_the_file_is_one_line(
         ((tmp_path / "none.nc",), "none.nc: no such file"),
     ):
         assert told in refusal(["rerun", *map(str, arguments)])
-
-
-@pytest.mark.parametrize(
-    ("change", "told"),
-    [
-        # Of another version, before its parameters are read.
-        (
-            lambda it: it.drop_vars("friction_coefficient").assign_attrs(scene_version=0),
-            "was computed by version 0 of cone_penetration, this simulator has version",
-        ),
-        (
-            lambda it: it.drop_vars("friction_coefficient"),
-            ": a parameter is missing or malformed; it cannot be run again",
-        ),
-        (
-            lambda it: it.assign(friction_coefficient="rough"),
-            ": a parameter is missing or malformed; it cannot be run again",
-        ),
-    ],
-)
-def test_a_result_that_cannot_be_run_again_is_one_line(
-    change: Callable[[xr.Dataset], xr.Dataset],
-    told: str,
-    small: Study,
-    tmp_path: Path,
-    refusal: Refusal,
-) -> None:
-    path = tmp_path / "changed.nc"
-    study_files.write_study(path, change(archive.collect(small, tmp_path)))
-    assert told in refusal(["rerun", str(path), small.cases[1].key])
 
 
 def test_snapshots_are_no_result(tmp_path: Path) -> None:

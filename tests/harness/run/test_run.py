@@ -1,19 +1,25 @@
-"""`harness run`: what it refuses, what it leaves behind, and what it does when run again."""
+"""`harness run`: what it refuses, shows and leaves behind, and what it does when run again."""
 
 import inspect
+import io
 import os
+import re
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
 
 from harness.archive import case_files, study_files
+from harness.archive.case_files import Outcome
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.run import run_study
 from harness.run.pool import run_cases
-from harness.study.study import load_study
-from tests.harness.conftest import Refusal, written
+from harness.run.run_study import Display
+from harness.study.study import Study, load_study
+from tests.harness.conftest import Command, Refusal, written
 
 pytestmark = pytest.mark.slow
 
@@ -57,13 +63,12 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
 
 
 def test_a_case_that_timed_out_is_listed_and_tried_again(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     long = ["--set", "adhesion_factor=0", "--set", "penetration=200", "--set", "speed_ratio=0.0001"]
-    run = ["run", str(small_file), "--out", str(tmp_path / "out"), *long, "--case-timeout=0.5"]
+    run = ["run", small_file, "--out", tmp_path / "out", *long, "--case-timeout=0.5"]
     for _ in range(2):
-        assert main(run) == 1
-        told = capsys.readouterr().err
+        told = command(*run, code=1).err
         assert "1 case, 0 done already" in told
         assert "harness: cone_penetration: timed_out: ended after 0.5 s, at " in told
 
@@ -74,17 +79,16 @@ def test_a_folder_that_cannot_be_made_is_one_line(small_file: Path, refusal: Ref
 
 
 def test_run_gives_a_dataset_a_table_and_pictures(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     compared = '[compare]\nreferences = ["lu_2004"]\nexperience = ["karlsrud_2005"]\n'
     small_file.write_text(small_file.read_text() + compared)
     out = tmp_path / "out"
-    assert main(["run", str(small_file), "--out", str(out)]) == 0
-    captured = capsys.readouterr()
-    assert captured.out.endswith(f"{out}/small.nc\n")
-    assert "harness: small: 3 cases, 0 done already" in captured.err
-    assert "24 hours" not in captured.err
-    assert "[3/3] adhesion_factor=" in captured.err
+    told = command("run", small_file, "--out", out)
+    assert told.out.endswith(f"{out}/small.nc\n")
+    assert "harness: small: 3 cases, 0 done already" in told.err
+    assert "24 hours" not in told.err
+    assert "[3/3] adhesion_factor=" in told.err
     with xr.open_dataset(out / "small.nc") as dataset:
         assert dataset.cone_factor.dims == ("adhesion_factor",)
         assert "deviation_lu_2004" in dataset
@@ -93,75 +97,63 @@ def test_run_gives_a_dataset_a_table_and_pictures(
     pictures = sorted(out.glob("*.png"))
     assert pictures
 
-    assert main(["compare", str(out / "small.nc")]) == 0
-    table = capsys.readouterr().out
+    table = command("compare", out / "small.nc").out
     assert "lu_2004" in table
     assert "karlsrud_2005 Nkt" in table
-    assert main(["plot", str(out / "small.nc"), "--out", str(out / "again")]) == 0
-    again = capsys.readouterr().out.splitlines()
+    again = command("plot", out / "small.nc", "--out", out / "again").out.splitlines()
     assert [Path(line).name for line in again] == [path.name for path in pictures]
 
 
 def test_running_again_goes_on_where_it_stopped(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     out = tmp_path / "out"
     study = load_study(str(small_file))
     folder = case_files.case_folder(out, study)
-    command = ["run", str(small_file), "--out", str(out)]
+    run = ["run", small_file, "--out", out]
 
-    assert main([*command, "--set", "adhesion_factor=[0.5]"]) == 0
-    assert main(command) == 0
-    assert "small: 3 cases, 1 done already" in capsys.readouterr().err
+    command(*run, "--set", "adhesion_factor=[0.5]")
+    assert "small: 3 cases, 1 done already" in command(*run).err
     first = written(study, out)
     assert len(first) == 3
 
-    assert main(command) == 0
+    command(*run)
     assert written(study, out) == first
 
     damaged, failed, kept = study.cases
     case_files.case_file(folder, damaged).write_bytes(b"noise")
     case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     assert written(study, out) == {kept.key: first[kept.key]}
-    capsys.readouterr()
-    assert main(command) == 0
-    told = capsys.readouterr().err
+    told = command(*run).err
     assert f"{damaged.key}.nc: cannot be read: " in told
     assert "1 done already" in told
     again = written(study, out)
     assert [again[case.key] == first[case.key] for case in study.cases] == [False, False, True]
     assert study_files.read_study(out / "small.nc").status.values.tolist() == [COMPLETED] * 3
 
-    assert main([*command, "--fresh"]) == 0
-    assert "0 done already" in capsys.readouterr().err
+    assert "0 done already" in command(*run, "--fresh").err
     assert case_files.read_case(folder, kept) is not None
 
 
-def test_a_study_may_ask_for_timed_runs(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_study_may_ask_for_timed_runs(small_file: Path, tmp_path: Path, command: Command) -> None:
     out = tmp_path / "out"
     untimed = small_file.read_text().replace("[0, 0.5, 1]", "[0, 1]")
-    run = ["run", str(small_file), "--out", str(out)]
-    status = ["status", *run[1:]]
+    where = [small_file, "--out", out]
 
-    def told_after(definition: str) -> str:
+    def told_after(definition: str) -> Any:
         small_file.write_text(definition)
-        capsys.readouterr()
-        assert main(run) == 0
-        return capsys.readouterr().err
+        return command("run", *where).err
 
     assert "0 done already" in told_after(untimed)
     keys = [case.key for case in load_study(str(small_file)).cases]
     small_file.write_text(untimed + TIMED)
     assert [case.key for case in load_study(str(small_file)).cases] == keys
-    assert main(status) == 1
-    assert "2 cases: 2 untimed" in capsys.readouterr().out
+    assert "2 cases: 2 untimed" in command("status", *where, code=1).out
 
     told = told_after(untimed + TIMED)
     assert "0 done already" in told
     assert "timed alone, 3 warm runs a case; load now " in told
-    assert main(status) == 0
+    command("status", *where)
     dataset = study_files.read_study(out / "small.nc")
     assert dataset.run_time_sample.dims == ("adhesion_factor", "repeat")
     assert dataset.run_time_sample.notnull().all()
@@ -171,3 +163,102 @@ def test_a_study_may_ask_for_timed_runs(
     assert "2 done already" in told_after(untimed + "[timing]\nrepeats = 2\n")
     assert "2 done already" in told_after(untimed)
     assert "0 done already" in told_after(untimed + "[timing]\nrepeats = 4\n")
+
+
+class Terminal(io.StringIO):
+    encoding = "utf-8"
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case(small: Study) -> None:
+    case = small.cases[1]
+    stream = io.StringIO()
+    with Display(3, stream) as display:
+        display.advanced(case, 0.5)
+        display.finished(case, Outcome("failed", "why", "", 1.25))
+    assert stream.getvalue() == "[1/3] adhesion_factor=0.5: failed, why, 1.2 s\n"
+
+
+def test_the_bar_shows_cases_done_running_and_time_left(
+    small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    stream = Terminal()
+    with Display(4, stream) as display:
+        first, second, third = small.cases
+        display.finished(first, Outcome("completed"))
+        display.advanced(second, 0.75)
+        clock[0] += 60  # half of four cases are done after a minute
+        display.advanced(third, 0.25)
+    shown = stream.getvalue().split("\r")
+    line = "1/4 cases, 2 running, at 50%, after 01:00, 01:00 left"
+    bar = "█" * 12 + " " * 12
+    assert any(it.startswith(f"{bar} {line}") for it in shown)
+
+
+def test_the_bar_moves_on_where_the_clock_of_the_machine_is_set_back(
+    small: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now, clock = time.time(), [100.0]
+    monkeypatch.setattr("tqdm.std.time", lambda: now - 86400.0)
+    monkeypatch.setattr("time.monotonic", lambda: clock[0])
+    stream = Terminal()
+    with Display(2, stream) as display:
+        clock[0] += 60
+        display.advanced(small.cases[0], 0.5)
+        assert "1 running, at 50%, after 01:00, 03:00 left" in stream.getvalue()
+
+
+def test_a_case_is_being_set_up_until_it_computes_and_the_line_is_left_clean(small: Study) -> None:
+    stream = Terminal()
+    with Display(3, stream) as display:
+        display.advanced(small.cases[0], 0.0)
+        display.bar.refresh()
+        assert "0/3 cases, 1 setting up, after" in stream.getvalue()
+    assert re.search(r"\r +\r$", stream.getvalue())
+
+
+def test_lines_of_cases_stand_above_the_bar(small: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    stream = Terminal()
+    with Display(3, stream) as display:
+        display.finished(small.cases[0], Outcome("completed", seconds=2.0))
+        assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
+        assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]
+
+
+def test_times_to_start_and_to_compile_are_told_apart(small: Study) -> None:
+    stream = io.StringIO()
+    outcome = Outcome("completed", seconds=9.0, start_seconds=2.0, compile_seconds=4.5)
+    with Display(1, stream) as display:
+        display.finished(small.cases[0], outcome)
+    assert stream.getvalue().endswith("completed, 2.5 s (2.0 s to start, 4.5 s to compile)\n")
+
+
+@pytest.mark.parametrize(
+    ("status", "environment", "told"),
+    [
+        ("completed", {"TERM": "xterm"}, "\033[32mcompleted\033[0m"),
+        ("diverged", {"TERM": "xterm"}, "\033[31mdiverged\033[0m"),
+        ("completed", {"TERM": "xterm", "NO_COLOR": "1"}, ": completed"),
+        ("completed", {"TERM": "dumb"}, ": completed"),
+    ],
+)
+def test_a_terminal_has_the_status_in_colour_where_that_is_wanted(
+    status: str,
+    environment: dict[str, str],
+    told: str,
+    small: Study,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    stream = Terminal()
+    with Display(1, stream) as display:
+        display.finished(small.cases[0], Outcome(status))
+    assert told in stream.getvalue()
+    assert ("\033[3" in stream.getvalue()) == ("\033[3" in told)

@@ -21,6 +21,7 @@ from harness.run.verify import (
 )
 from mpm_warp.scenes import Verification
 from mpm_warp.scenes.elastic.columns import GravityColumn
+from tests.harness.conftest import Command, Refusal
 
 pytestmark = pytest.mark.slow
 
@@ -37,14 +38,11 @@ def verified(*errors: float, messages: tuple[str, ...] = ("", "")) -> Verified:
     return Verified(check=CHECK, results=results, messages=messages)
 
 
-def test_passes_within_bound_and_order() -> None:
+def test_passes_within_bound_and_order_and_falls_short_elsewhere() -> None:
     result = verified(0.02, 0.005)
     assert result.order == pytest.approx(2)
     assert result.shortfalls == ()
     assert table_rows(result).splitlines()[-1].endswith("pass")
-
-
-def test_falls_short_of_bound_order_and_number() -> None:
     assert verified(0.08, 0.02).shortfalls == ("error 0.02 > 0.01",)
     assert verified(0.008, 0.007).shortfalls == ("order 0.19 < 1",)
     assert len(verified(0.02, np.nan).shortfalls) == 2
@@ -59,17 +57,19 @@ def test_a_failed_run_is_a_row_with_a_message() -> None:
     assert np.isnan(as_dataset([result])["error"]).all()
 
 
-def test_every_scene_with_a_solution_is_checked() -> None:
-    scenes = {check.scene for check in checks_of()}
-    assert {"material_point", "elastic_column_wave", "thick_cylinder"} <= scenes
-    assert "cone_penetration" not in scenes
-
-
-def test_extreme_checks_are_run_when_asked_for_and_no_others_then() -> None:
-    extreme = checks_of(extreme=True)
-    assert {"flying_block", "stretched_bar", "struck_bar"} <= {check.scene for check in extreme}
-    assert all(check.verification.extreme for check in extreme)
-    assert not any(check.verification.extreme for check in checks_of())
+@pytest.mark.parametrize(
+    ("extreme", "some"),
+    [
+        (False, {"material_point", "elastic_column_wave", "thick_cylinder"}),
+        (True, {"flying_block", "stretched_bar", "struck_bar"}),
+    ],
+)
+def test_every_scene_with_a_solution_is_checked(extreme: bool, some: set[str]) -> None:
+    """By the extreme checks when asked for, and by no others then."""
+    checks = checks_of(extreme=extreme)
+    assert some <= {check.scene for check in checks}
+    assert {check.verification.extreme for check in checks} == {extreme}
+    assert "cone_penetration" not in {check.scene for check in checks}
 
 
 def test_quick_checks_are_the_cheapest_of_their_scenes_and_short() -> None:
@@ -110,13 +110,10 @@ def test_command_writes_dataset_table_and_picture(tmp_path: Path) -> None:
     assert (tmp_path / "verify.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_command_says_what_falls_short(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_command_says_what_falls_short(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     impossible = dataclasses.replace(GravityColumn.verifications[0], bounds={"error": 0.0})
     monkeypatch.setattr(GravityColumn, "verifications", (impossible,))
-    assert main(["verify", "--scene", "gravity_column"]) == 1
-    assert "FALLS SHORT: error" in capsys.readouterr().out
+    assert "FALLS SHORT: error" in command("verify", "--scene", "gravity_column", code=1).out
 
 
 @pytest.mark.parametrize(
@@ -128,14 +125,12 @@ def test_command_says_what_falls_short(
     ],
 )
 def test_command_refuses_scene_without_such_a_check(
-    capsys: pytest.CaptureFixture[str], arguments: list[str], message: str
+    arguments: list[str], message: str, refusal: Refusal
 ) -> None:
-    assert main(["verify", "--scene", *arguments]) == 2
-    assert message in capsys.readouterr().err
+    assert message in refusal(["verify", "--scene", *arguments])
 
 
-def test_plan_of_a_scene_without_a_grid(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["plan", "material_point"]) == 0
-    text = capsys.readouterr().out
+def test_plan_of_a_scene_without_a_grid(command: Command) -> None:
+    text = command("plan", "material_point").out
     assert "strain_path" in text
     assert "node" not in text
