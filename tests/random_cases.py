@@ -1,0 +1,109 @@
+"""How random cases of all scenes end, over all that their parameters may be.
+
+``python -m tests.random_cases COUNT SEED`` draws so many cases that take about a second or less,
+each scene in turn, and runs them in worker processes as a study does, with a limit of time and
+memory. It prints how the cases of each scene have ended, and every one that ended as none should:
+the program failed, the process was lost or hung, or a number called complete is not finite.
+"""
+
+import dataclasses
+import itertools
+import random
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from harness.archive.case_files import Outcome, read_case
+from harness.archive.conventions import COMPLETED, Role, with_role
+from harness.run.pool import run_cases
+from harness.run.resources import UPDATE_RATE, RunOptions
+from harness.study.cases import Case
+from mpm_warp.scenes import CatalogueScene, scene_names
+from tests.harness.run.test_random_cases import NAMED, random_scene
+
+SECONDS, STEPS, DRAWS = 1.0, 30_000, 30
+"""Predicted time and steps of a case, at most; draws after which the shortest is taken."""
+TIME_LIMIT, MEMORY_LIMIT = 60.0, 1.5e9
+"""What a case may take, first runs of kernels included [s], [byte]."""
+
+
+def excess_of(scene: CatalogueScene) -> float:
+    """Predicted time or steps of a case over what it may have."""
+    size = scene.run_size()
+    assert size is not None
+    return max(size.particle_updates / UPDATE_RATE / SECONDS, size.step_count / STEPS)
+
+
+def short_case(source: random.Random, name: str) -> Case:
+    """A random case that is short enough, or the shortest of some."""
+    made = [random_scene(source, name)]
+    while excess_of(made[-1]) > 1.0 and len(made) < DRAWS:
+        made.append(random_scene(source, name))
+    scene = min(made, key=excess_of)
+    parameters = dataclasses.asdict(scene)
+    return Case(scene=name, scene_version=scene.version, parameters=parameters, label=name)
+
+
+class Counts:
+    """A watcher that counts outcomes by scene, and tells of those that should not be."""
+
+    def __init__(self, folder: Path) -> None:
+        self.of = Counter[tuple[str, str]]()
+        self.wrong = 0
+        self._folder = folder
+
+    def advanced(self, case: Case, fraction: float) -> None:
+        """Nothing is told of cases at work."""
+
+    def finished(self, case: Case, outcome: Outcome) -> None:
+        """Count a case."""
+        self.of[case.scene, outcome.status] += 1
+        sound = outcome.status in NAMED and (
+            outcome.status != COMPLETED or self._is_finite(case, outcome)
+        )
+        if not sound:
+            self.wrong += 1
+            print(f"WRONG {case.scene}: {outcome}: {dict(case.parameters)}", flush=True)
+        elif outcome.status == "timed_out":
+            print(f"timed out: {case.scene}: {dict(case.parameters)}", flush=True)
+
+    def _is_finite(self, case: Case, outcome: Outcome) -> bool:
+        if outcome.message:
+            return outcome.message == "by another run"
+        result = read_case(self._folder, case)
+        assert result is not None
+        headlines = [result[name] for name in with_role(result, Role.HEADLINE)]
+        return bool(headlines) and all(np.isfinite(it).all() for it in headlines)
+
+
+def main() -> None:
+    """Draw, run and count."""
+    count, seed = int(sys.argv[1]), sys.argv[2]
+    source, names = random.Random(seed), sorted(scene_names())
+    cases = {
+        case.key: case
+        for name in itertools.islice(itertools.cycle(names), count)
+        for case in [short_case(source, name)]
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        counts = Counts(Path(folder))
+        options = RunOptions(threads=1, time_limit=TIME_LIMIT, memory_limit=MEMORY_LIMIT)
+        run_cases(list(cases.values()), Path(folder), 1, counts, options)
+    statuses = sorted({status for _, status in counts.of})
+    print(f"{'scene':24}", *(f"{status:>11}" for status in statuses))
+    for name in [*names, "all"]:
+        row = [
+            sum(
+                n for (scene, it), n in counts.of.items() if it == status and name in (scene, "all")
+            )
+            for status in statuses
+        ]
+        print(f"{name:24}", *(f"{n:11}" for n in row))
+    print(f"{len(cases)} cases, {counts.wrong} ended as none should")
+
+
+if __name__ == "__main__":
+    main()
