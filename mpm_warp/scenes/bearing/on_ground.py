@@ -21,6 +21,9 @@ from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 LARGEST_DEPTH = 100.0 * RADIUS
 """Depth below which there is no soil in any grid [m]."""
+SLIP_LINE_SOURCE = (
+    "slip lines with the hypothesis of Haar and von Karman, integrated for this project to 0.2 %"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,12 +59,7 @@ class OnGround(Bearing):
     @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        if self.slip_lines is None:
-            return None
-        return self.slip_lines.limit_load, (
-            "slip lines with the hypothesis of Haar and von Karman, integrated for this project to "
-            "0.2 %"
-        )
+        return None if self.slip_lines is None else (self.slip_lines.limit_load, SLIP_LINE_SOURCE)
 
     @property
     def final_displacement(self) -> float:
@@ -90,10 +88,6 @@ class Footing(OnGround):
 
     planar: ClassVar[bool]
     """Whether strain is plane; otherwise the footing is circular."""
-    limit_loads: ClassVar[tuple[float, float]]
-    """On uniform soil, smooth and rough, over area and su."""
-    source: ClassVar[str]
-    """Of these."""
     verifications = compared(
         "cells_per_radius",
         (8, 16, 32),
@@ -106,11 +100,14 @@ class Footing(OnGround):
     adhesion_factor: float = parameter(0.0, "adhesion factor of the footing", choices=(0.0, 1.0))
 
     @property
+    @abstractmethod
+    def exact_if_uniform(self) -> Exact:
+        """That on uniform soil."""
+
+    @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        if self.is_uniform:
-            return self.limit_loads[int(self.adhesion_factor)], self.source
-        return super().exact
+        return self.exact_if_uniform if self.is_uniform else super().exact
 
     @property
     def slip_lines(self) -> SlipLines | None:
@@ -167,11 +164,14 @@ class CircularFooting(Footing):
     summary = "limit load of a circular footing, smooth and rough"
     version = 3
     planar = False
-    limit_loads = (5.69, 6.05)
-    source = (
-        "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
-        "Z. angew. Math. Phys. 11:33-43"
-    )
+
+    @property
+    def exact_if_uniform(self) -> Exact:
+        """Of a smooth or a rough disc."""
+        return 5.69 if self.adhesion_factor == 0.0 else 6.05, (
+            "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
+            "Z. angew. Math. Phys. 11:33-43"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,8 +181,12 @@ class StripFooting(Footing):
     summary = "limit load of a strip footing in plane strain, smooth and rough"
     version = 3
     planar = True
-    limit_loads = (2.0 + math.pi, 2.0 + math.pi)
-    source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
+
+    @property
+    def exact_if_uniform(self) -> Exact:
+        """Whatever the adhesion."""
+        source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
+        return 2.0 + math.pi, source
 
 
 RIM, GROWTH = 0.25, 3.0

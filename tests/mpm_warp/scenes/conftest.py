@@ -9,5 +9,7 @@ def order_and_errors(
     scene: type[CatalogueScene], resolution: str, coarse: int, **given: object
 ) -> tuple[float, float, float]:
     """The order of `error` between a resolution and its double, and the error at each."""
-    errors = [float(scene(**given, **{resolution: it}).run().error) for it in (coarse, 2 * coarse)]
-    return math.log2(errors[0] / errors[1]), *errors
+    at_coarse, at_fine = (
+        float(scene(**given, **{resolution: it}).run().error) for it in (coarse, 2 * coarse)
+    )
+    return math.log2(at_coarse / at_fine), at_coarse, at_fine

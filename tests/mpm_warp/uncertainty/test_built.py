@@ -30,6 +30,7 @@ from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
 from tests.mpm_warp.conftest import MEASURABLE
+from tests.mpm_warp.uncertainty.conftest import steady_run
 
 GUIDE = Path(__file__).parents[3] / "studies" / "guide.md"
 FACTOR = 10.0
@@ -134,16 +135,8 @@ def of_the_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType
 
 def stated(test: ConePenetration) -> xr.Dataset:
     """What would be said of a steady run of a test, of the cone factor `FACTOR`."""
-    resistance = FACTOR * test.undrained_shear_strength * np.ones(60)
-    recorded = xr.Dataset(
-        {
-            "penetration_resistance": ("penetration", resistance),
-            "cone_factor_simulated": FACTOR,
-            "cone_factor_shear": 0.0,
-            "penetration_reached": test.penetration,
-        }
-    )
-    return xr.Dataset(cone.known_error(test.error_of(recorded), test.build(), test._expected))
+    run = test.error_of(steady_run(test, FACTOR))
+    return xr.Dataset(cone.known_error(run, test.build(), test._expected))
 
 
 def check_nothing_is_known(test: ConePenetration, reason: str) -> None:

@@ -22,6 +22,7 @@ from mpm_warp.uncertainty.laws import (
     mesh_error,
     top_error,
 )
+from tests.mpm_warp.uncertainty.conftest import steady_run
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
@@ -34,27 +35,15 @@ PARTS = (
 )
 
 
-def recorded(test: ConePenetration, *, factor: float = 10.0, rise: float = 0.0) -> xr.Dataset:
-    """A resistance that is steady but for a rise of its mean over two radii, in su."""
-    resistance = factor * np.ones(60)
-    resistance[:-20] -= rise
-    return xr.Dataset(
-        {
-            "penetration_resistance": ("penetration", test.undrained_shear_strength * resistance),
-            "cone_factor_simulated": factor,
-            "cone_factor_shear": 0.0,
-            "penetration_reached": test.penetration,
-        }
-    )
-
-
-def known_error(test: ConePenetration, recorded: xr.Dataset) -> xr.Dataset:
-    scene = test.build()
-    return xr.Dataset(cone.known_error(test.error_of(recorded), scene, scene))
+def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) -> xr.Dataset:
+    """What is stated of the first samples of a run with the cone factor 10."""
+    scene, run = test.build(), steady_run(test, 10.0, rise=rise)
+    run = run.isel(penetration=slice(samples))
+    return xr.Dataset(cone.known_error(test.error_of(run), scene, scene))
 
 
 def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
-    known = known_error(TEST, recorded(TEST))
+    known = known_error(TEST)
     mesh = mesh_error(rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4)
     speed = 0.07 * 100.0 * TEST.speed_ratio**2
     bottom = -0.09 * 100.0 / 14.0**2
@@ -67,7 +56,7 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
 
 
 def test_the_half_width_is_made_of_its_parts() -> None:
-    known = known_error(TEST, recorded(TEST))
+    known = known_error(TEST)
     parts = [float(known[f"cone_factor_uncertainty_{name}"]) for name in PARTS]
     assert min(parts) >= 0.0
     assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
@@ -75,7 +64,7 @@ def test_the_half_width_is_made_of_its_parts() -> None:
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
     bounded = dataclasses.replace(TEST, poissons_ratio_bound=TEST.poissons_ratio - 0.01)
-    own, given_back = (known_error(test, recorded(test)) for test in (TEST, bounded))
+    own, given_back = (known_error(test) for test in (TEST, bounded))
     difference = float(given_back.cone_factor - own.cone_factor)
     assert difference == pytest.approx(0.01 * BOUND_ERROR, rel=1e-9)
 
@@ -134,8 +123,8 @@ def test_only_cells_of_three_rows_are_wide() -> None:
 def test_a_worse_choice_has_a_larger_part(part: str, changes: dict[str, float]) -> None:
     worse = dataclasses.replace(TEST, **changes)
     name = f"cone_factor_uncertainty_{part}"
-    before = known_error(TEST, recorded(TEST))
-    after = known_error(worse, recorded(worse))
+    before = known_error(TEST)
+    after = known_error(worse)
     assert float(after[name]) > float(before[name])
 
 
@@ -154,7 +143,7 @@ def test_beyond_what_was_tested_the_laws_go_on_and_are_less_certain(
 ) -> None:
     """Without a jump at the edge, and with a part of its own that grows from there."""
     tests = [dataclasses.replace(TEST, **{name: it}) for it in (inside, edge, beyond)]
-    within, at_edge, carried_on = (known_error(it, recorded(it)) for it in tests)
+    within, at_edge, carried_on = (known_error(it) for it in tests)
     assert float(at_edge.cone_factor) == pytest.approx(float(within.cone_factor), abs=0.02)
     parts = [float(it.cone_factor_uncertainty_range) for it in (within, at_edge, carried_on)]
     assert parts[:2] == pytest.approx([0.0, 0.0], abs=1e-12)
@@ -180,7 +169,7 @@ def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
 
 
 def test_a_resistance_that_still_changes_is_less_certain() -> None:
-    known = known_error(TEST, recorded(TEST, rise=0.2))
+    known = known_error(TEST, rise=0.2)
     assert float(known.cone_factor_uncertainty_steadiness) == pytest.approx(0.3)
     assert float(known.cone_factor_uncertainty) > 0.3
 
@@ -210,7 +199,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
 )
 def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], why: str) -> None:
     test = dataclasses.replace(TEST, **changes)
-    known = known_error(test, recorded(test))
+    known = known_error(test)
     assert known.why_no_uncertainty == why
     assert np.isnan(known.cone_factor_uncertainty)
     assert float(known.cone_factor) == 10.0
@@ -218,6 +207,6 @@ def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], wh
 
 def test_a_run_that_is_too_short_has_not_settled() -> None:
     short = dataclasses.replace(TEST, penetration=2.0)
-    known = known_error(short, recorded(short).isel(penetration=slice(9)))
+    known = known_error(short, samples=9)
     assert float(known.cone_factor_settled) == 0.0
-    assert float(known_error(TEST, recorded(TEST)).cone_factor_settled)
+    assert float(known_error(TEST).cone_factor_settled)
