@@ -173,10 +173,11 @@ def _wedge_error(adhesion_factor: Value, rigidity_index: Value) -> Value:
     place = np.interp(
         np.log(rigidity_index), np.log(WEDGE_INDICES), np.arange(len(WEDGE_INDICES), dtype=float)
     )
-    return sum(
+    error: Floats = sum(
         np.maximum(0.0, 1.0 - np.abs(place - row)) * np.interp(adhesion_factor, WEDGE_ADHESION, at)
         for row, at in enumerate(WEDGE_ERROR)
     )
+    return error
 
 
 def _beyond_range(rigidity_index: Value) -> Value:
