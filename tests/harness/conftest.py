@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -137,23 +138,24 @@ def two_soils() -> xr.Dataset:
 
 @pytest.fixture
 def command(capsys: pytest.CaptureFixture[str]) -> Command:
-    def ended(*words: object, code: int = 0) -> Any:
-        capsys.readouterr()
-        assert main([str(word) for word in words]) == code
-        return capsys.readouterr()
-
-    return ended
+    return partial(_ended, capsys)
 
 
 @pytest.fixture
-def refusal(command: Command) -> Refusal:
+def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
     def refused(arguments: list[str]) -> str:
-        told = command(*arguments, code=2)
+        told = _ended(capsys, *arguments, code=2)
         assert told.out == ""
         (line,) = told.err.splitlines()
         return line
 
     return refused
+
+
+def _ended(capsys: pytest.CaptureFixture[str], *words: object, code: int = 0) -> Any:
+    capsys.readouterr()
+    assert main([str(word) for word in words]) == code
+    return capsys.readouterr()
 
 
 def written(study: Study, out: Path) -> dict[str, tuple[int, int]]:
