@@ -20,7 +20,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -76,17 +76,14 @@ def compared(
     **bounds: float,
 ) -> tuple[Verification, ...]:
     """A `Verification` with each of the settings, or one with all by default; bounds by name."""
-    return tuple(
-        Verification(
-            resolution=resolution,
-            resolutions=resolutions,
-            bounds=bounds,
-            least_order=least_order,
-            settings=of_one,
-            extreme=extreme,
-        )
-        for of_one in settings or ({},)
+    by_default = Verification(
+        resolution=resolution,
+        resolutions=resolutions,
+        bounds=bounds,
+        least_order=least_order,
+        extreme=extreme,
     )
+    return tuple(replace(by_default, settings=of_one) for of_one in settings or ({},))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.other_laws import loaded_laws, other_law, other_laws
+from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import BOUNDS, Derived, Parameter, fill_in, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
@@ -74,6 +74,11 @@ class ClayScene(CatalogueScene):
     )
 
     @property
+    def law(self) -> OtherLaw | None:
+        """The law with parameters of its own that `material` names; None for a criterion."""
+        return other_law(self.material) if self.material in other_laws() else None
+
+    @property
     def strength_changes(self) -> bool:
         """Whether strain or its rate changes the strength of the clay."""
         return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
@@ -101,9 +106,8 @@ class ClayScene(CatalogueScene):
                 self._follow(self.own_strength)
             _ = self.clay
         except SceneError as refusal:
-            raise ParameterError(
-                "material" if self.material in other_laws() else "ductility", str(refusal)
-            ) from None
+            key = "ductility" if self.law is None else "material"
+            raise ParameterError(key, str(refusal)) from None
 
     @property
     def own_strength(self) -> float | None:
@@ -112,7 +116,7 @@ class ClayScene(CatalogueScene):
         It is that in the law's `reference_test`, and su of the scene where none is given. The
         rigidity index is the law's too where it has a stiffness of its own.
         """
-        if self.material not in other_laws() or "strength" in other_law(self.material).given:
+        if self.law is None or "strength" in self.law.given:
             return None
         return self.own_clay.undrained_strength(self.own_clay.reference_test)
 
@@ -127,13 +131,10 @@ class ClayScene(CatalogueScene):
 
     def _follow(self, strength: float) -> None:
         """Let su, rigidity index and Delta be those of the law, and what is derived from them."""
-        name = "undrained_shear_strength"
-        su = getattr(self, name, None)
-        if isinstance(su, Derived):
-            object.__setattr__(self, name, Derived(strength))
-        elif su is not None:
-            strength = su
-        if "shear_modulus" not in other_law(self.material).given:
+        if isinstance(self.undrained_shear_strength, Derived):
+            object.__setattr__(self, "undrained_shear_strength", Derived(strength))
+        strength = self.undrained_shear_strength
+        if self.law is not None and "shear_modulus" not in self.law.given:
             fill_in(self, {"rigidity_index": self.own_clay.ground_shear_modulus / strength})
         if (deviator := self.own_clay.deviator_at_rest) is not None:
             if not hasattr(self, "stress_anisotropy"):
@@ -147,7 +148,7 @@ class ClayScene(CatalogueScene):
 
     def _check_other_laws(self) -> None:
         """Check the parameters of laws of other packages, and fill in their defaults."""
-        law = other_law(self.material) if self.material in other_laws() else None
+        law = self.law
         if law is not None and self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
             raise ParameterError(
                 "material",
@@ -167,6 +168,11 @@ class ClayScene(CatalogueScene):
 
     @property
     @abstractmethod
+    def undrained_shear_strength(self) -> float:
+        """The strength su of the clay [Pa]: a parameter, or that of the scene or the law."""
+
+    @property
+    @abstractmethod
     def clay(self) -> Material:
         """The clay of the run, made by `clay_with`."""
 
@@ -174,9 +180,10 @@ class ClayScene(CatalogueScene):
     def stress_at_rest(self) -> Floats:
         """Stress (rr, zz, rz, tt) of the ground before, which its law must allow [Pa], shape [4].
 
-        It is that over the stress that balances itself; none by default.
+        It is that over the vertical stress, which balances itself.
         """
-        return np.zeros(4)
+        delta = getattr(self, "stress_anisotropy", 0.0)
+        return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
 
     def clay_with(
         self,
@@ -219,10 +226,10 @@ class ClayScene(CatalogueScene):
 
     def _intact(self, given: Mapping[str, Any]) -> Material:
         """The clay as it is when neither strain nor its rate has changed it."""
-        if self.material in CRITERIA:
+        if self.law is None:
             return CRITERIA[self.material](**given)
-        law = other_law(self.material)
-        return law.make({name: getattr(self, name, None) for name in law.parameters}, given)
+        own = {name: getattr(self, name, None) for name in self.law.parameters}
+        return self.law.make(own, given)
 
 
 @functools.cache

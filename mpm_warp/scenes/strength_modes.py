@@ -11,7 +11,6 @@ import xarray as xr
 
 from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.materials.material import EFFECTIVE_STRESS
-from mpm_warp.materials.other_laws import other_law
 from mpm_warp.results import labelled, variable
 from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.clay import FieldClayScene
@@ -80,13 +79,12 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
 
 def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
     """G over su in the element test of the law's su, of a law that has its own strength."""
-    if test.own_strength is None:
+    if test.law is None or test.own_strength is None:
         return {}
-    clay = test.own_clay
-    mode = clay.reference_test
+    clay, mode = test.own_clay, test.own_clay.reference_test
     at_first = at_half = test.clay.ground_shear_modulus / test.own_strength
     if not isinstance(clay, Isotropic):
-        own = {name: getattr(test, name) for name in other_law(test.material).parameters}
+        own = {name: getattr(test, name) for name in test.law.parameters}
         element: Any = scene_class("element_test")
         found = element(material=test.material, test=mode, step_count=STEP_COUNT, **own).run()
         at_first = float(found.small_strain_rigidity_index)

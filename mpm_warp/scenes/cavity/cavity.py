@@ -105,7 +105,7 @@ class Cavity(ClayScene):
         return columns / span
 
     @property
-    def strength(self) -> float:
+    def undrained_shear_strength(self) -> float:
         """Strength su of the clay [Pa]: that of the law where it has its own."""
         return STRENGTH if self.own_strength is None else self.own_strength
 
@@ -113,7 +113,7 @@ class Cavity(ClayScene):
     def clay(self) -> Material:
         """The clay around the cavity; strain rates are those of the real expansion."""
         return self.clay_with(
-            strength=self.strength,
+            strength=self.undrained_shear_strength,
             density=DENSITY,
             speed_up=self.wall.speed / (self.expansion_rate * RADIUS),
         )
@@ -121,7 +121,7 @@ class Cavity(ClayScene):
     @property
     def wall(self) -> MovingWall:
         """The wall, which reaches its speed after 0.3 of the radius at the start."""
-        speed = self.speed_ratio * math.sqrt(self.strength / DENSITY)
+        speed = self.speed_ratio * math.sqrt(self.undrained_shear_strength / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
     @property
@@ -172,7 +172,7 @@ class Cavity(ClayScene):
             times.append(simulation.time)
             radii.append(float(simulation.array("wall.motion")[0, 2]))
             middle = 0.5 * (radii[-2] + radii[-1]) / RADIUS
-            unit_force = area * middle ** (self.exponent - 1) * self.strength
+            unit_force = area * middle ** (self.exponent - 1) * self.undrained_shear_strength
             return middle, on_rows[-1].sum() / unit_force
 
         def curve(expansion: Floats, pressure: Floats) -> xr.Dataset:

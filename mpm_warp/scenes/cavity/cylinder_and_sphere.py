@@ -85,7 +85,7 @@ class CavityCylinder(Cavity):
     @property
     def stress_at_rest(self) -> Floats:
         """See `ClayScene`; over the horizontal stress, which the vertical one differs from."""
-        over_horizontal = 2.0 * self.stress_anisotropy * self.strength
+        over_horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
         return np.array([0.0, -over_horizontal, 0.0, 0.0])
 
     def grid(self) -> Grid:

@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-import numpy as np
 import xarray as xr
 
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Floats, Grid, growing
+from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
@@ -85,12 +84,6 @@ class ConePenetration(ConeTestByDefault):
             f"rho V^2 is {inertia:.3g} su, and above {GREATEST_INERTIA:g} su soil is thrown off; "
             f"try speed_ratio = {math.sqrt(SANE_INERTIA / self.rigidity_index):.2g} or less"
         )
-
-    @property
-    def stress_at_rest(self) -> Floats:
-        """Stress of the ground before, over the vertical in-situ stress [Pa]."""
-        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
-        return np.array([horizontal, 0.0, 0.0, horizontal])
 
     @property
     def clay(self) -> Material:

@@ -8,11 +8,19 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
+from mpm_warp.parts.forces import NodalLoad
 from mpm_warp.results import curves, labelled, variable
 from mpm_warp.sampling import Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.elastic.columns import DENSITY, HEIGHT, Column, confined
+from mpm_warp.scenes.elastic.columns import (
+    DENSITY,
+    HEIGHT,
+    column_grid,
+    confined,
+    fixed_in,
+    mean_over_sections,
+)
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -89,23 +97,23 @@ class ElasticColumnWave(CatalogueScene):
 
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""
-        column = Column(self.cell_count)
-        loads = [column.pressure_on_top(PRESSURE)] if self.excitation == "sudden_load" else []
+        grid = column_grid(self.cell_count)
+        # Integrals of N r over the top, for the node on the axis and the one outside.
+        areas = grid.outer_radius**2 * np.array([1.0 / 6.0, 1.0 / 3.0])
+        top = grid.node(np.arange(2), np.full(2, self.cell_count))
+        load = NodalLoad(nodes=top, forces=np.outer(areas, [0.0, -PRESSURE]))
         return Scene(
-            grid=column.grid,
+            grid=grid,
             material=confined(CONSTRAINED_MODULUS, POISSONS_RATIO, DENSITY),
-            parts=(*loads, column.fixed),
+            parts=(*([load] if self.excitation == "sudden_load" else []), fixed_in(grid)),
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Follow the front through a period, or the standing wave through many."""
-        column, array = Column(self.cell_count), simulation.array
-        time_step = simulation.plan.time_step
+        array, time_step = simulation.array, simulation.plan.time_step
 
         def front() -> tuple[float, float, float]:
-            velocity = column.mean_over_sections(
-                array("particle.velocity")[:, 1], array("particle.mass")
-            )
+            velocity = mean_over_sections(array("particle.velocity")[:, 1], array("particle.mass"))
             stress = array("particle.stress")[0, 1]
             return simulation.time / PERIOD, stress, velocity[self.cell_count]
 
@@ -114,7 +122,7 @@ class ElasticColumnWave(CatalogueScene):
                 array(f"particle.{name}") for name in ("position", "velocity", "stress", "mass")
             )
             # Particles stand at a quarter of a cell below the top; strain vanishes there.
-            height = column.mean_over_sections(position[:, 1], mass)[-1]
+            height = mean_over_sections(position[:, 1], mass)[-1]
             top = height - HEIGHT * (1 - 0.25 / self.cell_count)
             strain_energy = np.sum(mass * stress[:, 1] ** 2) / (2 * CONSTRAINED_MODULUS * DENSITY)
             energy = 0.5 * np.sum(mass * velocity[:, 1] ** 2) + strain_energy

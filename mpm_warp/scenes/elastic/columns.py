@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -11,9 +10,9 @@ from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
-from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
+from mpm_warp.parts.forces import Damping, Gravity
 from mpm_warp.results import curves, labelled
-from mpm_warp.sampling import even_steps, follow
+from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.clay import ClayScene
@@ -27,43 +26,24 @@ PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
 
 
-@dataclass(frozen=True, eq=False)
-class Column:
-    """A column of square cells on a fixed base, from z = 0 up to `HEIGHT`."""
+def column_grid(cell_count: int) -> Grid:
+    """A column of square cells from the axis outward, from z = 0 up to `HEIGHT`."""
+    return Grid(
+        columns=np.array([0.0, 1.0]),
+        rows=np.linspace(0.0, HEIGHT, cell_count + 1),
+        surface_radius=np.zeros(cell_count + 1),
+        fitted_radius=HEIGHT / cell_count,
+    )
 
-    cell_count: int  # cells along the height, >= 1
 
-    @cached_property
-    def grid(self) -> Grid:
-        """One cell from the axis outward."""
-        return Grid(
-            columns=np.array([0.0, 1.0]),
-            rows=np.linspace(0.0, HEIGHT, self.cell_count + 1),
-            surface_radius=np.zeros(self.cell_count + 1),
-            fitted_radius=HEIGHT / self.cell_count,
-        )
+def fixed_in(column: Grid) -> Fixed:
+    """No radial velocity anywhere, none at all at the base."""
+    return Fixed.on(column, radial=["everywhere"], vertical=["bottom"])
 
-    @property
-    def fixed(self) -> Fixed:
-        """No radial velocity anywhere, none at all at the base."""
-        return Fixed.on(self.grid, radial=["everywhere"], vertical=["bottom"])
 
-    def pressure_on_top(self, pressure: float) -> NodalLoad:
-        """A uniform pressure [Pa] on the top, downward."""
-        top = self.grid.outer_radius
-        # Integrals of N r over the radius, for the node on the axis and the one outside.
-        areas = top**2 * np.array([1.0 / 6.0, 1.0 / 3.0])
-        return NodalLoad(
-            nodes=self.grid.node(np.arange(2), np.array([self.cell_count] * 2)),
-            forces=np.outer(areas, [0.0, -pressure]),
-        )
-
-    def mean_over_sections(self, values: Floats, mass: Floats) -> Floats:
-        """Means by mass over the particles at each height, as seeded, from the base up."""
-        across = round((len(mass) / self.cell_count) ** 0.5)
-        weights = mass.reshape(-1, across)
-        means: Floats = (values.reshape(weights.shape) * weights).sum(axis=1) / weights.sum(axis=1)
-        return means
+def mean_over_sections(values: Floats, mass: Floats) -> Floats:
+    """Means by mass over the two particles at each height, as seeded, from the base up."""
+    return np.average(values.reshape(-1, 2), axis=1, weights=mass.reshape(-1, 2))
 
 
 def confined(modulus: float, poissons_ratio: float, density: float) -> LinearElastic:
@@ -104,13 +84,13 @@ class GravityColumn(CatalogueScene):
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""
-        column, material = Column(self.cell_count), self.material
+        grid, material = column_grid(self.cell_count), self.material
         # Twice the angular frequency of the first mode, pi c / 2 H.
         damping = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(
-            grid=column.grid,
+            grid=grid,
             material=material,
-            parts=(Gravity(GRAVITY), Damping(damping), column.fixed),
+            parts=(Gravity(GRAVITY), Damping(damping), fixed_in(grid)),
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -118,16 +98,17 @@ class GravityColumn(CatalogueScene):
         position = simulation.array("particle.position").copy()
         steps = even_steps(round(self.end_time / simulation.plan.time_step))
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
-        column, mass = Column(self.cell_count), simulation.array("particle.mass")
+        mass = simulation.array("particle.mass")
         change = simulation.array("particle.position")[:, 1] - position[:, 1]
-        displacement = column.mean_over_sections(change, mass)
-        height = column.mean_over_sections(position[:, 1], mass)
+        displacement = mean_over_sections(change, mass)
+        height = mean_over_sections(position[:, 1], mass)
         # The settlement of the top lies on the line through the two sections of the last cell.
         slope = (displacement[-1] - displacement[-2]) / (height[-1] - height[-2])
         settlement = -(displacement[-1] + slope * (HEIGHT - height[-1]))
         exact_settlement = self.settlement_ratio * HEIGHT
         stress = simulation.array("cell.stress")[:, 1]
-        middles = 0.5 * (column.grid.rows[1:] + column.grid.rows[:-1])
+        rows = soil_scene(simulation).grid.rows
+        middles = 0.5 * (rows[1:] + rows[:-1])
         weight = DENSITY * GRAVITY * HEIGHT
         exact_stress = -DENSITY * GRAVITY * (HEIGHT - middles)
         error = max(

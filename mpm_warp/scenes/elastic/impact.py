@@ -21,7 +21,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.elastic.columns import Column, confined
+from mpm_warp.scenes.elastic.columns import column_grid, confined, fixed_in, mean_over_sections
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
@@ -249,17 +249,16 @@ class StruckColumn(Impact):
 
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""
-        column = Column(self.cell_count)
+        grid = column_grid(self.cell_count)
         return Scene(
-            grid=column.grid,
+            grid=grid,
             material=confined(self.modulus, POISSONS_RATIO, self.density),
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=BULK_VISCOSITY,
-            parts=(column.fixed, FreeSurface()),
+            parts=(fixed_in(grid), FreeSurface()),
         )
 
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
         """Points at each height, two rows of them in a cell, weighted by mass."""
         mass, position = simulation.array("particle.mass"), simulation.array("particle.position")
-        heights = Column(self.cell_count).mean_over_sections(position[:, 1], mass)
-        return heights, mass.copy().reshape(len(heights), -1)
+        return mean_over_sections(position[:, 1], mass), mass.copy().reshape(-1, 2)

@@ -76,12 +76,9 @@ class StretchedBar(CatalogueScene):
 
     def stretch_at(self, time: Floats) -> Floats:
         """The closed form; 0 <= time [s] <= duration."""
-
-        def growth(since: Floats | float) -> Floats:
-            tau = self.retardation_time
-            return since - tau * (1.0 - np.exp(-np.asarray(since) / tau))
-
-        return self.stretch ** (growth(time) / growth(self.duration))
+        tau, until = self.retardation_time, np.append(time, self.duration)
+        grown = until - tau * (1.0 - np.exp(-until / tau))
+        return self.stretch ** (grown[:-1] / grown[-1])
 
     @property
     def _half_count(self) -> int:

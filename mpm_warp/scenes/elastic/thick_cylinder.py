@@ -69,27 +69,21 @@ class ThickCylinder(CatalogueScene):
     def build(self) -> Scene:
         """The ring under pressure, damped until it is at rest."""
         material, outer = self.material, self.radius_ratio * INNER_RADIUS
-        columns = np.linspace(0.0, 1.0, self.cell_count + 1)
+        planar = self.section == "plane_strain"
+        height = (outer - INNER_RADIUS) / self.cell_count
+        rows = np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1) if planar else [0.0, height]
+        grid = (PolarGrid if planar else Grid)(
+            columns=np.linspace(0.0, 1.0, self.cell_count + 1),
+            rows=np.array(rows),
+            surface_radius=np.full(len(rows), INNER_RADIUS),
+            fitted_radius=outer,
+            planar=planar,
+        )
         # `wall` holds the integrals of N n over the inner wall.
-        if self.section == "plane_strain":
-            polar = PolarGrid(
-                columns=columns,
-                rows=np.linspace(0.0, 0.5 * np.pi, self.cell_count + 1),
-                surface_radius=np.full(self.cell_count + 1, INNER_RADIUS),
-                fitted_radius=outer,
-                planar=True,
-            )
-            grid: Grid = polar
-            wall = polar.wall_vectors
+        if isinstance(grid, PolarGrid):
+            wall = grid.wall_vectors
             fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])  # two planes of symmetry
         else:
-            height = (outer - INNER_RADIUS) / self.cell_count
-            grid = Grid(
-                columns=columns,
-                rows=np.array([0.0, height]),
-                surface_radius=np.full(2, INNER_RADIUS),
-                fitted_radius=outer,
-            )
             wall = np.outer(np.full(2, 0.5 * INNER_RADIUS * height), [1.0, 0.0])
             fixed = Fixed.on(grid, vertical=["everywhere"])
         nodes = grid.node(0, np.arange(grid.row_count + 1))

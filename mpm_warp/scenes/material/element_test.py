@@ -88,12 +88,6 @@ class ElementTest(ClayScene):
             speed_up=self.greatest_shear_strain / self.strain_rate,
         )
 
-    @property
-    def stress_at_rest(self) -> Floats:
-        """Stress (rr, zz, rz, tt) at the start, over the vertical one [Pa]."""
-        horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
-        return np.array([horizontal, 0.0, 0.0, horizontal])
-
     def run_size(self) -> RunSize:
         """One point."""
         return RunSize(cell_count=0, particle_count=1, step_count=self.step_count)

@@ -11,7 +11,7 @@ import numpy as np
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.other_laws import OtherLaw, other_law, other_laws
+from mpm_warp.materials.other_laws import OtherLaw
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.sounding.table import (
     EARTH_PRESSURE,
@@ -41,7 +41,7 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
     Raises:
         ParameterError: a column is of another law, or not beside this one, or a row is no clay.
     """
-    law = other_law(test.material) if test.material in other_laws() else None
+    law = test.law
     own = set() if law is None else law.parameters.keys()
     for name in columns.keys() - {*OWN, *STIFFNESS, *OF_EFFECTIVE_STRESS} - own:
         raise refused(f"column {name} is no parameter of material = {test.material!r}")

@@ -352,7 +352,7 @@ def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, start: 
     path = integrated(material, direction, 1.1 * m * math.log(2.0), deviator=deviator)
     expansion = float(result.expansion[-1])
     total, _ = cavity_wall(material, path, m * math.log(expansion), factor=k)
-    pressure = float(result.cavity_pressure[-1]) * scene.strength
+    pressure = float(result.cavity_pressure[-1]) * scene.undrained_shear_strength
     assert pressure == pytest.approx(total, rel=0.01)
     distance = float(result.distance[0])
     rest = distance**m - 1.0 + 2.0 ** -float(m)
