@@ -33,8 +33,8 @@ def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variab
     if test.own_strength is None:
         return {}
     clay = test.own_clay
-    strengths = {mode: clay.undrained_strength(name) for mode, name in MODES.items()}
-    known = {mode: su for mode, su in strengths.items() if su is not None}
+    strengths = ((mode, clay.undrained_strength(name)) for mode, name in MODES.items())
+    known = {mode: su for mode, su in strengths if su is not None}
     found = {
         f"strength_by_{mode}": variable(su, unit="Pa", meaning=f"su in {mode.replace('_', ' ')}")
         for mode, su in known.items()

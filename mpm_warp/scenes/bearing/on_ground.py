@@ -88,6 +88,8 @@ class Footing(OnGround):
 
     planar: ClassVar[bool]
     """Whether strain is plane; otherwise the footing is circular."""
+    source: ClassVar[str]
+    """Where they are from."""
     verifications = compared(
         "cells_per_radius",
         (8, 16, 32),
@@ -101,13 +103,14 @@ class Footing(OnGround):
 
     @property
     @abstractmethod
-    def exact_if_uniform(self) -> Exact:
-        """That on uniform soil."""
+    def smooth_and_rough(self) -> tuple[float, float]:
+        """Exact loads of a smooth and of a rough footing on uniform soil."""
 
     @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        return self.exact_if_uniform if self.is_uniform else super().exact
+        load = self.smooth_and_rough[int(self.adhesion_factor)]
+        return (load, self.source) if self.is_uniform else super().exact
 
     @property
     def slip_lines(self) -> SlipLines | None:
@@ -164,14 +167,11 @@ class CircularFooting(Footing):
     summary = "limit load of a circular footing, smooth and rough"
     version = 3
     planar = False
-
-    @property
-    def exact_if_uniform(self) -> Exact:
-        """Of a smooth or a rough disc."""
-        return 5.69 if self.adhesion_factor == 0.0 else 6.05, (
-            "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
-            "Z. angew. Math. Phys. 11:33-43"
-        )
+    smooth_and_rough = 5.69, 6.05
+    source = (
+        "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "
+        "Z. angew. Math. Phys. 11:33-43"
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,12 +181,8 @@ class StripFooting(Footing):
     summary = "limit load of a strip footing in plane strain, smooth and rough"
     version = 3
     planar = True
-
-    @property
-    def exact_if_uniform(self) -> Exact:
-        """Whatever the adhesion."""
-        source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
-        return 2.0 + math.pi, source
+    smooth_and_rough = 2.0 + math.pi, 2.0 + math.pi
+    source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
 
 
 RIM, GROWTH = 0.25, 3.0

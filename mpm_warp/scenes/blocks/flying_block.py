@@ -12,7 +12,7 @@ from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
-from mpm_warp.results import curves, variable
+from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.run_size import RunSize, size_of_body
@@ -101,22 +101,16 @@ class FlyingBlock(CatalogueScene):
         sampler = free_flight(simulation, self.cell_size)
         steps = [round(step) for step in evenly(self.step_count, SAMPLE_COUNT)]
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
-        greatest = {
-            name: variable(
-                float(recorded[curve].max()),
-                meaning=f"{recorded[curve].attrs['long_name']}, at most",
-                role=role,
-            )
-            for name, curve, role in (
-                ("error", "shape_change", "headline"),
-                ("momentum_error", "momentum_change", "error"),
-                ("spin_error", "spin_change", "error"),
-            )
-        }
-        turns = variable(
-            self._angular_velocity * simulation.time / (2.0 * math.pi), meaning="turns"
+        shape, momentum, spin = (
+            (float(recorded[curve].max()), "1", f"{recorded[curve].attrs['long_name']}, at most")
+            for curve in ("shape_change", "momentum_change", "spin_change")
         )
-        return recorded.assign(greatest).assign(turns=turns)
+        turns = self._angular_velocity * simulation.time / (2.0 * math.pi)
+        return recorded.assign(
+            labelled(role="headline", error=shape)
+            | labelled(role="error", momentum_error=momentum, spin_error=spin)
+            | labelled(turns=(turns, "1", "turns"))
+        )
 
     @property
     def _angular_velocity(self) -> float:

@@ -135,24 +135,20 @@ class SlidingCurves:
     def __init__(self, simulation: Simulation, scene: BlockOnBase, along: Floats) -> None:
         built = simulation.scene
         assert isinstance(built, BodyScene)
-        self._simulation = simulation
-        self._scene = scene
-        self._block = built.bodies[0]
-        self._along = along
+        self._simulation, self._scene = simulation, scene
+        self._block, self._along = built.bodies[0], along
         self._samples: list[dict[str, float | Floats]] = []
         self.sample()
 
     def sample(self) -> None:
         """Add a sample."""
         array, mass = self._simulation.array, self._block.mass
-        position = array("particle.position")[: len(mass)].copy()
-        velocity = array("particle.velocity")[: len(mass)].copy()
-        total = array("contact.total")[0]
+        velocity, total = array("particle.velocity")[: len(mass)].copy(), array("contact.total")[0]
         damped = "particle.dissipated" in self._simulation.plan.arrays
         self._samples.append(
             {
                 "time": self._simulation.time,
-                "position": position,
+                "position": array("particle.position")[: len(mass)].copy(),
                 "momentum": mass @ velocity,
                 "kinetic_energy": 0.5 * float(mass @ np.sum(velocity**2, axis=1)),
                 "elastic_energy": _elastic_energy(self._simulation),
@@ -192,6 +188,7 @@ class SlidingCurves:
         contact_force = np.diff(values["contact_impulse"], axis=0) / np.diff(time)[:, None]
         return {
             **change,
+            "since": time - self._scene.start,
             "velocity": values["momentum"] / float(mass.sum()) @ self._along,
             "displacement": displacement @ self._along,
             "shear_force": contact_force @ self._along,
@@ -202,22 +199,17 @@ class SlidingCurves:
             "energy_lack": load_work - stored - taken,
         }
 
-    @property
-    def _since(self) -> Floats:
-        """Times since the beginning of the drive [s], shape [sample_count]."""
-        return np.array([sample["time"] for sample in self._samples]) - self._scene.start
-
     def dataset(self) -> xr.Dataset:
         """The computed curves so far."""
-        run, since = self._recorded, self._since
+        run = self._recorded
 
         def curve(name: str, unit: str, meaning: str) -> tuple[Floats, str, str]:
             return run[name][1:], unit, meaning
 
         return curves(
             "progress",
-            (np.arange(1, len(since)) / SAMPLE_COUNT, "1", "time over duration"),
-            time=(since[1:], "s", "time since the driving force began"),
+            (np.arange(1, len(self._samples)) / SAMPLE_COUNT, "1", "time over duration"),
+            time=curve("since", "s", "time since the driving force began"),
             velocity=curve("velocity", "m s-1", "velocity of the block"),
             displacement=curve("displacement", "m", "displacement of the block"),
             shear_force=(run["shear_force"], "N", "base shear, mean since the sample before"),
@@ -234,7 +226,8 @@ class SlidingCurves:
         That of momentum is over the loads' impulse at the end, that of energy over their greatest
         work.
         """
-        since, run, motion = self._since, self._recorded, self._scene.motion
+        run, motion = self._recorded, self._scene.motion
+        since = run["since"]
         momentum = run["momentum_lack"] / np.linalg.norm(run["impulse"][-1])
         energy = run["energy_lack"] / float(np.abs(run["load_work"]).max())
         of_momentum, of_energy = (np.abs(lack).max() for lack in (momentum, energy))

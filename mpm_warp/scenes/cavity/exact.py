@@ -16,6 +16,7 @@ e = 1 - (a0/a)^m, x = 1 - exp(-1/Ir) and Li2 the dilogarithm,
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy  # loads special functions where they are first used: no other scene waits for them
@@ -77,9 +78,7 @@ class ExactCavity:
         """Excess pressure in the cavity over su at radii over the initial one, both [n]."""
         if self._changes:
             strains = self.exponent * np.log(expansion)
-            parts = zip(strains.tolist(), expansion.tolist(), strict=True)
-            stresses = np.array([self._radial_stress(strain, at) for strain, at in parts])
-            return stresses / self.clay.strength
+            return self._radial_stress(strains, expansion) / self.clay.strength
         index = self._index
         strain = 1.0 - expansion ** -float(self.exponent)
         yielding = -math.expm1(-1.0 / index)
@@ -103,8 +102,8 @@ class ExactCavity:
         if self._changes:
             rest = distance**m - 1.0 + expansion ** -float(m)
             strains = np.log(distance**m / rest)
-            radial = [self._radial_stress(strain, expansion) for strain in strains.tolist()]
-            return np.array(radial) - self.factor * self._shear_stress(strains, expansion)
+            radial = self._radial_stress(strains, np.full_like(strains, expansion))
+            return radial - self.factor * self._shear_stress(strains, expansion)
         local = distance / (distance**m - 1.0 + expansion**-m) ** (1.0 / m)
         shear = np.minimum(self._index * m * np.log(local), 1.0)
         pressure: Floats = self.pressure(local) - self.factor * self.strength_share * shear
@@ -126,13 +125,11 @@ class ExactCavity:
         """G over half the difference of the stresses at yield."""
         return self.rigidity_index / self.strength_share
 
-    def _radial_stress(self, strain: float, expansion: float) -> float:
-        """Excess of the stress along the radius where the shear strain is `strain` [Pa]."""
-        return cavity_pressure(
-            lambda strains: self._shear_stress(strains, expansion),
-            strain=strain,
-            factor=self.factor,
-        )
+    def _radial_stress(self, strain: Floats, expansion: Floats) -> Floats:
+        """Excess of the radial stress at shear strains, each of an expansion [Pa], shape [n]."""
+        pairs = zip(strain.tolist(), expansion.tolist(), strict=True)
+        laws = ((own, partial(self._shear_stress, expansion=at)) for own, at in pairs)
+        return np.array([cavity_pressure(law, strain=own, factor=self.factor) for own, law in laws])
 
     def _shear_stress(self, strain: Floats, expansion: float) -> Floats:
         """Half the difference of the stresses along and across the radius [Pa], shape [n]."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
 from mpm_warp.results import Quantity, curves, labelled, parameter_variables
 from mpm_warp.sampling import ContactForces, soil_scene
@@ -158,12 +158,16 @@ AXIS = "penetration"
 class PenetrationSnapshots:
     """Takes snapshots of a test with a `History`, each time `curves` has sampled the forces.
 
-    The moments are penetrations over the radius of the penetrometer.
+    The moments are penetrations over the radius of the penetrometer. Places on the surface are
+    nodes of the face from the tip on, then of the shaft. The shoulder is among both, for the shear
+    traction is another on either side of it.
     """
 
     def __init__(self, test: object, curves: PenetrationCurves, snapshots: Snapshots) -> None:
         self._curves, self._snapshots = curves, snapshots
-        places = grid_places(curves.simulation) | surface_places(curves)
+        areas = curves.contact.face_areas, curves.contact.shaft_areas
+        self._face, self._shaft = (np.flatnonzero(them) for them in areas)
+        places = grid_places(curves.simulation) | self._surface_places()
         same = parameter_variables(test, [AXIS]) | places
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 
@@ -176,6 +180,22 @@ class PenetrationSnapshots:
         """Nothing: fields are no curves; the snapshots have them."""
         return xr.Dataset()
 
+    def _surface_places(self) -> dict[str, xr.Variable]:
+        part = np.repeat(["face", "shaft"], [self._face.size, self._shaft.size])
+        nodes = self._curves.contact.nodes[np.concatenate([self._face, self._shaft])]
+        r, z = soil_scene(self._curves.simulation).grid.node_positions[nodes].T
+        number = np.arange(part.size, dtype=np.int32)
+        return {
+            "surface": xr.Variable(
+                "surface", number, {"long_name": "number of the surface's node"}
+            ),
+            "surface_part": xr.Variable("surface", part, {"long_name": "part of the surface"}),
+        } | labelled(
+            dims=("surface",),
+            surface_r=(r, "m", "radius of the surface's node"),
+            surface_z=(z, "m", "height of the surface's node"),
+        )
+
     def _fields(self) -> Variables:
         simulation = self._curves.simulation
         resistance = self._curves.forces[-1].on_face / (0.5 * self._curves.radius**2)
@@ -186,50 +206,18 @@ class PenetrationSnapshots:
             speed=(simulation.array("window.motion")[1], "m s-1", "penetration speed"),
             resistance=(resistance, "Pa", "net cone resistance", mean),
         )
-        return scalars | soil_fields(simulation) | surface_traction(self._curves)
+        return scalars | soil_fields(simulation) | self._surface_traction()
 
-
-def surface_places(curves: PenetrationCurves) -> dict[str, xr.Variable]:
-    """Places on the surface: nodes of the face from the tip on, then of the shaft.
-
-    The shoulder is among both, for the shear traction is another on either side of it.
-    """
-    numbers, face_count = _surface_nodes(curves.contact)
-    nodes = curves.contact.nodes[numbers]
-    r, z = soil_scene(curves.simulation).grid.node_positions[nodes].T
-    part = np.repeat(["face", "shaft"], [face_count, len(r) - face_count])
-    number = np.arange(len(r), dtype=np.int32)
-    return {
-        "surface": xr.Variable("surface", number, {"long_name": "number of the surface's node"}),
-        "surface_part": xr.Variable("surface", part, {"long_name": "part of the surface"}),
-    } | labelled(
-        dims=("surface",),
-        surface_r=(r, "m", "radius of the surface's node"),
-        surface_z=(z, "m", "height of the surface's node"),
-    )
-
-
-def surface_traction(curves: PenetrationCurves) -> dict[str, xr.Variable]:
-    """Traction along the surface in the last sample, at the places that `surface_places` gives.
-
-    It is linear between nodes: with the radius as weight it integrates to the forces exactly.
-    """
-    contact, nodal = curves.contact, curves.nodal_forces
-    numbers, face_count = _surface_nodes(contact)
-    face, shaft = np.split(numbers, [face_count])
-    pressure = nodal[numbers, 0] / contact.normal_areas[numbers]
-    on_face = contact.shear_on_face(nodal)[face] / contact.face_areas[face]
-    shear = np.concatenate([on_face, contact.shaft_shear_stress(nodal)[shaft]])
-    over = "that over the in-situ stress, pressing positive"
-    upward = "upward positive"
-    return labelled(
-        dims=("surface",),
-        normal_traction=(pressure, "Pa", "normal traction on the penetrometer", over),
-        shear_traction=(shear, "Pa", "shear traction on the penetrometer", upward),
-    )
-
-
-def _surface_nodes(contact: PenetrometerContact) -> tuple[Integers, int]:
-    """Numbers of the contact's nodes on face and shaft, and how many of them are on the face."""
-    face, shaft = (np.flatnonzero(areas) for areas in (contact.face_areas, contact.shaft_areas))
-    return np.concatenate([face, shaft]), len(face)
+    def _surface_traction(self) -> dict[str, xr.Variable]:
+        """Linear between nodes: with the radius as weight it integrates to the forces exactly."""
+        contact, nodal = self._curves.contact, self._curves.nodal_forces
+        numbers = np.concatenate([self._face, self._shaft])
+        pressure = nodal[numbers, 0] / contact.normal_areas[numbers]
+        on_face = contact.shear_on_face(nodal)[self._face] / contact.face_areas[self._face]
+        shear = np.concatenate([on_face, contact.shaft_shear_stress(nodal)[self._shaft]])
+        over = "that over the in-situ stress, pressing positive"
+        return labelled(
+            dims=("surface",),
+            normal_traction=(pressure, "Pa", "normal traction on the penetrometer", over),
+            shear_traction=(shear, "Pa", "shear traction on the penetrometer", "upward positive"),
+        )

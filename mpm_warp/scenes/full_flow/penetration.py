@@ -16,7 +16,7 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSourc
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
-from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetrometer import (
@@ -79,9 +79,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         """What a run gives; with its uncertainty to be measured, the further runs are made too."""
 
         def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
-            simulation = Simulation(test.build(), execution)
-            report(0.0)
-            return test.record(simulation, report)
+            return CatalogueScene.compute(test, report, execution)
 
         alone = replace(self, uncertainty="none")
         if self.uncertainty == "none":

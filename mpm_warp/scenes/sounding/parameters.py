@@ -13,9 +13,8 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import FittedToCone
-from mpm_warp.scenes.sounding.law_by_depth import with_strength
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.table import PROFILE, columns_of, refused
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of, refused, with_strength
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5

@@ -85,12 +85,9 @@ class Sounding(SoundingTest):
         """The test in the clay of a row of the ground that is passed; None: see `_test`."""
         ground = self.ground_passed
         chosen = slice(None) if row is None else slice(row, row + 1)
-        strength = float(ground.strength[chosen].max())
-        shear_modulus = float(ground.shear_modulus[chosen].max())
-        softest = float(ground.shear_modulus.min())
-        greatest_fraction = TIME_STEP_FRACTION if self.starts_at_surface else math.inf
+        shear_modulus = ground.shear_modulus[chosen].max()
         of_ground = self._in_ground(
-            strength,
+            ground.strength[chosen].max(),
             shear_modulus,
             ground.greatest_adhesion_factor(self.adhesion_factor),
             stress_anisotropy,
@@ -100,20 +97,21 @@ class Sounding(SoundingTest):
             "approach": 0.0,
             "steady_tolerance": 0.0,
             "uncertainty": "known",
-            "speed_ratio": self.speed_ratio * math.sqrt(softest / shear_modulus),
-            "time_step_fraction": min(self.time_step_fraction, greatest_fraction),
+            "speed_ratio": self.speed_ratio * math.sqrt(ground.shear_modulus.min() / shear_modulus),
         }
+        if self.starts_at_surface:
+            of_start["time_step_fraction"] = min(self.time_step_fraction, TIME_STEP_FRACTION)
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
-        test: Any = ConePenetration.offered()
-        common = parameters_of(type(self)).keys() & parameters_of(test).keys()
+        kind: Any = ConePenetration.offered()
+        common = parameters_of(type(self)).keys() & parameters_of(kind).keys()
         values = {name: getattr(self, name) for name in common}
         # A window by default is that of the sounding; the test would derive another.
         kept = {
             name: float(value) if isinstance(value, Derived) else value
             for name, value in values.items()
         }
-        built: ConePenetration = test(**kept | of_ground | of_start | of_law)
-        return built
+        test: ConePenetration = kind(**kept | of_ground | of_start | of_law)
+        return test
 
     def _in_ground(
         self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any
@@ -160,35 +158,29 @@ class Sounding(SoundingTest):
         end = self.from_depth + (self.samples[-1] + 1) * self.spacing
         if self.starts_at_surface:
             begin = max(begin, self.start_depth + self.surface_passed)
+        if begin >= end:
+            return {}
         depths, half = self.ground.depth, 0.5 * self.spacing
         borders = depths[1:][np.diff(depths) == 0.0]
-        sides = [
-            border + side
-            for border in borders
-            for side in (-half, half)
-            if begin < border + side < end
-        ]
-        others = [] if self.ground_passed.is_uniform else [begin, *sides]
-        return {depth: self._test_at(depth) for depth in ([*others, end] if begin < end else [])}
+        sides = np.add.outer(borders, [-half, half]).ravel().tolist()
+        others = [begin, *(side for side in sides if begin < side < end)]
+        chosen = [end] if self.ground_passed.is_uniform else [*others, end]
+        return {depth: self._test_at(depth) for depth in chosen}
 
     def _test_at(self, depth: float) -> ConePenetration:
         """That test in uniform clay as the ground is at a depth [m], its error to be measured."""
         ground, at = self.ground, np.array(depth)
-        shear_modulus = float(ground.shear_modulus_at(at))
         changes = self._in_ground(
             ground.strength_at(at),
-            shear_modulus,
+            ground.shear_modulus_at(at),
             ground.adhesion_factor_at(at, self.adhesion_factor),
             ground.stress_anisotropy_at(at, self.stress_anisotropy),
             ground.vertical_stress_at(at),
-        ) | {
-            "uncertainty": "measured",
-            "speed_ratio": math.sqrt(self.dynamic_pressure / shear_modulus),
-            "steady_tolerance": STEADY_TOLERANCE,
-            # By default, as in a test of its own.
-            "approach": None,
-            "penetration": None,
-        }
+        )
+        # Approach and penetration are by default, as in a test of its own.
+        method = {"steady_tolerance": STEADY_TOLERANCE, "approach": None, "penetration": None}
+        speed_ratio = math.sqrt(self.dynamic_pressure / ground.shear_modulus_at(at))
+        changes |= {"uncertainty": "measured", "speed_ratio": speed_ratio, **method}
         return replace(self._test, **changes)
 
     def build(self) -> Scene:
