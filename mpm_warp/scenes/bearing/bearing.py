@@ -9,8 +9,8 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
-from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
@@ -48,6 +48,8 @@ class Bearing(CatalogueScene):
     """
 
     method = ("cells_per_radius", "rigidity_index", "displacement", "speed_ratio")
+    material = "tresca"
+    """Where the soil yields."""
 
     cells_per_radius: int = parameter(8, "cells per radius of the body", minimum=1, maximum=40)
     rigidity_index: float = parameter(10_000.0, "rigidity index G/su", minimum=100, maximum=1e6)
@@ -81,14 +83,9 @@ class Bearing(CatalogueScene):
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
-    def criterion(self) -> type[PerfectlyPlastic]:
-        """Where the soil yields."""
-        return Tresca
-
-    @property
     def clay(self) -> UndrainedClay:
         """Weightless, uniform soil."""
-        return self.criterion(
+        return CRITERIA[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,
             density=DENSITY,
@@ -145,18 +142,6 @@ class Bearing(CatalogueScene):
             simulation, due, simulation.advance_to_step, [Samples(sample, load_curve)], progress
         )
         limit = plateau(recorded.displacement.values, recorded.resistance.values)
-        results = recorded.assign(self._limit_beside_exact(limit))
-        if math.isnan(limit):
-            raise UnfinishedRun(
-                f"the load has no plateau: it changes by more than {PLATEAU_CHANGE:.0%} over the "
-                f"last {PLATEAU_SHARE:.0%} of displacement = {self.displacement:g}; try more "
-                "displacement",
-                results,
-            )
-        return results
-
-    def _limit_beside_exact(self, limit: float) -> dict[str, xr.Variable]:
-        """The limit load over area and su, and the exact one with the error where one is known."""
         meaning = "limit load over area and su"
         is_mean = (
             f"mean over the last {PLATEAU_SHARE:.0%} of the displacement, if the load changes "
@@ -169,7 +154,15 @@ class Bearing(CatalogueScene):
             error = (abs(limit / exact - 1), "1", "error of the limit load", of_plateau)
             found |= labelled(bearing_capacity_exact=(exact, "1", f"{meaning}, exact", source))
             found |= labelled(role="error", error=error)
-        return found
+        results = recorded.assign(found)
+        if math.isnan(limit):
+            raise UnfinishedRun(
+                f"the load has no plateau: it changes by more than {PLATEAU_CHANGE:.0%} over the "
+                f"last {PLATEAU_SHARE:.0%} of displacement = {self.displacement:g}; try more "
+                "displacement",
+                results,
+            )
+        return results
 
 
 def plateau(displacement: Floats, load: Floats) -> float:

@@ -25,7 +25,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parts.moving_wall import MovingWall
-from mpm_warp.scenes.material.known_paths import shear_stress
+from mpm_warp.scenes.material.strain_paths import shear_stress
 
 RADIUS = 1.0
 """Of the cavity at the start [m]."""

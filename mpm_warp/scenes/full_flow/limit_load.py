@@ -10,7 +10,6 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
@@ -143,11 +142,6 @@ class FullFlowSphere(FullFlow):
     )
 
     material: str = redefined(ClayScene, "material", choices=tuple(CRITERIA))
-
-    @property
-    def criterion(self) -> type[PerfectlyPlastic]:
-        """That of the material."""
-        return CRITERIA[self.material]
 
     @property
     def exact(self) -> Exact | None:

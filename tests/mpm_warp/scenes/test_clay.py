@@ -11,6 +11,7 @@ from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
+from tests.mpm_warp.conftest import refused
 
 CLAY = {"density": 1700.0, "strength": 1e4}
 
@@ -40,10 +41,7 @@ def test_strain_rates_are_those_of_reality() -> None:
     ],
 )
 def test_what_no_clay_is_like_is_refused_in_one_line(given: dict[str, float], message: str) -> None:
-    with pytest.raises(ParameterError) as refused:
-        MaterialPoint(**given)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
+    refused(lambda: MaterialPoint(**given), ParameterError, message)
 
 
 FACTOR = xr.Variable((), 9.0, {"long_name": "cone factor"})

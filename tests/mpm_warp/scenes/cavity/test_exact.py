@@ -10,7 +10,7 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cavity.exact import cavity_pressure, strain_rate
-from mpm_warp.scenes.material.known_paths import shear_stress
+from mpm_warp.scenes.material.strain_paths import shear_stress
 from tests.mpm_warp.conftest import changing_clay
 
 CYLINDER, SPHERE = (2, 1.0), (3, 4 / 3)

@@ -14,6 +14,7 @@ from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import penetration
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
+from mpm_warp.scenes.cone.pore_pressure import PLACES
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import SMALL_WINDOW
@@ -243,12 +244,12 @@ def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
     assert approach(speed_ratio=0.2, approach_speed_ratio=0.1) is None
 
 
-def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
+def test_nothing_is_given_where_the_penetrometer_slows_down() -> None:
     """Two radii until the end of the approach, and half a radius after it."""
     cone = ConePenetration(
         cells_per_radius=1,
         domain_radius=10,
-        domain_above=3,
+        domain_above=10,
         domain_below=3,
         approach=5,
         penetration=12,
@@ -256,7 +257,7 @@ def test_no_resistance_is_given_where_the_penetrometer_slows_down() -> None:
     )
     result = cone.run()
     slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
-    for curve in ("penetration_resistance", "excess_pore_pressure_face"):
+    for curve in ("penetration_resistance", *(f"excess_pore_pressure_{it}" for it in PLACES)):
         assert (result[curve].isnull() == slowed).all()
 
 

@@ -97,14 +97,6 @@ def test_there_is_no_pressure_above_the_window() -> None:
     assert dataset.excess_pore_pressure_shoulder.notnull().all()
 
 
-def test_no_pressure_is_given_where_the_penetrometer_slows_down() -> None:
-    """Two radii until the end of the approach, and half a radius after it."""
-    dataset = sampled(dataclasses.replace(TEST, approach=4.0), 50)
-    for name in PLACES:
-        given = dataset[f"excess_pore_pressure_{name}"].notnull()
-        np.testing.assert_array_equal(given, (given.penetration < 2) | (given.penetration > 4.5))
-
-
 def test_factors_are_means_over_the_last_two_radii() -> None:
     values = np.append(np.full(30, 7e4), np.full(20, 5e4))
     recorded = xr.Dataset(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from mpm_warp.errors import SimulationDiverged
-from mpm_warp.scenes.material.known_paths import PATH_COUNT, known_paths
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
+from mpm_warp.scenes.material.strain_paths import PATH_COUNT, known_paths
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.scenes.conftest import order_and_errors
 
