@@ -210,14 +210,10 @@ class CatalogueScene(ABC):
         return results.assign(parameters)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """The results of a run, without the parameters.
+        """The results of a run, without the parameters; `run` says what the arguments are.
 
-        A scene overrides it where it does more than run one simulation.
-
-        Args:
-            progress: is to be called with 0 once all is compiled, and then now and then with the
-                fraction done.
-            execution: device and threads; default: one thread of the processor.
+        A scene overrides it where it does more than run one simulation. It is to call `progress`
+        with 0 once all is compiled.
         """
         simulation = Simulation(self.build(), execution)
         progress(0.0)  # set up and compiled: from here on it computes
@@ -231,12 +227,7 @@ class CatalogueScene(ABC):
 
     @abstractmethod
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Run a simulation of what `build` gives, and record its results.
-
-        Args:
-            simulation: at its start.
-            progress: is to be called now and then with the fraction done.
-        """
+        """Run a simulation of what `build` gives, from its start on, and record its results."""
 
 
 @contextmanager

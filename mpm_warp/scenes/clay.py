@@ -195,11 +195,8 @@ class ClayScene(CatalogueScene):
     ) -> Material:
         """The clay; perfectly plastic where neither strain nor rate changes its strength.
 
-        Args:
-            strength: su, of intact clay at the reference strain rate [Pa], > 0.
-            density: rho [kg/m3], > 0.
-            speed_up: speed of the run over that in reality, > 0: strain rates count as in reality.
-            greatest_poissons_ratio: what Poisson's ratio is simulated as at most.
+        The strength su is that of intact clay at the reference strain rate [Pa], the density in
+        kg/m3. Strain rates count as in reality: `speed_up` is the speed of the run over that there.
         """
         given: dict[str, Any] = {
             "shear_modulus": self.rigidity_index * strength,

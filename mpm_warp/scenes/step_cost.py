@@ -11,7 +11,7 @@ import xarray as xr
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.execution import Batch, Execution
-from mpm_warp.materials.elasticity import Isotropic, LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window
@@ -117,14 +117,9 @@ class StepCost(CatalogueScene):
         soil = dataclasses.replace(scene, bulk_viscosity=None, parts=(scene[Fixed],))
         if self.physics == "plastic":
             return soil
-        clay = soil.material
-        assert isinstance(clay, Isotropic)
-        material = LinearElastic(
-            shear_modulus=clay.shear_modulus,
-            poissons_ratio=clay.poissons_ratio,
-            density=clay.density,
-        )
-        return dataclasses.replace(soil, material=material)
+        shared = (own.name for own in dataclasses.fields(LinearElastic))
+        elastic = LinearElastic(**{name: getattr(soil.material, name) for name in shared})
+        return dataclasses.replace(soil, material=elastic)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """Time the steps of a case, or of several together, on the device of the execution."""

@@ -59,11 +59,8 @@ class Shock:
     def shortening(self) -> float:
         """V / U: the share of the length that is lost behind the shock."""
         square = self.speed**2 * self.density / self.modulus
-
-        def excess(shortening: float) -> float:
-            return -shortening * math.log1p(-shortening) - square
-
-        return float(scipy.optimize.brentq(excess, 0.0, 1.0 - 1e-12))
+        found = scipy.optimize.brentq(lambda it: -it * math.log1p(-it) - square, 0.0, 1.0 - 1e-12)
+        return float(found)
 
     @property
     def front_speed(self) -> float:
