@@ -1,8 +1,15 @@
-"""The observed order of a scene's error."""
+"""Scenes by name, with the parameters of all laws, and the observed order of a scene's error."""
 
 import math
+from typing import Any
 
-from mpm_warp.scenes import CatalogueScene
+from mpm_warp.scenes import CatalogueScene, scene_class
+
+
+def scene(name: str, **given: object) -> Any:
+    """A scene as the catalogue offers it."""
+    kind: Any = scene_class(name)
+    return kind(**given)
 
 
 def order_and_errors(

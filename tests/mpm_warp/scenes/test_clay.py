@@ -1,6 +1,6 @@
 """The clay of a scene: what is chosen and given together, and factors by mode of strength."""
 
-from typing import Any
+from functools import partial
 
 import pytest
 import xarray as xr
@@ -8,26 +8,27 @@ import xarray as xr
 from mpm_warp.errors import ParameterError
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
 from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.scenes.conftest import scene
 
+cone_test = partial(scene, "cone_penetration")
 CLAY = {"density": 1700.0, "strength": 1e4}
 
 
 def test_clay_whose_strength_nothing_changes_is_perfectly_plastic() -> None:
     """Whatever reference and ductility are: they belong to nothing then."""
-    scene = MaterialPoint(reference_strain_rate=0.1, ductility=10.0)
-    assert scene.clay_with(speed_up=3.0, **CLAY) == Tresca(
+    point = MaterialPoint(reference_strain_rate=0.1, ductility=10.0)
+    assert point.clay_with(speed_up=3.0, **CLAY) == Tresca(
         shear_modulus=1e6, poissons_ratio=0.49, **CLAY
     )
 
 
 def test_strain_rates_are_those_of_reality() -> None:
     """A run that is three times as fast takes three times the rate for that of reference."""
-    scene = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1)
-    clay = scene.clay_with(speed_up=3.0, **CLAY)
+    point = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1)
+    clay = point.clay_with(speed_up=3.0, **CLAY)
     assert isinstance(clay, EinavRandolph)
     assert clay.reference_strain_rate == pytest.approx(0.3)
 
@@ -52,11 +53,6 @@ DIRECTED = {
     "strength_extension": 10e3,
     "strength_simple_shear": 15e3,
 }
-
-
-def cone_test(**given: Any) -> Any:
-    test: Any = scene_class("cone_penetration")
-    return test(**given)
 
 
 def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None:
@@ -116,8 +112,7 @@ def test_pore_pressure_has_factors_by_mode_and_bq_has_none() -> None:
 
 def test_a_t_bar_and_a_ball_have_factors_by_mode() -> None:
     for name in ("t_bar_penetration", "ball_penetration"):
-        kind: Any = scene_class(name)
-        found = by_mode(kind(**DIRECTED), resistance_factor=FACTOR)
+        found = by_mode(scene(name, **DIRECTED), resistance_factor=FACTOR)
         assert float(found["resistance_factor_by_simple_shear"]) == pytest.approx(12.0)
 
 
@@ -129,8 +124,7 @@ def test_a_linear_law_has_one_rigidity_index() -> None:
 def test_a_law_without_a_constant_stiffness_has_that_of_its_element_test() -> None:
     test = cone_test(material="modified_cam_clay")
     found = rigidity_of_law(test)
-    element: Any = scene_class("element_test")
-    known = element(material="modified_cam_clay", test="simple_shear").run()
+    known = scene("element_test", material="modified_cam_clay", test="simple_shear").run()
     for name, variable in found.items():
         assert float(variable) == pytest.approx(float(known[name]), rel=1e-2)
     assert float(found["half_strength_rigidity_index"]) < float(

@@ -211,14 +211,7 @@ def test_a_run_takes_the_steps_that_its_plan_says() -> None:
     That costs half a step where the speed rises, gains 0.5 ln 4 where it falls to a quarter; and
     either number is a whole one.
     """
-    cone = ConePenetration(
-        cells_per_radius=1.5,
-        domain_radius=10,
-        domain_above=5,
-        domain_below=5,
-        penetration=12,
-        steady_tolerance=0,
-    )
+    cone = ConePenetration(**SMALL_WINDOW, cells_per_radius=1.5, penetration=12, steady_tolerance=0)
     result = cone.run()
     assert abs(int(result.step_count) - int(result.step_count_bound)) <= 2
     assert cone.step_count_bound(cone.plan()) == int(result.step_count_bound)

@@ -39,8 +39,7 @@ def test_nothing_flows_through_the_surface_on_the_whole(contact: PenetrometerCon
 def test_the_shoulder_has_the_mean_normal_and_the_tip_the_vertical_one(
     contact: PenetrometerContact,
 ) -> None:
-    normals = contact.normals
-    face, shaft = contact.face_areas, contact.shaft_areas
+    normals, face, shaft = contact.normals, contact.face_areas, contact.shaft_areas
     shoulder = int(np.flatnonzero((face > 0.0) & (shaft > 0.0))[0])
     expected = face[shoulder] * np.array([-np.cos(HALF_ANGLE), np.sin(HALF_ANGLE)])
     expected += shaft[shoulder] * np.array([-1.0, 0.0])

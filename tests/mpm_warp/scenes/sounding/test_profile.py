@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,11 +10,12 @@ import pytest
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.materials.anisotropic import Anisotropic
-from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.scenes.conftest import scene
 
+offered = partial(scene, "sounding")
 TEXT = """
 depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
 0, 40, 100, 18
@@ -21,12 +23,6 @@ depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
 2, 20, 50, 16
 4, 30, 50, 16
 """
-
-
-def offered(**given: Any) -> Any:
-    """A sounding, with the parameters of all laws."""
-    kind: Any = scene_class("sounding")
-    return kind(**given)
 
 
 @pytest.fixture
@@ -270,8 +266,7 @@ def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
     delta = (vertical - horizontal) / (2.0 * ground.strength[rows])
     np.testing.assert_allclose(ground.stress_anisotropy[rows], delta, rtol=1e-12)
     clay = {"mean_effective_stress": mean[1], "earth_pressure_at_rest": (horizontal / vertical)[1]}
-    cone: Any = scene_class("cone_penetration")
-    test = cone(**own, **clay)
+    test = scene("cone_penetration", **own, **clay)
     assert ground.strength[rows[1]] == pytest.approx(test.undrained_shear_strength, rel=1e-12)
     assert ground.stress_anisotropy[rows[1]] == pytest.approx(test.stress_anisotropy, rel=1e-12)
 
@@ -290,8 +285,7 @@ def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
     """To the bit; what the ground says is in the parameters of the sounding too."""
     given: dict[str, Any] = {f"{ratio}_overconsolidation_ratio": 3.0}
     sounding = offered(material="modified_cam_clay", **given)
-    cone: Any = scene_class("cone_penetration")
-    test = cone(material="modified_cam_clay", **given)
+    test = scene("cone_penetration", material="modified_cam_clay", **given)
     assert sounding.undrained_shear_strength == test.undrained_shear_strength
     assert sounding.stress_anisotropy == test.stress_anisotropy
     built, expected = sounding.build().material, test.clay
