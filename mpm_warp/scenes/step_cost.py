@@ -99,8 +99,7 @@ class StepCost(CatalogueScene):
         for _ in range(4):
             cone = ConePenetration(cells_per_radius=cells_per_radius, approach=0.0)
             count = cone.run_size().cell_count * cone.particles_per_cell
-            finer = cells_per_radius * math.sqrt(self.size / count)
-            cells_per_radius = min(max(1.0, finer), 100.0)
+            cells_per_radius = min(max(1.0, cells_per_radius * math.sqrt(self.size / count)), 100.0)
         return cone
 
     def run_size(self) -> RunSize:

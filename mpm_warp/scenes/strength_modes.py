@@ -70,8 +70,7 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
         mean = clay.state_at(stress, np.zeros(2))[clay.state.index(EFFECTIVE_STRESS)]
         vertical = float(mean + 2.0 / 3.0 * (stress[0] - stress[1]))
         factor = net + vertical / test.undrained_shear_strength - excess
-        of_effective = (factor, "1", "effective cone factor N_ke", "(qt - u2) / su")
-        factors |= labelled(N_ke=of_effective)
+        factors |= labelled(N_ke=(factor, "1", "effective cone factor N_ke", "(qt - u2) / su"))
     found = by_mode(test, **factors)
     ratio = (excess / net, "1", "pore pressure ratio Bq", "(u2 - u0) / (qt - sigma_v0)")
     return found | labelled(Bq=ratio) if found else {}

@@ -171,6 +171,5 @@ def plateau(displacement: Floats, load: Floats) -> float:
     displacement, load = displacement[last], load[last]
     if len(load) < LEAST_SAMPLES:
         return math.nan
-    slope = np.polyfit(displacement, load, 1)[0]
-    change = abs(slope) * (displacement[-1] - displacement[0])
+    change = abs(np.polyfit(displacement, load, 1)[0]) * (displacement[-1] - displacement[0])
     return float(load.mean()) if change <= PLATEAU_CHANGE * abs(load.mean()) else math.nan

@@ -120,9 +120,8 @@ class SlipLines:
             of_a = self._hoop(c_a, a.r, r) * ((r - a.r) - (z - a.z)) + kappa * (r - a.r)
             of_b = self._hoop(c_b, b.r, r) * ((r - b.r) + (z - b.z)) - kappa * (r - b.r)
             psi = (a.s - b.s + 2.0 * (c_a * a.psi + c_b * b.psi) - of_a + of_b) / (c_a + c_b) / 2.0
-            s = a.s - 2.0 * c_a * (psi - a.psi) - of_a
             change = abs(psi - found.psi) + abs(r - found.r)
-            found = Point(r, z, s, psi)
+            found = Point(r, z, a.s - 2.0 * c_a * (psi - a.psi) - of_a, psi)
             if change < ROUNDING:
                 break
         return found

@@ -161,15 +161,13 @@ class BlockOnBase(CatalogueScene):
             self._check_ring(self.interface_radius)
 
     def _refuse(self, name: str, beside: str, why: str) -> NoReturn:
-        value = getattr(self, name)
-        raise ParameterError(name, f"{name} = {value:g} {beside}is not allowed{why}")
+        raise ParameterError(name, f"{name} = {getattr(self, name):g} {beside}is not allowed{why}")
 
     def derived(self) -> Mapping[str, float]:
         """The time to watch a block that sticks: in it the block would slide its length freely."""
         if self.driving_force <= 0.0:
             return {}  # such a block is refused
-        free_slide = math.sqrt(2.0 * self.length * self.mass / self.driving_force)
-        return {"rest_time": free_slide}
+        return {"rest_time": math.sqrt(2.0 * self.length * self.mass / self.driving_force)}
 
     def _check_pressed(self) -> None:
         # The base shear acts below the middle of the block. The base carries its moment as long as
@@ -246,8 +244,7 @@ class BlockOnBase(CatalogueScene):
     @property
     def normal_force(self) -> float:
         """Force that presses the block on its base [N]."""
-        weight = self.weight * math.cos(math.radians(self.slope))
-        return weight + self.normal_pressure * self.area
+        return self.weight * math.cos(math.radians(self.slope)) + self.normal_pressure * self.area
 
     @property
     def driving_force(self) -> float:

@@ -143,11 +143,10 @@ def free_flight(simulation: Simulation, cell_size: float) -> Samples:
         )
 
     def over_time(shape: Floats, momentum: Floats, spin: Floats) -> xr.Dataset:
-        share = np.arange(1, len(shape) + 1) / SAMPLE_COUNT
         of_shape = "greatest change of a distance in the block, over its diagonal"
         return curves(
             "progress",
-            (share, "1", "time over duration"),
+            (np.arange(1, len(shape) + 1) / SAMPLE_COUNT, "1", "time over duration"),
             shape_change=(shape, "1", of_shape),
             momentum_change=(momentum, "1", "change of linear momentum"),
             spin_change=(spin, "1", "change of angular momentum about the middle"),

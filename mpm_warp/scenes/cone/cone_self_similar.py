@@ -143,8 +143,7 @@ class ConeSelfSimilar(CatalogueScene):
         late = depth > FITTED_FROM * self._final_depth
         # By the work, whose exponent is greater by one: in it the load's noise averages out.
         work = np.cumsum(load * np.diff(reached))
-        slope = np.polyfit(np.log(reached[1:][late]), np.log(work[late]), 1)[0]
-        exponent = float(slope) - 1.0
+        exponent = float(np.polyfit(np.log(reached[1:][late]), np.log(work[late]), 1)[0]) - 1.0
         factor = load / (
             STRENGTH * math.pi * (depth * math.tan(math.radians(self.apex_angle) / 2)) ** 2
         )

@@ -112,8 +112,7 @@ class PenetrationCurves:
 
 def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
     """The axis of `count` samples, each of which stands in its middle, over a length."""
-    middles = (np.arange(count) + 0.5) * SAMPLE_SPACING
-    return middles, "1", f"penetration over {over}"
+    return (np.arange(count) + 0.5) * SAMPLE_SPACING, "1", f"penetration over {over}"
 
 
 def without_slowing(values: Floats, window: Window, radius: float) -> Floats:

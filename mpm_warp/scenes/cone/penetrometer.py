@@ -83,8 +83,7 @@ def sleeve_mean(heights: Floats, values: Floats) -> float:
     begin, end = SLEEVE_BEGIN, SLEEVE_BEGIN + SLEEVE_LENGTH
     if heights[-1] < end:
         return math.nan
-    between = heights[(heights > begin) & (heights < end)]
-    at = np.concatenate([[begin], between, [end]])
+    at = np.concatenate([[begin], heights[(heights > begin) & (heights < end)], [end]])
     return float(np.trapezoid(np.interp(at, heights, values), at)) / SLEEVE_LENGTH
 
 
@@ -187,9 +186,8 @@ class PenetrometerContact(SurfaceContact):
         upward_from_tip = tip_shear * math.cos(self.half_angle)
         # A node's normal force acts on its area; the part of it on the face pushes upward.
         on_face_part = float(normal @ (self.face_areas / self.normal_areas))
-        upward_from_normals = on_face_part * math.sin(self.half_angle)
         return PenetrometerForces(
-            face_normal=upward_from_normals - upward_from_tip,
+            face_normal=on_face_part * math.sin(self.half_angle) - upward_from_tip,
             face_shear=face_shear * math.cos(self.half_angle) + upward_from_tip,
             shaft_shear=float(shear.sum()) - face_shear,
             contact_share=self.share_in_touch(normal),

@@ -119,8 +119,7 @@ def _cavity_pressure(built: Scene) -> float:
     if isinstance(clay, EinavRandolph):
         criterion = clay.criterion
         rate = built[Window].speed / float(built.grid.surface_radius[-1])
-        cycles = math.log10(max(rate / clay.reference_strain_rate, 1.0))
-        half *= 1.0 + clay.rate_factor * cycles
+        half *= 1.0 + clay.rate_factor * math.log10(max(rate / clay.reference_strain_rate, 1.0))
     if criterion is VonMises:
         half *= 2.0 / math.sqrt(3.0)
     return limit_pressure(clay.shear_modulus, half)

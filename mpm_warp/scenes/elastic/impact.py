@@ -142,14 +142,13 @@ class Impact(CatalogueScene):
         def at_end(time: Floats, front: Floats) -> xr.Dataset:
             stress, velocity = along_bar("stress"), along_bar("velocity")
             passed = heights < shock.front_speed * simulation.time
-            exact_velocity = np.where(passed, 0.0, -shock.speed)
             recorded = curves(
                 "place",
                 (heights, "m", "place in the unstrained bar"),
                 stress=(stress, "Pa", "stress at the end"),
                 stress_exact=(np.where(passed, shock.stress, 0.0), "Pa", "stress, exact"),
                 velocity=(velocity, "m s-1", "velocity at the end"),
-                velocity_exact=(exact_velocity, "m s-1", "velocity, exact"),
+                velocity_exact=(np.where(passed, 0.0, -shock.speed), "m s-1", "velocity, exact"),
             )
             # Between what the first touch has left at the wall and the width of the shock.
             behind = (heights > 0.25 * front[-1]) & (heights < 0.75 * front[-1])
@@ -171,7 +170,6 @@ def shock_errors(
     of_stress = abs(stress.mean() / shock.stress - 1.0)
     of_velocity = abs(velocity.mean()) / shock.speed
     greatest = max(of_speed, of_stress, of_velocity)
-    scatter = stress.std() / abs(shock.stress)
     in_words = "standard deviation of the stress behind the shock over its mean"
     return (
         labelled(
@@ -184,7 +182,7 @@ def shock_errors(
             role="headline",
             error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
         )
-        | labelled(stress_scatter=(scatter, "1", in_words))
+        | labelled(stress_scatter=(stress.std() / abs(shock.stress), "1", in_words))
     )
 
 
@@ -200,11 +198,10 @@ class StruckBar(Impact):
 
     def run_size(self) -> RunSize:
         """Cells around bar and wall, their points, and the steps until the shock has passed."""
-        crossings = self.end_time * self.wave_speed / self.cell_size
         return size_of_bodies(
             cell_count=10 * (self.cell_count + 10),
             particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
-            step_count=crossings / self.time_step_fraction,
+            step_count=self.end_time * self.wave_speed / self.cell_size / self.time_step_fraction,
         )
 
     def build(self) -> BodyScene:

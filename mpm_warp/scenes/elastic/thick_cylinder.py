@@ -86,10 +86,9 @@ class ThickCylinder(CatalogueScene):
         else:
             wall = np.outer(np.full(2, 0.5 * INNER_RADIUS * height), [1.0, 0.0])
             fixed = Fixed.on(grid, vertical=["everywhere"])
-        nodes = grid.node(0, np.arange(grid.row_count + 1))
         # Of the order of the lowest frequency, shear wave speed over mean radius.
         damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
-        load = NodalLoad(nodes=nodes, forces=PRESSURE * wall)
+        load = NodalLoad(nodes=grid.node(0, np.arange(grid.row_count + 1)), forces=PRESSURE * wall)
         return Scene(grid=grid, material=material, parts=(load, Damping(damping), fixed))
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

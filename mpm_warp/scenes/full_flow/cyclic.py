@@ -145,13 +145,12 @@ class CyclicPenetration(FullFlowPenetrometer):
             values if known else math.nan
             for values in (fit.cycles, fit.remoulded_share, fit.intact)
         )
-        of_cycles = "cycles n_95 to 95 % of the loss of resistance"
         of_remoulded = "remoulded over intact resistance, fitted"
         before = f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0"
         of_intact = "resistance factor of intact clay, fitted"
         left = "root mean square of what it leaves, over the fitted resistance of intact clay"
         return labelled(
-            fitted_cycles=(cycles, "1", of_cycles, BEYOND),
+            fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
             fitted_remoulded_ratio=(remoulded, "1", of_remoulded, before),
             fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
             fit_misfit=(fit.misfit, "1", "misfit of the fit", left),
@@ -228,12 +227,11 @@ class ResistanceLoops(ResistanceSamples):
         of_loops = (loops, "Pa", "resistance over projected area", upward)
         size = f"size of the mean over the middle {MIDDLE:g} radii of the stroke"
         of_middle = (factor, "1", "resistance over projected area and su", size)
-        cycles = (cycle, "1", "number of the cycle", numbered)
         axis = (place, "1", "penetration over radius of the body")
         return xr.Dataset(
             labelled(dims=("cycle", "penetration"), cyclic_resistance=of_loops)
             | labelled(dims=("cycle",), cyclic_resistance_factor=of_middle),
-            coords=labelled(dims=("cycle",), cycle=cycles)
+            coords=labelled(dims=("cycle",), cycle=(cycle, "1", "number of the cycle", numbered))
             | labelled(dims=("penetration",), penetration=axis),
         )
 

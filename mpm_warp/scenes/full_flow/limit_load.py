@@ -160,7 +160,6 @@ class FullFlowSphere(FullFlow):
             return results
         lowest, highest = BOUNDS_OF_TRESCA[self.adhesion_factor]
         load = float(results.bearing_capacity)
-        outside = max(lowest - load, load - highest, 0.0) / load
         what = f"distance from its bounds over the load; 0 from {lowest:g} to {highest:g}"
-        error = (outside, "1", "error of the load", what)
+        error = (max(lowest - load, load - highest, 0.0) / load, "1", "error of the load", what)
         return results.assign(labelled(role="error", error=error))

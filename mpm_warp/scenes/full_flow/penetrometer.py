@@ -85,7 +85,6 @@ class RoundBody:
         beside = np.flatnonzero(grid.surface_radius > 0.0)
         upper_end = min(beside[-1] + 1, grid.row_count)
         rows = np.arange(beside[0] - 1, upper_end + 1, dtype=np.int32)
-        nodes = grid.node(0, rows)
         radius, height = grid.surface_radius[rows], grid.rows[rows]
         weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)
@@ -95,7 +94,7 @@ class RoundBody:
         normal_areas = np.linalg.norm(vectors, axis=1)
         of_body = np.where(lean != 0.0, np.hypot(lean, rise), 0.0)
         return SurfaceContact(
-            nodes=nodes,
+            nodes=grid.node(0, rows),
             normals=vectors / normal_areas[:, None],
             normal_areas=normal_areas,
             adhesion_forces=adhesion * nodal_areas(weight, of_body),

@@ -94,10 +94,9 @@ class ElementTest(ClayScene):
 
     def build(self) -> StrainPaths:
         """The point and its path."""
-        gradient = self.greatest_shear_strain * np.array([TESTS[self.test]])
         return StrainPaths(
             material=self.clay,
-            gradient=gradient,
+            gradient=self.greatest_shear_strain * np.array([TESTS[self.test]]),
             stress=self.stress_at_rest[None],
             step_count=self.step_count,
         )
@@ -134,8 +133,7 @@ class ElementTest(ClayScene):
         rr, zz, rz, tt = stress.T
         centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
         principal = np.stack([centre + radius, centre - radius, tt])
-        mean = principal.mean(axis=0)
-        deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=0))
+        deviator = np.sqrt(1.5 * ((principal - principal.mean(axis=0)) ** 2).sum(axis=0))
         change = stress - self.stress_at_rest
         # Strain where the shear strain is 1; the sum over components counts the shear stress twice.
         of_rr, of_rz, of_zr, of_zz, of_tt = TESTS[self.test]

@@ -56,14 +56,12 @@ def sounding_curves(
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
     net, of_net = simulated + error.correction * around, error.half_width
     by_laws = np.isfinite(of_net) & (measured is None)
-    simulated_u2 = given.excess_pore_pressure_shoulder.values
-    u2, of_u2 = _pore_pressure(sounding, depth, simulated_u2, by_laws)
+    u2, of_u2 = _pore_pressure(sounding, depth, given.excess_pore_pressure_shoulder.values, by_laws)
     at_depth = "when the tip is at the depth"
     corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
     half_width = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
     resistance, pressure = "net cone resistance", "excess pore pressure u2"
-    beside = f"behind the shoulder {at_depth}"
     over_mean = "net resistance over mean strength around the tip"
     near = f"from {AROUND:g} radii above the tip to {AROUND:g} below it"
     own = curves(
@@ -73,7 +71,7 @@ def sounding_curves(
         net_resistance_uncertainty=(of_net, "Pa", f"uncertainty of the {resistance}", half_width),
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
         sleeve_friction=(given.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
-        excess_pore_pressure=(u2, "Pa", pressure, beside),
+        excess_pore_pressure=(u2, "Pa", pressure, f"behind the shoulder {at_depth}"),
         excess_pore_pressure_uncertainty=(
             of_u2,
             "Pa",
@@ -86,8 +84,7 @@ def sounding_curves(
         vertical_stress=(vertical, "Pa", "in-situ vertical total stress"),
         contact_share=(given.contact_share.values, "1", "share of cone and shaft in contact"),
     )
-    costs = recorded.drop_dims("penetration")
-    return own.merge(costs).assign({REASON: reason(error.reason)})
+    return own.merge(recorded.drop_dims("penetration")).assign({REASON: reason(error.reason)})
 
 
 def error_of_samples(
@@ -144,11 +141,10 @@ def _pore_pressure(
     ground, radius = sounding.ground, sounding.cone_radius
     at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
     strength = ground.strength_at(at_shoulder)
-    adhesion = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
     correction, half_width = shoulder_error(
         simulated / strength,
         cell_size=sounding.relative_cell_size,
-        adhesion_factor=adhesion,
+        adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
     )
     above = np.maximum(0.0, at_shoulder - READ_TO * radius)

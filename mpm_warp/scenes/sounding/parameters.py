@@ -153,8 +153,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
         if inside:
             strength[2:4] *= self.layer_strength_ratio
         modulus = self.rigidity_index * strength
-        columns = {"depth": depth, "strength": strength, "shear_modulus": modulus}
-        return Profile.of(columns | weight)
+        return Profile.of({"depth": depth, "strength": strength, "shear_modulus": modulus} | weight)
 
     @property
     def ground_passed(self) -> Profile:
@@ -237,8 +236,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
     @property
     def highest_in_place(self) -> float:
         """Depth where curves can begin at the highest with a cone that starts in place [m]."""
-        first = float(self.ground.depth[0])
-        return self._lead * self.cone_radius + self._extent_above_tip + first
+        return self._lead * self.cone_radius + self._extent_above_tip + float(self.ground.depth[0])
 
     @property
     def _extent_above_tip(self) -> float:

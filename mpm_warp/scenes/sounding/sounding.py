@@ -198,9 +198,8 @@ class Sounding(SoundingTest):
         """
         level = self.start_depth
         grid, window = GroundGrid.of(scene.grid, level), scene[Window]
-        points_of_cell = scene.particles_per_side**2
         seeded = len(seed_rows(grid, grid.row_count, scene.particles_per_side).volume)
-        slots = (1.0 + window.spare_fraction) * grid.cell_count * points_of_cell
+        slots = (1.0 + window.spare_fraction) * grid.cell_count * scene.particles_per_side**2
         surface = PassingSurface(
             level=level, layer=LAYER * self.cone_radius, pic_fraction=PIC_FRACTION
         )
@@ -273,8 +272,7 @@ class Sounding(SoundingTest):
                 error.curves = sounding_curves(self, error.curves, why_none, measured)
             raise
         over_depth = sounding_curves(self, recorded, why_none, measured)
-        laws_hold = measured is None and not why_none
-        layer = layer_values(self, over_depth, is_known=laws_hold)
+        layer = layer_values(self, over_depth, is_known=measured is None and not why_none)
         is_thin = "layer_share" in layer  # then that is what it was run for
         values = layer if is_thin else last_factor(over_depth) | layer
         results = over_depth.assign(values | energy_error(simulation, curves.work))

@@ -242,8 +242,7 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
         raise refused(f"column {name} is no parameter of material = {test.material!r}")
     if law is None or "strength" in law.given:
         return columns
-    of_law = ["strength", *([] if "shear_modulus" in law.given else STIFFNESS)]
-    for name in of_law:
+    for name in ["strength", *([] if "shear_modulus" in law.given else STIFFNESS)]:
         if name in columns:
             raise refused(f"column {name}: material = {test.material!r} has its own; leave it out")
     columns = _with_stresses(columns, own)

@@ -27,8 +27,7 @@ def test_clay_whose_strength_nothing_changes_is_perfectly_plastic() -> None:
 
 def test_strain_rates_are_those_of_reality() -> None:
     """A run that is three times as fast takes three times the rate for that of reference."""
-    point = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1)
-    clay = point.clay_with(speed_up=3.0, **CLAY)
+    clay = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1).clay_with(speed_up=3.0, **CLAY)
     assert isinstance(clay, EinavRandolph)
     assert clay.reference_strain_rate == pytest.approx(0.3)
 

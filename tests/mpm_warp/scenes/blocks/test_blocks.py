@@ -128,8 +128,7 @@ def test_exact_motion_solves_its_equation(rise_time: float | None) -> None:
     rise = since[-1] if rise_time is None else rise_time
     force, step = 20.0 * np.minimum(since / rise, 1.0), since[1]
     # Trapezoids: off by a step of the force where it has a kink.
-    gained = integral(force - shear, step)
-    np.testing.assert_allclose(3.0 * velocity, gained, atol=20.0 * step)
+    np.testing.assert_allclose(3.0 * velocity, integral(force - shear, step), atol=20.0 * step)
     np.testing.assert_allclose(displacement, integral(velocity, step), atol=travel * step)
     at_rise, speed = (np.interp(rise, since, curve) for curve in (displacement, velocity))
     drift = speed * (since[-1] - rise)

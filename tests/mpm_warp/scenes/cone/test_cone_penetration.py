@@ -134,8 +134,7 @@ def test_a_blunt_rough_cone_throws_no_soil_off() -> None:
     assert window.stray_speed == pytest.approx(
         math.sqrt(blunt.undrained_shear_strength / blunt.density)
     )
-    loose = dataclasses.replace(window, stray_speed=None)
-    simulation = Simulation(scene.with_parts(loose))
+    simulation = Simulation(scene.with_parts(dataclasses.replace(window, stray_speed=None)))
     with pytest.raises(SimulationDiverged, match="velocity of particle"):
         simulation.travel_to(6.0 * blunt.cone_radius)
     Simulation(scene).travel_to(6.0 * blunt.cone_radius)
@@ -280,6 +279,5 @@ def test_soil_has_made_room_for_the_shaft_like_soil_around_a_cylinder() -> None:
 def test_load_of_a_cone_from_first_touch() -> None:
     """The depth is known to a cell at worst, of the cells that the cone is in on average."""
     cells = 10
-    scene = ConeSelfSimilar(cells_per_radius=cells)
     mean_depth = 0.4 * cells * math.sqrt(3.0)
-    assert float(scene.run().error) <= 2.0 / mean_depth
+    assert float(ConeSelfSimilar(cells_per_radius=cells).run().error) <= 2.0 / mean_depth

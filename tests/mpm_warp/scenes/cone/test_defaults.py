@@ -78,8 +78,7 @@ def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
     ],
 )
 def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
-    test = ConePenetration(**{"rigidity_index": 400.0} | changes)
-    assert test.poissons_ratio_bound == 0.4999
+    assert ConePenetration(**{"rigidity_index": 400.0} | changes).poissons_ratio_bound == 0.4999
 
 
 def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_value() -> None:

@@ -25,8 +25,7 @@ def test_areas_of_face_and_shaft_are_exact(
     face, shaft = contact.face_areas, contact.shaft_areas
     slant = 1.0 / np.sin(HALF_ANGLE)
     assert face.sum() == pytest.approx(0.5 * slant, rel=ROUNDING)  # pi R l over 2 pi
-    shaft_length = fitted.rows[-1] - penetrometer.cone_height
-    assert shaft.sum() == pytest.approx(shaft_length, rel=ROUNDING)
+    assert shaft.sum() == pytest.approx(fitted.rows[-1] - penetrometer.cone_height, rel=ROUNDING)
 
 
 def test_nothing_flows_through_the_surface_on_the_whole(contact: PenetrometerContact) -> None:
@@ -163,5 +162,4 @@ MIDDLE, END = SLEEVE_BEGIN + 0.5 * SLEEVE_LENGTH, SLEEVE_BEGIN + SLEEVE_LENGTH
 )
 def test_mean_over_the_sleeve(heights: Floats, values: Floats, mean: float) -> None:
     """What is beside the sleeve does not count."""
-    found = sleeve_mean(np.array(heights), np.array(values))
-    assert found == pytest.approx(mean, nan_ok=True)
+    assert sleeve_mean(np.array(heights), np.array(values)) == pytest.approx(mean, nan_ok=True)

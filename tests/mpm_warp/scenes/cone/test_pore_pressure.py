@@ -58,8 +58,7 @@ def sampled(test: ConePenetration, times: int) -> xr.Dataset:
     simulation = Simulation(test.build())
     # Shear has no part in it, and a shift of stress from one direction to another none either.
     without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
-    pressure = pressures_in(test, simulation)
-    change = np.outer(pressure, [-1.0, -1.0, 0.0, -1.0]) + without_pressure
+    change = np.outer(pressures_in(test, simulation), [-1.0, -1.0, 0.0, -1.0]) + without_pressure
     curves = pore_pressure_curves(
         simulation,
         penetrometer=test.penetrometer,

@@ -132,8 +132,7 @@ def test_a_cycle_is_two_passages_of_a_bar(softened: xr.Dataset) -> None:
 
 
 def test_what_lies_beyond_the_end_of_the_test_is_not_told() -> None:
-    ductile = dataclasses.replace(SENSITIVE, ductility=200.0, speed_ratio=0.06)
-    results = ductile.run()
+    results = dataclasses.replace(SENSITIVE, ductility=200.0, speed_ratio=0.06).run()
     for name in ("fitted_cycles", "fitted_ductility", "fitted_remoulded_ratio"):
         assert np.isnan(results[name])
 

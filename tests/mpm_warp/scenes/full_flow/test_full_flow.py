@@ -75,9 +75,8 @@ def test_steady_flow_round_a_smooth_ball_has_its_limit_load() -> None:
     ball = BallPenetration(
         cells_per_radius=CELLS, shaft_radius_ratio=0.0, penetration=5.0, particles_per_cell=4
     )
-    factor = float(ball.run().resistance_factor)
     # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
-    assert factor == pytest.approx(limit, rel=1 / (CELLS * limit))
+    assert float(ball.run().resistance_factor) == pytest.approx(limit, rel=1 / (CELLS * limit))
 
 
 def test_a_shaft_bears_the_soil_from_the_area_that_it_covers() -> None:

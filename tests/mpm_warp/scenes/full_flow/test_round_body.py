@@ -27,8 +27,7 @@ def test_the_first_column_stands_on_the_body_and_on_the_line_of_travel(body: Rou
     on_body = (np.abs(z) <= RADIUS) & (r > body.shaft_radius)
     np.testing.assert_allclose(np.hypot(r, z)[on_body], RADIUS, rtol=ROUNDING)
     assert RADIUS in r  # the widest place is a node, so that the projected area is exact
-    below = grid.rows <= -RADIUS
-    np.testing.assert_array_equal(grid.surface_radius[below], 0.0)
+    np.testing.assert_array_equal(grid.surface_radius[grid.rows <= -RADIUS], 0.0)
     np.testing.assert_array_equal(grid.surface_radius[grid.rows >= RADIUS], body.shaft_radius)
     assert z[0] == -RADIUS
     assert z[-1] == (RADIUS if body.shaft_radius == 0.0 else grid.rows[-1])

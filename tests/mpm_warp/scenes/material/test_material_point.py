@@ -33,8 +33,7 @@ def test_rotation_is_of_second_order() -> None:
 @pytest.mark.parametrize("rigidity_index", [2, 50, 500])
 @pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.499])
 def test_stress_whatever_the_stiffness(rigidity_index: float, poissons_ratio: float) -> None:
-    scene = MaterialPoint(rigidity_index=rigidity_index, poissons_ratio=poissons_ratio)
-    result = scene.run()
+    result = MaterialPoint(rigidity_index=rigidity_index, poissons_ratio=poissons_ratio).run()
     assert float(result.error) <= 1e-6
     assert float(result.yield_excess) <= 1e-9
 

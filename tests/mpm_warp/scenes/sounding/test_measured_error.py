@@ -117,8 +117,7 @@ def test_a_sounding_runs_its_tests_and_takes_their_errors(monkeypatch: pytest.Mo
     assert fractions == sorted(fractions)
     assert float(result.uncertainty_run_time) == 9.0
     half_width = result.net_resistance_uncertainty
-    above = result.depth < 13.0
-    assert np.isfinite(half_width[above]).all()
+    assert np.isfinite(half_width[result.depth < 13.0]).all()
     assert np.isnan(half_width[result.depth > 13.1]).all()
     assert str(result.why_no_uncertainty.values).startswith("further runs: it ended early, from ")
 

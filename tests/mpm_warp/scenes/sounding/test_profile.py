@@ -158,8 +158,7 @@ def test_a_layer_multiplies_the_strength_within_it(
         layer_thickness=thickness,
         layer_strength_ratio=3.0,
     ).ground
-    at = ground.strength_at(np.array([3.0, 4.5, 9.0]))
-    np.testing.assert_allclose(at, strength)
+    np.testing.assert_allclose(ground.strength_at(np.array([3.0, 4.5, 9.0])), strength)
     assert ground.thinnest_layer == (2.0 if thickness else np.inf)
 
 
@@ -274,9 +273,8 @@ def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
 def test_k0_and_ground_water_give_the_stress_anisotropy_of_strengths_by_direction() -> None:
     own: dict[str, Any] = {"strength_compression": 50e3, "strength_extension": 30e3}
     own |= {"strength_simple_shear": 40e3, "from_depth": 3.0}
-    sounding = offered(material="anisotropic", profile=K0, **own)
     vertical = 11.0 * 17e3 - 10.0 * 9.81e3
-    found = sounding.ground.stress_anisotropy[-1]
+    found = offered(material="anisotropic", profile=K0, **own).ground.stress_anisotropy[-1]
     assert found == pytest.approx(0.4 * vertical / (2.0 * 50e3), rel=1e-12)
 
 

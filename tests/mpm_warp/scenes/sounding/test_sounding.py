@@ -95,11 +95,9 @@ def test_the_pore_pressure_has_its_error_away_from_a_border(
         rigidity_index=sounding.rigidity_index,
     )
     assert float(pressure[0]) == pytest.approx(5e4 + 1e4 * float(correction))
-    expected = 1e4 * np.hypot(float(of_laws), PRESSURE_NOISE)
-    assert float(half_width[0]) == pytest.approx(expected)
+    assert float(half_width[0]) == pytest.approx(1e4 * np.hypot(float(of_laws), PRESSURE_NOISE))
     # The shoulder has passed the border, the soil that is read has not.
-    at_border = half_width.sel(depth=13.05, method="nearest")
-    assert float(at_border) > 5e4 * (1.0 - 10.0 / 30.0)
+    assert float(half_width.sel(depth=13.05, method="nearest")) > 5e4 * (1.0 - 10.0 / 30.0)
     assert float(half_width[-1]) < 1e4
 
 
