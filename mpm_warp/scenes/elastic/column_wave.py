@@ -13,14 +13,7 @@ from mpm_warp.results import curves, labelled, variable
 from mpm_warp.sampling import Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.elastic.columns import (
-    DENSITY,
-    HEIGHT,
-    column_grid,
-    confined,
-    fixed_in,
-    mean_over_sections,
-)
+from mpm_warp.scenes.elastic.columns import DENSITY, HEIGHT, column, confined, mean_over_sections
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
@@ -97,7 +90,7 @@ class ElasticColumnWave(CatalogueScene):
 
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""
-        grid = column_grid(self.cell_count)
+        grid, fixed = column(self.cell_count)
         # Integrals of N r over the top, for the node on the axis and the one outside.
         areas = grid.outer_radius**2 * np.array([1.0 / 6.0, 1.0 / 3.0])
         top = grid.node(np.arange(2), np.full(2, self.cell_count))
@@ -105,7 +98,7 @@ class ElasticColumnWave(CatalogueScene):
         return Scene(
             grid=grid,
             material=confined(CONSTRAINED_MODULUS, POISSONS_RATIO, DENSITY),
-            parts=(*([load] if self.excitation == "sudden_load" else []), fixed_in(grid)),
+            parts=(*([load] if self.excitation == "sudden_load" else []), fixed),
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

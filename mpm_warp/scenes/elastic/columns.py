@@ -26,19 +26,18 @@ PERIODS = 8.0
 """Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
 
 
-def column_grid(cell_count: int) -> Grid:
-    """A column of square cells from the axis outward, from z = 0 up to `HEIGHT`."""
-    return Grid(
+def column(cell_count: int) -> tuple[Grid, Fixed]:
+    """Square cells from the axis outward, from z = 0 up to `HEIGHT`, which move upward alone.
+
+    Nothing moves at the base.
+    """
+    grid = Grid(
         columns=np.array([0.0, 1.0]),
         rows=np.linspace(0.0, HEIGHT, cell_count + 1),
         surface_radius=np.zeros(cell_count + 1),
         fitted_radius=HEIGHT / cell_count,
     )
-
-
-def fixed_in(column: Grid) -> Fixed:
-    """No radial velocity anywhere, none at all at the base."""
-    return Fixed.on(column, radial=["everywhere"], vertical=["bottom"])
+    return grid, Fixed.on(grid, radial=["everywhere"], vertical=["bottom"])
 
 
 def mean_over_sections(values: Floats, mass: Floats) -> Floats:
@@ -84,13 +83,13 @@ class GravityColumn(CatalogueScene):
 
     def build(self) -> Scene:
         """The column, its weight, and the damping that brings it to rest."""
-        grid, material = column_grid(self.cell_count), self.material
+        (grid, fixed), material = column(self.cell_count), self.material
         # Twice the angular frequency of the first mode, pi c / 2 H.
         damping = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(
             grid=grid,
             material=material,
-            parts=(Gravity(GRAVITY), Damping(damping), fixed_in(grid)),
+            parts=(Gravity(GRAVITY), Damping(damping), fixed),
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

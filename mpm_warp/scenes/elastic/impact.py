@@ -21,7 +21,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.elastic.columns import column_grid, confined, fixed_in, mean_over_sections
+from mpm_warp.scenes.elastic.columns import column, confined, mean_over_sections
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
@@ -243,13 +243,13 @@ class StruckColumn(Impact):
 
     def build(self) -> Scene:
         """Soil in the column, which can move along its height alone."""
-        grid = column_grid(self.cell_count)
+        grid, fixed = column(self.cell_count)
         return Scene(
             grid=grid,
             material=confined(self.modulus, POISSONS_RATIO, self.density),
             time_step_fraction=self.time_step_fraction,
             bulk_viscosity=BULK_VISCOSITY,
-            parts=(fixed_in(grid), FreeSurface()),
+            parts=(fixed, FreeSurface()),
         )
 
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:

@@ -15,12 +15,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene, FieldClayScene
-from mpm_warp.scenes.material.strain_paths import (
-    PATH_COUNT,
-    StrainPath,
-    StrainPaths,
-    known_paths,
-)
+from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
