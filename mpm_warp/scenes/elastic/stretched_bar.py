@@ -74,12 +74,6 @@ class StretchedBar(CatalogueScene):
         """Time in which the forces rise [s]."""
         return DURATION * self.retardation_time
 
-    def stretch_at(self, time: Floats) -> Floats:
-        """The closed form; 0 <= time [s] <= duration."""
-        tau, until = self.retardation_time, np.append(time, self.duration)
-        grown = until - tau * (1.0 - np.exp(-until / tau))
-        return self.stretch ** (grown[:-1] / grown[-1])
-
     @property
     def _half_count(self) -> int:
         """Cells of the grid from the middle of the bar to beyond its end."""
@@ -149,12 +143,14 @@ class StretchedBar(CatalogueScene):
 
     def _curves(self, time: Floats, stretch: Floats, least: Floats, greatest: Floats) -> xr.Dataset:
         """Stretch and stress of the middle half, and the closed form."""
+        tau, until = self.retardation_time, np.append(time, self.duration)
+        grown = until - tau * (1.0 - np.exp(-until / tau))
         exact = YOUNGS_MODULUS * np.log(stretch)
         return curves(
             "progress",
             (np.arange(1, len(time) + 1) / SAMPLE_COUNT, "1", "time over duration"),
             stretch=(stretch, "1", "stretch of the middle half"),
-            stretch_exact=(self.stretch_at(time), "1", "stretch, closed form"),
+            stretch_exact=(self.stretch ** (grown[:-1] / grown[-1]), "1", "stretch, closed form"),
             stress_least=(least, "Pa", "least stress of the middle half"),
             stress_greatest=(greatest, "Pa", "greatest stress of the middle half"),
             stress_greatest_exact=(exact, "Pa", "elastic stress at the stretch, closed form"),
