@@ -169,7 +169,7 @@ class ClayScene(CatalogueScene):
     @property
     @abstractmethod
     def undrained_shear_strength(self) -> float:
-        """The strength su of the clay [Pa]: a parameter, or that of the scene or the law."""
+        """Su of intact clay at the reference strain rate [Pa]: of a parameter, scene or law."""
 
     @property
     @abstractmethod
@@ -186,18 +186,14 @@ class ClayScene(CatalogueScene):
         return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
 
     def clay_with(
-        self,
-        *,
-        strength: float,
-        density: float,
-        speed_up: float,
-        greatest_poissons_ratio: float = 0.5,
+        self, *, density: float, speed_up: float, greatest_poissons_ratio: float = 0.5
     ) -> Material:
         """The clay; perfectly plastic where neither strain nor rate changes its strength.
 
-        The strength su is that of intact clay at the reference strain rate [Pa], the density in
-        kg/m3. Strain rates count as in reality: `speed_up` is the speed of the run over that there.
+        The density is in kg/m3. Strain rates count as in reality: `speed_up` is the speed of the
+        run over that there.
         """
+        strength = self.undrained_shear_strength
         given: dict[str, Any] = {
             "shear_modulus": self.rigidity_index * strength,
             "poissons_ratio": min(self.poissons_ratio, greatest_poissons_ratio),

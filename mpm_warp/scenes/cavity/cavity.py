@@ -113,9 +113,7 @@ class Cavity(ClayScene):
     def clay(self) -> Material:
         """The clay around the cavity; strain rates are those of the real expansion."""
         return self.clay_with(
-            strength=self.undrained_shear_strength,
-            density=DENSITY,
-            speed_up=self.wall.speed / (self.expansion_rate * RADIUS),
+            density=DENSITY, speed_up=self.wall.speed / (self.expansion_rate * RADIUS)
         )
 
     @property

@@ -91,7 +91,6 @@ class ConePenetration(ConeTestByDefault):
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
         speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
         return self.clay_with(
-            strength=self.undrained_shear_strength,
             density=self.density,
             speed_up=speed / self.penetration_speed,
             greatest_poissons_ratio=float(self.poissons_ratio_bound),

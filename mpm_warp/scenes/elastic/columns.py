@@ -87,9 +87,7 @@ class GravityColumn(CatalogueScene):
         # Twice the angular frequency of the first mode, pi c / 2 H.
         damping = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(
-            grid=grid,
-            material=material,
-            parts=(Gravity(GRAVITY), Damping(damping), fixed),
+            grid=grid, material=material, parts=(Gravity(GRAVITY), Damping(damping), fixed)
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

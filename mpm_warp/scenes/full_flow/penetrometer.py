@@ -184,11 +184,7 @@ class FullFlowPenetrometer(FieldClayScene):
     @property
     def clay(self) -> Material:
         """The soil."""
-        return self.clay_with(
-            strength=self.undrained_shear_strength,
-            density=self.density,
-            speed_up=self.speed / self.penetration_speed,
-        )
+        return self.clay_with(density=self.density, speed_up=self.speed / self.penetration_speed)
 
     @property
     def grid(self) -> Grid:

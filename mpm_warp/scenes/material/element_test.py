@@ -82,11 +82,7 @@ class ElementTest(ClayScene):
     @property
     def clay(self) -> Material:
         """The soil; a test takes a second, in which strain rates count as in reality."""
-        return self.clay_with(
-            strength=self.undrained_shear_strength,
-            density=1.0,
-            speed_up=self.greatest_shear_strain / self.strain_rate,
-        )
+        return self.clay_with(density=1.0, speed_up=self.greatest_shear_strain / self.strain_rate)
 
     def run_size(self) -> RunSize:
         """One point."""

@@ -66,7 +66,7 @@ class MaterialPoint(ClayScene):
     @property
     def clay(self) -> Material:
         """The material of the points: a path takes a second, in reality too."""
-        return self.clay_with(strength=self.undrained_shear_strength, density=1.0, speed_up=1.0)
+        return self.clay_with(density=1.0, speed_up=1.0)
 
     def run_size(self) -> RunSize:
         """A point on each path."""

@@ -14,20 +14,20 @@ from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.conftest import scene
 
 cone_test = partial(scene, "cone_penetration")
-CLAY = {"density": 1700.0, "strength": 1e4}
+SU = {"undrained_shear_strength": 1e4}
 
 
 def test_clay_whose_strength_nothing_changes_is_perfectly_plastic() -> None:
     """Whatever reference and ductility are: they belong to nothing then."""
-    point = MaterialPoint(reference_strain_rate=0.1, ductility=10.0)
-    assert point.clay_with(speed_up=3.0, **CLAY) == Tresca(
-        shear_modulus=1e6, poissons_ratio=0.49, **CLAY
-    )
+    point = MaterialPoint(reference_strain_rate=0.1, ductility=10.0, **SU)
+    expected = Tresca(shear_modulus=1e6, poissons_ratio=0.49, density=1700.0, strength=1e4)
+    assert point.clay_with(speed_up=3.0, density=1700.0) == expected
 
 
 def test_strain_rates_are_those_of_reality() -> None:
     """A run that is three times as fast takes three times the rate for that of reference."""
-    clay = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1).clay_with(speed_up=3.0, **CLAY)
+    point = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1, **SU)
+    clay = point.clay_with(speed_up=3.0, density=1700.0)
     assert isinstance(clay, EinavRandolph)
     assert clay.reference_strain_rate == pytest.approx(0.3)
 
