@@ -178,10 +178,7 @@ class ClayScene(CatalogueScene):
 
     @property
     def stress_at_rest(self) -> Floats:
-        """Stress (rr, zz, rz, tt) of the ground before, which its law must allow [Pa], shape [4].
-
-        It is that over the vertical stress, which balances itself.
-        """
+        """Stress (rr, zz, rz, tt) of the ground before, over the vertical one [Pa], shape [4]."""
         delta = getattr(self, "stress_anisotropy", 0.0)
         return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
 

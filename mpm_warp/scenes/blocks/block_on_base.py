@@ -28,7 +28,10 @@ DRIVE_RISE = 10.0
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingMotion:
-    """A block sticks while its driving force F <= R = a A + mu N; then M dv/dt = F - R."""
+    """A block sticks while its driving force F <= R = a A + mu N; then M dv/dt = F - R.
+
+    A is the area of its base, N the normal force, a the adhesion, mu the friction coefficient.
+    """
 
     mass: float  # M [kg], > 0
     driving_force: float  # final value of F, which rises linearly from zero [N], > 0
@@ -75,9 +78,7 @@ class BlockOnBase(CatalogueScene):
     """A block that is pressed on a base, and driven along it when it has come to rest.
 
     The coordinates follow the interface: gravity is inclined by the slope, and the grid has any
-    angle and offset to the interface. With M the mass of the block, A the area of its base, N the
-    normal force, F the driving force at time t, a the adhesion, mu the friction coefficient: the
-    block sticks while F <= a A + mu N, then M dv/dt = F - a A - mu N.
+    angle and offset to the interface.
     """
 
     friction: float = parameter(0.3, "friction coefficient of the interface", minimum=0, maximum=10)

@@ -83,10 +83,7 @@ class Cavity(ClayScene):
 
     @abstractmethod
     def wall_areas(self, grid: Grid) -> Floats:
-        """Areas of the wall's nodes at the start [m2 per radian], shape [row_count + 1].
-
-        They are what normal forces act on.
-        """
+        """Areas of the wall's nodes at the start [m2 per radian], shape [row_count + 1]."""
 
     @property
     def cell_size(self) -> float:

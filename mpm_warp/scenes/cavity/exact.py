@@ -87,16 +87,12 @@ class ExactCavity:
         return self.factor * self.strength_share * pressure
 
     def pore_pressure(self, distance: Floats, *, expansion: float) -> Floats:
-        """Excess pore pressure at distances from the middle [Pa], shape [n].
+        """Excess pore pressure at distances over the radius a of the cavity [Pa], shape [n].
 
         Soil at a distance r that was at r0 bears the radial stress of a cavity that has expanded
         from r0 to r; r^m - r0^m is the same everywhere. The mean stress is less than that by k
         times the shear stress. So in the plastic zone around a cavity that has expanded far in
-        perfectly plastic clay, (p - p0)/su = k (ln Ir - m ln(r/a)).
-
-        Args:
-            distance: over the radius a of the cavity, >= 1, shape [n].
-            expansion: a/a0, > 1.
+        perfectly plastic clay, (p - p0)/su = k (ln Ir - m ln(r/a)). The expansion is a/a0, > 1.
         """
         m = self.exponent
         if self._changes:

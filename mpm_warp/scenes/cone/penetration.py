@@ -116,10 +116,7 @@ def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
 
 
 def without_slowing(values: Floats, window: Window, radius: float) -> Floats:
-    """A curve that is not a number where the penetrometer slows down, shape [sample_count].
-
-    The inertia of the soil then takes from the resistance up to 1.3 su.
-    """
+    """A curve, [n], less the samples of the slowing down: inertia then takes up to 1.3 su."""
     approach = window.approach
     if approach is None:
         return values

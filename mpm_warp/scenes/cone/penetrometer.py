@@ -134,10 +134,7 @@ class PenetrometerContact(SurfaceContact):
         in_situ_stress: float,
         speed: float = 0.0,
     ) -> Self:
-        """Contact on all nodes of the surface, from the tip upward.
-
-        The grid is fitted to the penetrometer; the rest is said of the attributes.
-        """
+        """Contact on all nodes of the surface that the grid is fitted to, from the tip upward."""
         tip = int(np.flatnonzero(grid.surface_radius == 0.0)[-1])
         rows = np.arange(tip, grid.row_count + 1, dtype=np.int32)
         nodes = grid.node(0, rows)
@@ -170,14 +167,11 @@ class PenetrometerContact(SurfaceContact):
         )
 
     def forces(self, nodal: Floats) -> PenetrometerForces:
-        """Forces on face and shaft.
+        """Forces on face and shaft, by normal and tangential ones at the nodes [N], [n, 2].
 
         The shoulder belongs to both: its normal traction acts on either area, and its shear force
         is shared as the greatest shear that the two can bear. The tip, which cannot slip on the
         axis, bears as much of its greatest shear as the face does beside it.
-
-        Args:
-            nodal: normal and tangential forces from the soil at the nodes [N], [node_count, 2].
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
         limits, on_face = self._shear_limits(normal), self.shear_on_face(nodal)

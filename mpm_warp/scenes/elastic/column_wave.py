@@ -208,10 +208,7 @@ def front_error(curves: xr.Dataset) -> xr.Variable:
 
 
 def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str, xr.Variable]:
-    """Of the displacement over the first period, and of the energy over all.
-
-    What is left of the energy after a second is derived.
-    """
+    """Of the displacement over a period, and of the energy, of which a derived share is kept."""
     phase, energy = curves["phase"].values, curves["energy"].values
     exact = curves["displacement_exact"].values
     first = phase <= 1.0

@@ -27,10 +27,7 @@ PERIODS = 8.0
 
 
 def column(cell_count: int) -> tuple[Grid, Fixed]:
-    """Square cells from the axis outward, from z = 0 up to `HEIGHT`, which move upward alone.
-
-    Nothing moves at the base.
-    """
+    """Square cells from z = 0 up to `HEIGHT`, which move along z alone, and at the base not."""
     grid = Grid(
         columns=np.array([0.0, 1.0]),
         rows=np.linspace(0.0, HEIGHT, cell_count + 1),

@@ -101,10 +101,7 @@ def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_ar
 
 
 def _from_nodes(grid: Grid, nodes: Integers, values: Floats) -> scipy.sparse.csc_array:
-    """From values of all nodes to sums over four of them, each multiplied by its value, [n, 4].
-
-    The matrix has the shape [n, node_count].
-    """
+    """Sums over four nodes, each times its value of [n, 4], as a matrix [n, node_count]."""
     row = np.repeat(np.arange(len(nodes)), 4)
     shape = (len(nodes), grid.node_count)
     return scipy.sparse.csc_array((values.ravel(), (row, nodes.ravel())), shape=shape)

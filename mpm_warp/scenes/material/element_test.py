@@ -122,10 +122,7 @@ class ElementTest(ClayScene):
         return recorded.assign(self._read_off(recorded))
 
     def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:
-        """Curves over the shear strain, of stresses [n, 4] and of what the law remembers of them.
-
-        Without effective stress in the law there is no path of it.
-        """
+        """Curves over the shear strain, of stresses [n, 4] and of what the law remembers."""
         rr, zz, rz, tt = stress.T
         centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
         principal = np.stack([centre + radius, centre - radius, tt])

@@ -18,6 +18,7 @@ from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, sc
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import SMALL_WINDOW
 
 pytestmark = pytest.mark.slow
 
@@ -48,10 +49,8 @@ SMALL: dict[str, dict[str, Value]] = {
         "from_depth": 0.4,
         "to_depth": 0.402,
         "cells_per_radius": 1.0,
-        "domain_radius": 8.0,
-        "domain_above": 3.0,
-        "domain_below": 3.0,
         "speed_ratio": 0.1,
+        **SMALL_WINDOW,
     },
     "step_cost": {"size": 500, "samples": 1, "sample_time": 1e-3},
     "stretched_bar": {"stretch": 1.1},

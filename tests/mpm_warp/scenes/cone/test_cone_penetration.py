@@ -238,16 +238,8 @@ def test_an_approach_that_nothing_is_left_of_is_left_out() -> None:
 
 def test_nothing_is_given_where_the_penetrometer_slows_down() -> None:
     """Two radii until the end of the approach, and half a radius after it."""
-    cone = ConePenetration(
-        cells_per_radius=1,
-        domain_radius=10,
-        domain_above=10,
-        domain_below=3,
-        approach=5,
-        penetration=12,
-        steady_tolerance=0,
-    )
-    result = cone.run()
+    cone = dataclasses.replace(SHORT, cells_per_radius=1, domain_above=10, approach=5)
+    result = dataclasses.replace(cone, penetration=12).run()
     slowed = (result.penetration > 3.0) & (result.penetration < 5.5)
     for curve in ("penetration_resistance", *(f"excess_pore_pressure_{it}" for it in PLACES)):
         assert (result[curve].isnull() == slowed).all()

@@ -3,17 +3,16 @@
 import dataclasses
 
 from mpm_warp.scenes.sounding.sounding import Sounding
+from tests.mpm_warp.conftest import SMALL_WINDOW
 
 COARSE = Sounding(
     cone_radius=1.0,
     from_depth=12.0,
     to_depth=15.0,
     cells_per_radius=1.5,
-    domain_radius=8.0,
-    domain_above=3.0,
-    domain_below=4.0,
     adhesion_factor=0.5,
     speed_ratio=0.2,
+    **{**SMALL_WINDOW, "domain_below": 4},
 )
 
 

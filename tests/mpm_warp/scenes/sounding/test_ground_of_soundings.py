@@ -11,6 +11,7 @@ from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.sounding.conftest import changed
 
 pytestmark = pytest.mark.slow
@@ -41,20 +42,10 @@ def test_uniform_clay_is_that_of_the_cone(
 ) -> None:
     """To the bit, by the forces of a cone test that goes as far, without an approach."""
     sounding = changed(to_depth=12.2, **of_sounding)
-    test = ConePenetration(
-        rigidity_index=sounding.rigidity_index,
-        undrained_shear_strength=sounding.undrained_shear_strength,
-        cone_radius=1.0,
-        speed_ratio=0.2,
-        approach=0.0,
-        steady_tolerance=0.0,
-        cells_per_radius=1.5,
-        domain_radius=8.0,
-        domain_above=3.0,
-        domain_below=4.0,
-        in_situ_stress=17e3 * sounding.start_depth,
-        **{"adhesion_factor": 0.5, **of_cone},
-    )
+    small = {**SMALL_WINDOW, "domain_below": 4, "cone_radius": 1.0, "cells_per_radius": 1.5}
+    small |= {"approach": 0.0, "steady_tolerance": 0.0, "speed_ratio": 0.2}
+    vertical = 17e3 * sounding.start_depth
+    test = ConePenetration(**small, in_situ_stress=vertical, **{"adhesion_factor": 0.5, **of_cone})
     runs = [Simulation(it.build()) for it in (sounding, test)]
     for run in runs:
         run.travel_to(2.0)
