@@ -16,6 +16,7 @@ from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.conftest import scene
 
 offered = partial(scene, "sounding")
+HEAD = "depth [m], strength [kPa]"
 TEXT = """
 depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
 0, 40, 100, 18
@@ -71,20 +72,20 @@ LIMITED = (
         ("depth [m], k0 [1]; 0, 1", "unknown column 'k0'; give 'K0', or 'stress_anisotropy', (1 -"),
         ("depth [m], depth [m]; 0, 1", "column depth is there twice"),
         ("depth [m]; 0", "column strength is missing"),
-        ("depth [m], strength [kPa]", "has no rows below its header"),
-        ("depth [m], strength [kPa]; 0, 1, 2", "row 1 '0, 1, 2' has 3 values, must have 2"),
-        ("depth [m], strength [kPa]; 0, stiff", "row 1 '0, stiff': must be numbers"),
-        ("depth [m], strength [kPa]; 0, 1; 2, -3", "strength in row 2 is -3000, must be > 0"),
-        ("depth [m], strength [kPa]; 0, nan", "strength in row 1 is nan, must be > 0"),
-        ("depth [m], strength [kPa]; 3, 1; 2, 1", "depth in row 2 is 2 m, must not be above"),
-        ("depth [m], strength [kPa]; 1, 1; 1, 2; 1, 3", "depth 1 m is in three rows"),
+        (HEAD, "has no rows below its header"),
+        (f"{HEAD}; 0, 1, 2", "row 1 '0, 1, 2' has 3 values, must have 2"),
+        (f"{HEAD}; 0, stiff", "row 1 '0, stiff': must be numbers"),
+        (f"{HEAD}; 0, 1; 2, -3", "strength in row 2 is -3000, must be > 0"),
+        (f"{HEAD}; 0, nan", "strength in row 1 is nan, must be > 0"),
+        (f"{HEAD}; 3, 1; 2, 1", "depth in row 2 is 2 m, must not be above"),
+        (f"{HEAD}; 1, 1; 1, 2; 1, 3", "depth 1 m is in three rows"),
         (
             "depth [m], strength [Pa], rigidity_index [1], shear_modulus [Pa]; 0, 1, 1, 1",
             "has rigidity_index and shear_modulus; keep one of them",
         ),
-        ("depth [m], strength [kPa], K0 [1]; 0, 1, 1", "column ground_water is missing"),
+        (f"{HEAD}, K0 [1]; 0, 1, 1", "column ground_water is missing"),
         (
-            "depth [m], strength [kPa], K0 [1], ground_water [m]; 9, 10, 0.4, 0",
+            f"{HEAD}, K0 [1], ground_water [m]; 9, 10, 0.4, 0",
             "stress_anisotropy by K0 in row 1 is 1.9413, must be > -1 and < 1",
         ),
     ],

@@ -23,7 +23,8 @@ from tests.mpm_warp.scenes.sounding.conftest import changed
 
 pytestmark = pytest.mark.slow
 
-LAYERS = "depth [m], strength [kPa]; 0, 10; 13, 10; 13, 30; 20, 30"
+HEAD = "depth [m], strength [kPa]"
+LAYERS = f"{HEAD}; 0, 10; 13, 10; 13, 30; 20, 30"
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +33,7 @@ def layered() -> xr.Dataset:
 
 
 def test_a_uniform_profile_is_uniform_clay_in_plan_and_result() -> None:
-    by_table = changed(profile="depth [m], strength [kPa]; 0, 20; 20, 20", to_depth=12.2)
+    by_table = changed(profile=f"{HEAD}; 0, 20; 20, 20", to_depth=12.2)
     plain = changed(to_depth=12.2)
     plans = [make_plan(it.build()) for it in (by_table, plain)]
     assert plans[0].arrays.keys() == plans[1].arrays.keys()
@@ -134,32 +135,29 @@ def test_two_stretches_agree_where_they_overlap() -> None:
     [
         ({"to_depth": 12.0}, "to_depth = 12 is not allowed: must be > from_depth = 12"),
         ({"from_depth": -1.0}, "from_depth = -1"),
-        (
-            {"from_depth": 2.0, "profile": "depth [m], strength [kPa]; 1, 1; 19, 1"},
-            "must be >= 11.23, or",
-        ),
+        ({"from_depth": 2.0, "profile": f"{HEAD}; 1, 1; 19, 1"}, "must be >= 11.23, or"),
         ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
-        ({"profile": "depth [m], strength [kPa]; 0, 1; 14, 1"}, "ends at 14 m, must reach to_"),
+        ({"profile": f"{HEAD}; 0, 1; 14, 1"}, "ends at 14 m, must reach to_"),
         ({"layer_top": 13.0, "layer_thickness": 0.1}, "is 0.1 m thick, must be >= a cell, 0.5774"),
         (
-            {"profile": "depth [m], strength [kPa]; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
+            {"profile": f"{HEAD}; 0, 1; 9, 1; 9, 2; 9.1, 2; 9.1, 1; 19, 1"},
             "the thinnest layer is 0.1 m thick, must be >= a cell, 0.5774 m",
         ),
         (
-            {"profile": "depth [m], strength [kPa]; 0, 1; 19, 1", "rigidity_index": 50.0},
+            {"profile": f"{HEAD}; 0, 1; 19, 1", "rigidity_index": 50.0},
             "rigidity_index = 50 is not allowed: the profile has it by depth; keep one",
         ),
-        ({"profile": "depth [m], strength [kPa]; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
+        ({"profile": f"{HEAD}; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
         (
-            {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 2"},
+            {"profile": f"{HEAD}, adhesion_factor [1]; 0, 1, 0; 19, 1, 2"},
             "adhesion_factor in row 2 is 2, must be >= 0 and <= 1",
         ),
         (
-            {"profile": "depth [m], strength [kPa], adhesion_factor [1]; 0, 1, 0; 19, 1, 1"},
+            {"profile": f"{HEAD}, adhesion_factor [1]; 0, 1, 0; 19, 1, 1"},
             "adhesion_factor = 0.5 is not allowed: the profile has it by depth; keep one",
         ),
         (
-            {"profile": "depth [m], strength [kPa], stress_anisotropy [1]; 0, 1, 0; 19, 1, 1"},
+            {"profile": f"{HEAD}, stress_anisotropy [1]; 0, 1, 0; 19, 1, 1"},
             "stress_anisotropy in row 2 is 1, must be > -1 and < 1",
         ),
         ({"stretch_count": 31}, "stretch_count = 31 is not allowed: must be <= 30, the samples"),
