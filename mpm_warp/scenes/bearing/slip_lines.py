@@ -101,9 +101,8 @@ class SlipLines:
 
     def _next_line(self, line: list[Point], start: float) -> list[Point]:
         """The line e = 1 from a radius at the surface to the face, from the one inside of it."""
-        points = [Point(start, 0.0, 1.0, FREE_SURFACE)]
-        for inner in line:
-            points.append(self._crossing(points[-1], inner))
+        first = Point(start, 0.0, 1.0, FREE_SURFACE)
+        points = list(itertools.accumulate(line, self._crossing, initial=first))
         return [*points, self._end_on_face(points[-1])]
 
     def _crossing(self, a: Point, b: Point) -> Point:
