@@ -156,22 +156,10 @@ class BlockOnBase(CatalogueScene):
         if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
             with_cells = f"with cells_per_length = {self.cells_per_length} "
             self._refuse("height_ratio", with_cells, ": the block must be 3 cells high or more")
-        radius, least = self.interface_radius, self.height + 4.0 * self.cell_size
-        # The base shear acts below the middle of the block. The base carries its moment as long as
-        # N acts in the middle third.
-        shear = min(self.motion.resistance, self.driving_force)
-        highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
-        if radius is None and self.height > highest:
-            at_most = f"at most {highest / self.length:.3g} with these forces"
-            self._refuse("height_ratio", "", f": the block would lift off at its rear; {at_most}")
-        if radius is not None and self.friction > 0.0:
-            why = "the hoop stress of the ring bears part of the normal force; set friction = 0"
-            self._refuse("friction", "with an interface_radius ", f": {why}")
-        if radius is not None and self.grid_angle != 0.0:
-            self._refuse("grid_angle", "with an interface_radius ", ": must be 0")
-        if radius is not None and radius < least:
-            why = f"must be at least {least:g} m: the height of the block and four cells"
-            self._refuse("interface_radius", "", f": {why}")
+        if self.interface_radius is None:
+            self._check_pressed()
+        else:
+            self._check_ring(self.interface_radius)
 
     def _refuse(self, name: str, beside: str, why: str) -> NoReturn:
         raise ParameterError(name, f"{name} = {getattr(self, name):g} {beside}is not allowed{why}")
@@ -181,6 +169,26 @@ class BlockOnBase(CatalogueScene):
         if self.driving_force <= 0.0:
             return {}  # such a block is refused
         return {"rest_time": math.sqrt(2.0 * self.length * self.mass / self.driving_force)}
+
+    def _check_pressed(self) -> None:
+        # The base shear acts below the middle of the block. The base carries its moment as long as
+        # N acts in the middle third.
+        shear = min(self.motion.resistance, self.driving_force)
+        highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
+        if self.height > highest:
+            at_most = f"at most {highest / self.length:.3g} with these forces"
+            self._refuse("height_ratio", "", f": the block would lift off at its rear; {at_most}")
+
+    def _check_ring(self, radius: float) -> None:
+        if self.friction > 0.0:
+            why = "the hoop stress of the ring bears part of the normal force; set friction = 0"
+            self._refuse("friction", "with an interface_radius ", f": {why}")
+        if self.grid_angle != 0.0:
+            self._refuse("grid_angle", "with an interface_radius ", ": must be 0")
+        least = self.height + 4.0 * self.cell_size
+        if radius < least:
+            why = f"must be at least {least:g} m: the height of the block and four cells"
+            self._refuse("interface_radius", "", f": {why}")
 
     def run_size(self) -> RunSize:
         """Cells around the base and the block on its way, and their material points."""

@@ -49,15 +49,7 @@ class SlidingBlock(BlockOnBase):
     def build(self) -> BodyScene:
         """The block is body 0, the base body 1."""
         frame = self._frame
-        ratio = self.stiffness_ratio or 1.0
-        block_material, base_material = (
-            LinearElastic(
-                shear_modulus=self.shear_modulus * factor,  # that of the softer of the two
-                poissons_ratio=self.poissons_ratio,
-                density=self.mass_scale * self.density,
-            )
-            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
-        )
+        block_material, base_material = self._materials
         block = frame.body((0.0, self.length), (0.0, self.height), self.spacing, block_material)
         margin = thickness = BASE_CELLS * self.cell_size
         travel = self.travel * self.length if self.motion.slides else 0.0
@@ -95,6 +87,20 @@ class SlidingBlock(BlockOnBase):
         return InterfaceFrame(
             angle=math.radians(self.grid_angle), interface_radius=self.interface_radius
         )
+
+    @property
+    def _materials(self) -> tuple[LinearElastic, LinearElastic]:
+        """Materials of block and base; the softer has the shear modulus of the scene."""
+        ratio = self.stiffness_ratio or 1.0
+        block, base = (
+            LinearElastic(
+                shear_modulus=self.shear_modulus * factor,
+                poissons_ratio=self.poissons_ratio,
+                density=self.mass_scale * self.density,
+            )
+            for factor in (max(1.0, 1.0 / ratio), max(1.0, ratio))
+        )
+        return block, base
 
     def _loads(self, block: Body) -> tuple[Load, Load]:
         """Weight and pressure, which rise first, and the driving force."""
