@@ -1,8 +1,10 @@
 """A penetrometer, and its contact in a small grid that is fitted to it."""
 
 import math
+from dataclasses import replace
 
 import pytest
+import xarray as xr
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -17,6 +19,12 @@ LONGER = ConePenetration(
     steady_tolerance=0,
 )
 """A cone test that slips everywhere in the end."""
+
+
+@pytest.fixture(scope="session")
+def rough() -> xr.Dataset:
+    """That test with some adhesion, and with the balance of its energy."""
+    return replace(LONGER, adhesion_factor=0.5, energy_audit="balance").run()
 
 
 @pytest.fixture

@@ -30,12 +30,6 @@ def run(**changes: float | str) -> xr.Dataset:
     return dataclasses.replace(SHORT, **changes).run()
 
 
-@pytest.fixture(scope="module")
-def rough() -> xr.Dataset:
-    """A cone with some adhesion, slipping everywhere."""
-    return run(adhesion_factor=0.5)
-
-
 @pytest.mark.parametrize("apex_angle", [30.0, 60.0, 90.0, 150.0])
 def test_shear_part_of_every_apex_angle_obeys_statics(apex_angle: float) -> None:
     result = run(apex_angle=apex_angle, penetration=1.0, adhesion_factor=0.5)

@@ -89,16 +89,6 @@ def test_a_cone_too_fast_for_its_soil_has_no_cone_factor() -> None:
     assert end.value.curves.cone_factor > 2 * 4 / 3 * (1 + math.log(5000))
 
 
-def run(adhesion_factor: float, energy_audit: str) -> xr.Dataset:
-    given: dict[str, Any] = {"adhesion_factor": adhesion_factor, "energy_audit": energy_audit}
-    return dataclasses.replace(LONGER, **given).run()
-
-
-@pytest.fixture(scope="module")
-def rough() -> xr.Dataset:
-    return run(0.5, "balance")
-
-
 def shares(results: xr.Dataset) -> dict[str, float]:
     return {name: float(results[f"work_share_{name}"]) for name in MEANING}
 
@@ -106,7 +96,7 @@ def shares(results: xr.Dataset) -> dict[str, float]:
 def test_the_balance_closes_and_changes_nothing(rough: xr.Dataset) -> None:
     assert abs(float(rough.energy_residual)) < LARGEST_RESIDUAL
     assert sum(shares(rough).values()) + float(rough.energy_residual) == pytest.approx(1.0)
-    plain = run(0.5, "transfers")
+    plain = dataclasses.replace(LONGER, adhesion_factor=0.5).run()
     xr.testing.assert_identical(rough.penetration_resistance, plain.penetration_resistance)
     xr.testing.assert_identical(rough.energy_error, plain.energy_error)
     assert not [name for name in plain if str(name).startswith("work_share")]
@@ -114,7 +104,7 @@ def test_the_balance_closes_and_changes_nothing(rough: xr.Dataset) -> None:
 
 def test_a_smooth_cone_loses_nothing_by_sliding(rough: xr.Dataset) -> None:
     """Its soil takes all of the work; a rough one loses what the adhesion takes along its way."""
-    smooth = shares(run(0.0, "balance"))
+    smooth = shares(dataclasses.replace(LONGER, energy_audit="balance").run())
     assert smooth["sliding"] == pytest.approx(0.0, abs=1e-3)
     assert smooth["plastic"] + smooth["elastic"] == pytest.approx(1.0, abs=0.02)
     # On the shaft, 6 radii long, soil hardly moves: at an adhesion of 0.5 su that is 6 of Nc.
