@@ -245,9 +245,16 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
     for name in ["strength", *([] if "shear_modulus" in law.given else STIFFNESS)]:
         if name in columns:
             raise refused(f"column {name}: material = {test.material!r} has its own; leave it out")
-    columns = _with_stresses(columns, own)
-    rows = _finer(columns) if {*own, VERTICAL} & columns.keys() else columns
-    deviator = _of_stresses(rows, own)
+    deviator: Floats | None = None
+    rows = _with_stresses(columns, own) if "K0" in columns else dict(columns)
+    if {*own, VERTICAL} & rows.keys():
+        rows = _finer(rows)
+    if VERTICAL in rows:
+        vertical, horizontal = rows.pop(VERTICAL), rows.pop(HORIZONTAL)
+        deviator = vertical - horizontal
+        if MEAN_STRESS in own:
+            rows[MEAN_STRESS] = (vertical + 2.0 * horizontal) / 3.0
+            rows[EARTH_PRESSURE] = horizontal / vertical
     clays = [_clay_in(test, law, rows, row) for row in range(len(rows["depth"]))]
     strengths = [clay.undrained_strength(clay.reference_test) for clay in clays]
     found = {"strength": np.array(strengths, dtype=float)}
@@ -261,8 +268,6 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
 
 def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[str, Floats]:
     """Columns with the effective stresses of the ground in the place of K0 and ground water."""
-    if "K0" not in columns:
-        return dict(columns)
     if MEAN_STRESS in columns:
         raise refused(f"has K0 with ground_water and {MEAN_STRESS}; keep one of them")
     vertical = effective_vertical_stress(columns)
@@ -274,17 +279,6 @@ def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[
         )
     stresses = {VERTICAL: vertical, HORIZONTAL: columns["K0"] * vertical}
     return without_effective_stress(columns) | stresses
-
-
-def _of_stresses(rows: dict[str, Floats], own: Collection[str]) -> Floats | None:
-    """Vertical less horizontal stress in rows, whose p0' and K0 a law of effective stress gets."""
-    if VERTICAL not in rows:
-        return None
-    vertical, horizontal = rows.pop(VERTICAL), rows.pop(HORIZONTAL)
-    if MEAN_STRESS in own:
-        rows[MEAN_STRESS] = (vertical + 2.0 * horizontal) / 3.0
-        rows[EARTH_PRESSURE] = horizontal / vertical
-    return vertical - horizontal
 
 
 def _finer(columns: Mapping[str, Floats]) -> dict[str, Floats]:
