@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, graded
-from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import parameter, redefined
@@ -141,7 +140,7 @@ class Cavity(ClayScene):
     def exact(self) -> ExactCavity | None:
         """Closed form or integral of the pressures around it; None in a law of another package."""
         clay = self.clay
-        if not isinstance(clay, UndrainedClay) or self.material not in CRITERIA:
+        if not isinstance(clay, UndrainedClay) or self.law is not None:
             return None
         return ExactCavity(
             clay=clay,

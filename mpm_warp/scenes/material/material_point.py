@@ -83,7 +83,7 @@ class MaterialPoint(ClayScene):
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         gradient = np.concatenate([[path.gradient for path in paths], random])
         start = np.zeros((len(gradient), 4))
-        if self._is_known:
+        if self.law is None:
             start[: len(paths)] = [path.start for path in paths]
         return StrainPaths(
             material=self.clay,
@@ -93,18 +93,13 @@ class MaterialPoint(ClayScene):
         )
 
     @property
-    def _is_known(self) -> bool:
-        """Whether the law is one of the catalogue, whose stresses are known."""
-        return self.material in CRITERIA
-
-    @property
     def _paths(self) -> tuple[StrainPath, ...]:
         """The paths; those of a law of another package are for clay of Tresca as stiff and strong.
 
         Such a law starts without stress: no other may be allowed by it.
         """
         clay = self.clay
-        if not self._is_known:
+        if self.law is not None:
             clay = MaterialPoint(
                 rigidity_index=self.rigidity_index,
                 undrained_shear_strength=self.undrained_shear_strength,
@@ -124,7 +119,7 @@ class MaterialPoint(ClayScene):
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         shown = labelled(dims=tuple(axes), stress=(stress, "1", "stress over su"))
-        if not self._is_known:
+        if self.law is not None:
             shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
             greatest = (shear, "1", "greatest shear stress in the plane over su")
             shown |= labelled(role="headline", shear_stress=greatest)

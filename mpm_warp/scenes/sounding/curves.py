@@ -191,7 +191,15 @@ def layer_values(
     share = change_of_resistance(factor, ratio)
     distance = (depth - top) / sounding.cone_radius
     if sounding.layer_thickness is None:
-        return _ways_felt(distance, share)
+        # From where above the border, and to where below it, the resistance feels it.
+        before, behind = _first(-distance, share > FELT), _first(distance, share > 1.0 - FELT)
+        changed = f"the resistance has changed by {FELT:.0%} of its whole change"
+        lacks = f"the resistance lacks {FELT:.0%} of its whole change"
+        above = "way above the border from which on it is felt, over cone radius"
+        below = "way below the border up to which it is felt, over cone radius"
+        return labelled(
+            felt_before=(before, "1", above, changed), felt_behind=(behind, "1", below, lacks)
+        )
     in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
     reached = float(np.nanmax(share[in_layer], initial=-math.inf))
     half_width = _half_width(sounding, reached, factor) if is_known else math.nan
@@ -225,22 +233,6 @@ def _half_width(sounding: SoundingTest, reached: float, factor: Floats) -> float
     lacking = 1.0 - min(max(reached, 0.0), 1.0 - NOISE)
     cell = sounding.cell_size / sounding.layer_thickness
     return math.hypot(of_resistances, -lacking * math.log(lacking) * cell)
-
-
-def _ways_felt(distance: Floats, share: Floats) -> dict[str, xr.Variable]:
-    """From where above a border, and to where below it, the resistance feels it.
-
-    That is told by the share of its change that is reached at distances below the border, over the
-    cone's radius, both of shape [n].
-    """
-    before, behind = _first(-distance, share > FELT), _first(distance, share > 1.0 - FELT)
-    changed = f"the resistance has changed by {FELT:.0%} of its whole change"
-    lacks = f"the resistance lacks {FELT:.0%} of its whole change"
-    above = "way above the border from which on it is felt, over cone radius"
-    below = "way below the border up to which it is felt, over cone radius"
-    return labelled(
-        felt_before=(before, "1", above, changed), felt_behind=(behind, "1", below, lacks)
-    )
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:
