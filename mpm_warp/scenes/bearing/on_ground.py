@@ -52,11 +52,6 @@ class OnGround(Bearing):
         return 0.0
 
     @property
-    def is_uniform(self) -> bool:
-        """Whether strength is the same at all depths."""
-        return self.strength_gradient_ratio == 0.0
-
-    @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
         return None if self.slip_lines is None else (self.slip_lines.limit_load, SLIP_LINE_SOURCE)
@@ -70,7 +65,7 @@ class OnGround(Bearing):
     def clay(self) -> UndrainedClay:
         """The soil of `Bearing`, its strength growing with depth."""
         uniform = super().clay
-        if self.is_uniform:
+        if self.strength_gradient_ratio == 0.0:
             return uniform
         deepest = 1.0 + self.strength_gradient_ratio * LARGEST_DEPTH / RADIUS
         growth = Variation(
@@ -109,8 +104,9 @@ class Footing(OnGround):
     @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        load = self.smooth_and_rough[int(self.adhesion_factor)]
-        return (load, self.source) if self.is_uniform else super().exact
+        if self.strength_gradient_ratio > 0.0:
+            return super().exact
+        return self.smooth_and_rough[int(self.adhesion_factor)], self.source
 
     @property
     def slip_lines(self) -> SlipLines | None:

@@ -94,7 +94,8 @@ class FlyingBlock(CatalogueScene):
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Give the points the velocity of the flight and its gradient, and let the block fly."""
         flight = self.travel * SIDE / (self.step_count * simulation.plan.time_step)
-        turn = self._angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
+        angular_velocity = self.rim_speed * math.sqrt(SHEAR_MODULUS / DENSITY) / SIDE
+        turn = angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
         velocity = flight * np.array(DIRECTION) + simulation.array("particle.position") @ turn.T
         simulation.assign("particle.velocity", velocity)
         simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
@@ -105,16 +106,12 @@ class FlyingBlock(CatalogueScene):
             (float(recorded[curve].max()), "1", f"{recorded[curve].attrs['long_name']}, at most")
             for curve in ("shape_change", "momentum_change", "spin_change")
         )
-        turns = self._angular_velocity * simulation.time / (2.0 * math.pi)
+        turns = angular_velocity * simulation.time / (2.0 * math.pi)
         return recorded.assign(
             labelled(role="headline", error=shape)
             | labelled(role="error", momentum_error=momentum, spin_error=spin)
             | labelled(turns=(turns, "1", "turns"))
         )
-
-    @property
-    def _angular_velocity(self) -> float:
-        return self.rim_speed * math.sqrt(SHEAR_MODULUS / DENSITY) / SIDE
 
 
 def free_flight(simulation: Simulation, cell_size: float) -> Samples:

@@ -186,21 +186,16 @@ class FullFlowPenetrometer(FieldClayScene):
         """The soil."""
         return self.clay_with(density=self.density, speed_up=self.speed / self.penetration_speed)
 
-    @property
-    def grid(self) -> Grid:
-        """The grid around the body, which travels with it."""
-        radius = self.body.radius
+    def build(self) -> Scene:
+        """The soil around the body, in a grid that travels with it."""
+        radius, strength = self.body.radius, self.undrained_shear_strength
         size = radius / self.cells_per_radius
         growth = 1.0 + self.cell_growth / self.cells_per_radius
-        return self.body.fitted_grid(
+        grid = self.body.fitted_grid(
             cells_per_radius=self.cells_per_radius,
             columns=growing(size, (self.domain_extent - 1.0) * radius, growth),
             extent=self.domain_extent,
         )
-
-    def build(self) -> Scene:
-        """The soil around the body."""
-        grid, strength = self.grid, self.undrained_shear_strength
         surroundings = self.surroundings(grid)
         at_rest = ["bottom", "top", "side"] if surroundings is None else []
         return Scene(

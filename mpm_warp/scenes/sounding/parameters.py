@@ -200,7 +200,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
         if self.starts_at_surface:
             # Not below the surface, and less than a sample above it.
             return math.ceil(self._first_depth / self.spacing - ROUNDING)
-        return math.ceil(self._lead / SAMPLE_SPACING)
+        return math.ceil((self.domain_above + LEAD) / SAMPLE_SPACING)
 
     @property
     def spacing(self) -> float:
@@ -236,17 +236,13 @@ class SoundingTest(FittedToCone, FieldClayScene):
     @property
     def highest_in_place(self) -> float:
         """Depth where curves can begin at the highest with a cone that starts in place [m]."""
-        return self._lead * self.cone_radius + self._extent_above_tip + float(self.ground.depth[0])
+        lead = (self.domain_above + LEAD) * self.cone_radius
+        return lead + self._extent_above_tip + float(self.ground.depth[0])
 
     @property
     def _extent_above_tip(self) -> float:
         """Extent of the window above the tip [m]."""
         return self.domain_above * self.cone_radius + self.penetrometer.cone_height
-
-    @property
-    def _lead(self) -> float:
-        """Way of a cone that starts in place before its first depth, over its radius."""
-        return self.domain_above + LEAD
 
 
 REPLACED = (
