@@ -56,8 +56,7 @@ from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
-from mpm_warp.scenes.material.element_test import ElementTest
-from mpm_warp.scenes.material.material_point import MaterialPoint
+from mpm_warp.scenes.material.material_point import ElementTest, MaterialPoint
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding

@@ -1,20 +1,34 @@
-"""One material point on strain paths whose stress is known exactly."""
+"""Single material points: on strain paths whose stress is known exactly, and in element tests.
 
+In an element test soil in one state of stress and strain is sheared undrained in a given mode.
+Symbols, compression positive: s1 and s3 greatest and least total principal stress, gamma difference
+of the extreme principal strains, e deviator of the strain so far, t = (s1 - s3) / 2.
+
+    G = (change of stress : e) / (2 e : e)            shear modulus, by the secant from the start
+    strength = t at the end,   t = G gamma in elastic soil from an isotropic start
+
+Strains are small: directions are those of the ground at the start. The volume stays. The pore
+pressure is that at constant mean total stress: what shear alone makes of it.
+"""
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
-from mpm_warp.results import labelled
-from mpm_warp.sampling import even_steps, follow
+from mpm_warp.results import Quantity, curves, labelled
+from mpm_warp.sampling import Samples, even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene, FieldClayScene
+from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
@@ -30,10 +44,34 @@ CHANGING: dict[str, Value] = {
     "ductility": 0.2,
 }
 """Clay that softens within the paths, at rates of one to four log cycles."""
+TESTS: Mapping[str, tuple[float, ...]] = {
+    "triaxial_compression": (1 / 3, 0.0, 0.0, -2 / 3, 1 / 3),
+    "triaxial_extension": (-1 / 3, 0.0, 0.0, 2 / 3, -1 / 3),
+    "simple_shear": (0.0, 0.5, 0.5, 0.0, 0.0),
+    "plane_strain": (0.5, 0.0, 0.0, -0.5, 0.0),
+    "pressuremeter": (-0.5, 0.0, 0.0, 0.0, 0.5),
+}
+"""Velocity gradient (rr, rz, zr, zz, tt) of each mode, with gamma growing by 1; z is vertical."""
+SAMPLE_COUNT = 200
+"""Samples along a test, at steps in geometric proportion; fewer where steps are few."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class MaterialPoint(ClayScene):
+class PointScene(ClayScene):
+    """Points of clay strained at a constant rate for a second each, without a grid."""
+
+    undrained_shear_strength: float = redefined(
+        FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
+    )
+    step_count: int = parameter(10_000, "strain steps of each path", minimum=1, maximum=1_000_000)
+
+    def step_count_bound(self, plan: Plan) -> int:
+        """The strain steps of a path."""
+        return self.step_count
+
+
+@dataclass(frozen=True, kw_only=True)
+class MaterialPoint(PointScene):
     """Clay strained and turned through the stress update of the simulator, without a grid.
 
     In a law of another package no stress is known: it goes the same paths.
@@ -54,13 +92,6 @@ class MaterialPoint(ClayScene):
         error=1e-6,
         yield_excess=1e-9,
         least_order=1.9,
-    )
-
-    undrained_shear_strength: float = redefined(
-        FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
-    )
-    step_count: int = parameter(
-        10_000, unit="1", meaning="strain steps of each path", minimum=1, maximum=1_000_000
     )
 
     @property
@@ -107,10 +138,6 @@ class MaterialPoint(ClayScene):
         assert isinstance(clay, UndrainedClay)
         return known_paths(clay)
 
-    def step_count_bound(self, plan: Plan) -> int:
-        """The strain steps of a path."""
-        return self.step_count
-
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Follow the paths to their ends, and compare the stress there with the exact one."""
         steps = even_steps(self.step_count)
@@ -140,3 +167,132 @@ class MaterialPoint(ClayScene):
         shown |= labelled(dims=tuple(axes), stress_exact=(exact, "1", "stress over su, exact"))
         shown |= labelled(role="headline", error=error) | labelled(yield_excess=excess)
         return recorded.assign_coords(axes).assign(shown)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElementTest(PointScene):
+    """A test of one material point in the laboratory, strain-controlled, of any law."""
+
+    summary = "undrained element test: strength and stiffness of a law, by mode"
+    method = ("step_count",)
+    verifications = compared(
+        "step_count",
+        (1000, 10_000),
+        *({"material": "von_mises", "test": test} for test in TESTS),
+        *({"material": "modified_cam_clay", "test": test} for test in TESTS),
+        error=1e-6,
+    )
+
+    test: str = parameter(
+        "triaxial_compression",
+        "mode: vertical compression or extension, shear of horizontal planes, vertical compression "
+        "in plane strain, or horizontal shear around a pressuremeter",
+        choices=tuple(TESTS),
+    )
+    stress_anisotropy: float = redefined(ConeInGround, "stress_anisotropy")
+    greatest_shear_strain: float = parameter(
+        1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
+    )
+    strain_rate: float = parameter(
+        3e-6,
+        "shear strain rate of the real test; usual: 1 % an hour",
+        unit="s-1",
+        minimum=1e-12,
+        maximum=1e6,
+    )
+    step_count: int = redefined(
+        PointScene, "step_count", meaning="equal strain steps of the test", minimum=2
+    )
+
+    @property
+    def clay(self) -> Material:
+        """The soil; a test takes a second, in which strain rates count as in reality."""
+        return self.clay_with(density=1.0, speed_up=self.greatest_shear_strain / self.strain_rate)
+
+    def run_size(self) -> RunSize:
+        """One point."""
+        return RunSize(cell_count=0, particle_count=1, step_count=self.step_count)
+
+    def build(self) -> StrainPaths:
+        """The point and its path."""
+        return StrainPaths(
+            material=self.clay,
+            gradient=self.greatest_shear_strain * np.array([TESTS[self.test]]),
+            stress=self.stress_at_rest[None],
+            step_count=self.step_count,
+        )
+
+    def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
+        """Shear the point, and read strength and stiffness off its curves."""
+        names = self.clay.state
+
+        def take() -> list[float]:
+            stress = simulation.array("particle.stress")[0]
+            state = simulation.array("particle.state")[0] if names else ()
+            return [simulation.step_count / self.step_count, *stress, *state]
+
+        def labelled_curves(share: Floats, *rows: Floats) -> xr.Dataset:
+            stress, state = np.stack(rows[:4], axis=-1), dict(zip(names, rows[4:], strict=True))
+            return self._curves(self.greatest_shear_strain * share, stress, state)
+
+        steps = np.unique(np.geomspace(1, self.step_count, SAMPLE_COUNT).round().astype(int))
+        samples = Samples(take, labelled_curves)
+        recorded = follow(
+            simulation, steps.tolist(), simulation.advance_to_step, [samples], progress
+        )
+        return recorded.assign(self._read_off(recorded))
+
+    def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:
+        """Curves over the shear strain, of stresses [n, 4] and of what the law remembers."""
+        rr, zz, rz, tt = stress.T
+        centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+        principal = np.stack([centre + radius, centre - radius, tt])
+        deviator = np.sqrt(1.5 * ((principal - principal.mean(axis=0)) ** 2).sum(axis=0))
+        change = stress - self.stress_at_rest
+        # Strain where the shear strain is 1; the sum over components counts the shear stress twice.
+        of_rr, of_rz, of_zr, of_zz, of_tt = TESTS[self.test]
+        direction = np.array([of_rr, of_zz, 0.5 * (of_rz + of_zr), of_tt])
+        twice = np.array([1.0, 1.0, 2.0, 1.0])
+        along = (change * direction * twice).sum(axis=1)
+        along /= 2.0 * float(direction @ (direction * twice))
+        shown: dict[str, Quantity] = {
+            "shear_stress": (0.5 * np.ptp(principal, axis=0), "Pa", "half of s1 - s3"),
+            "mobilised_stress": (along, "Pa", "growth of the shear stress along the strain"),
+            "deviator_stress": (deviator, "Pa", "deviator stress q"),
+        }
+        if EFFECTIVE_STRESS in state:
+            shown[EFFECTIVE_STRESS] = (state[EFFECTIVE_STRESS], "Pa", "effective mean stress p'")
+        if PORE_PRESSURE in state:
+            of_shear = state[PORE_PRESSURE] + change[:, [0, 1, 3]].mean(axis=1)
+            shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure, of shear alone")
+        return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
+
+    def _read_off(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
+        """Strength and stiffness, and the exact strength where there is one."""
+        strain = np.append(0.0, recorded.shear_strain.values)
+        mobilised = np.append(0.0, recorded.mobilised_stress.values)
+        stress = recorded.shear_stress.values
+        strength, peak = stress[-1], stress[int(np.argmax(mobilised[1:]))]
+        at_first, halfway = mobilised[1] / strain[1], np.nan
+        half = 0.5 * mobilised[-1]
+        if half > 0.0:
+            beyond = int(np.argmax(mobilised >= half))
+            before = beyond - 1
+            share = (half - mobilised[before]) / (mobilised[beyond] - mobilised[before])
+            halfway = half / (strain[before] + share * (strain[beyond] - strain[before]))
+        is_half = "shear modulus at 50 % of the strength"
+        is_half_of = "shear strength, half of s1 - s3"
+        of_end = (strength, "Pa", f"{is_half_of} at the end")
+        found = labelled(role="headline", strength=of_end) | labelled(
+            peak_strength=(peak, "Pa", f"{is_half_of} at the peak"),
+            small_strain_shear_modulus=(at_first, "Pa", "shear modulus at small strain"),
+            half_strength_shear_modulus=(halfway, "Pa", is_half, "secant from the start"),
+            small_strain_rigidity_index=(at_first / strength, "1", "G at small strain over su"),
+            half_strength_rigidity_index=(halfway / strength, "1", "G at 50 % over su"),
+        )
+        exact = self.clay.undrained_strength(self.test)
+        if exact is not None:
+            error = (abs(strength / exact - 1.0), "1", "error of the strength")
+            found |= labelled(strength_exact=(exact, "Pa", "shear strength, exact"))
+            found |= labelled(role="error", error=error)
+        return found

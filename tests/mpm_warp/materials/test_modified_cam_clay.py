@@ -13,7 +13,7 @@ from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest,
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
-from mpm_warp.scenes.material.element_test import TESTS
+from mpm_warp.scenes.material.material_point import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear
