@@ -60,10 +60,7 @@ Reading = tuple[Floats, Floats]
 
 
 def pore_pressure_curves(
-    simulation: Simulation,
-    *,
-    penetrometer: Penetrometer,
-    adhesion_factor: Callable[[float], float],
+    simulation: Simulation, *, penetrometer: Penetrometer, adhesion_factor: Callable[[float], float]
 ) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
@@ -107,16 +104,9 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
     factors: dict[str, Quantity] = {}
     for name, place in PLACES.items():
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])
-        meaning, what = (
-            f"pore pressure factor, {name}",
-            f"excess pore pressure over su, mean {over}",
-        )
-        factors[f"pore_pressure_factor_{name}"] = (
-            pressure / strength,
-            "1",
-            meaning,
-            f"{what}; {place}",
-        )
+        meaning = f"pore pressure factor, {name}"
+        what = f"excess pore pressure over su, mean {over}; {place}"
+        factors[f"pore_pressure_factor_{name}"] = pressure / strength, "1", meaning, what
     return labelled(dims=(), role=None, **factors)
 
 

@@ -62,6 +62,7 @@ def sounding_curves(
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
     half_width = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
     resistance, pressure = "net cone resistance", "excess pore pressure u2"
+    of_pressure = f"uncertainty of the {pressure}"
     over_mean = "net resistance over mean strength around the tip"
     near = f"from {AROUND:g} radii above the tip to {AROUND:g} below it"
     own = curves(
@@ -72,12 +73,7 @@ def sounding_curves(
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
         sleeve_friction=(given.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
         excess_pore_pressure=(u2, "Pa", pressure, f"behind the shoulder {at_depth}"),
-        excess_pore_pressure_uncertainty=(
-            of_u2,
-            "Pa",
-            f"uncertainty of the {pressure}",
-            half_width,
-        ),
+        excess_pore_pressure_uncertainty=(of_u2, "Pa", of_pressure, half_width),
         cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
         cone_factor_around_tip=(net / around, "1", over_mean, near),
         strength=(strength, "Pa", "undrained shear strength"),
