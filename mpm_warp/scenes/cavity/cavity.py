@@ -218,12 +218,9 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
         return profile
     expected = exact.pore_pressure(distance, expansion=radius / RADIUS)
     of_profile = (expected, "Pa", "excess pore pressure, exact")
-    error = (
-        np.abs(pressure - expected).max() / expected.max(),
-        "1",
-        "error of the excess pore pressure",
-        "greatest difference over the whole profile, over the exact one in the innermost cell",
-    )
+    greatest = np.abs(pressure - expected).max() / expected.max()
+    over = "greatest difference over the whole profile, over the exact one in the innermost cell"
+    error = (greatest, "1", "error of the excess pore pressure", over)
     return profile.assign(
         labelled(dims=("distance",), excess_pore_pressure_exact=of_profile)
         | labelled(role="error", pore_pressure_error=error)

@@ -218,30 +218,16 @@ def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str
     numbers = np.unique(period)
     energies = np.array([energy[period == number].mean() for number in numbers])
     kept = energies / energies[0]
-    error = (
-        difference / np.linalg.norm(exact[first]),
-        "1",
-        "error of displacement",
-        "L2 norm over a period of the error of the top's displacement, over that of the exact",
-    )
-    drift = (
-        np.abs(kept - 1.0).max(),
-        "1",
-        "change of energy",
-        "mean over a period, over that of the first, less 1; the greatest of those sampled",
-    )
-    departure = (
-        np.abs(kept - kept_per_second ** (numbers * PERIOD)).max(),
-        "1",
-        "departure of the energy from its derived decay",
-        "mean over a period, over that of the first, less what is left by modal analysis",
-    )
-    decay = (
-        1.0 - kept_per_second**PERIOD,
-        "1",
-        "energy that a period takes, derived",
-        "part of the energy that the transfers take in a period, by modal analysis of a step",
-    )
+    l2 = "L2 norm over a period of the error of the top's displacement, over that of the exact"
+    error = (difference / np.linalg.norm(exact[first]), "1", "error of displacement", l2)
+    mean = "mean over a period, over that of the first, less"
+    sampled = f"{mean} 1; the greatest of those sampled"
+    drift = (np.abs(kept - 1.0).max(), "1", "change of energy", sampled)
+    departed = np.abs(kept - kept_per_second ** (numbers * PERIOD)).max()
+    derived = f"{mean} what is left by modal analysis"
+    departure = (departed, "1", "departure of the energy from its derived decay", derived)
+    taken = "part of the energy that the transfers take in a period, by modal analysis of a step"
+    decay = (1.0 - kept_per_second**PERIOD, "1", "energy that a period takes, derived", taken)
     return (
         labelled(role="headline", error=error)
         | labelled(role="error", energy_drift=drift, energy_departure=departure)

@@ -152,18 +152,11 @@ class MaterialPoint(PointScene):
             shown |= labelled(role="headline", shear_stress=greatest)
             return recorded.assign_coords(axes).assign(shown)
         exact = np.array([path.exact for path in paths])
-        error = (
-            np.abs(stress - exact).max(),
-            "1",
-            "error of stress",
-            "greatest difference of a component from the exact one, over su",
-        )
-        excess = (
-            simulation.array("particle.yield_excess").max(),
-            "1",
-            "stress beyond the yield surface",
-            "greatest shear stress over strength, less 1, on any path at any step",
-        )
+        of_error = "greatest difference of a component from the exact one, over su"
+        error = (np.abs(stress - exact).max(), "1", "error of stress", of_error)
+        beyond = simulation.array("particle.yield_excess").max()
+        of_excess = "greatest shear stress over strength, less 1, on any path at any step"
+        excess = (beyond, "1", "stress beyond the yield surface", of_excess)
         shown |= labelled(dims=tuple(axes), stress_exact=(exact, "1", "stress over su, exact"))
         shown |= labelled(role="headline", error=error) | labelled(yield_excess=excess)
         return recorded.assign_coords(axes).assign(shown)
