@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -30,6 +31,7 @@ SAMPLE_BYTES = 700.0
 """Memory of a sample, from peaks of runs of 300 and 1000 cells [byte]."""
 MOST_SAMPLED_PERIODS = 10
 """Periods of which curves are kept, the first and the last among them."""
+_checks = partial(compared, "cell_count")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,9 +50,8 @@ class ElasticColumnWave(CatalogueScene):
     summary = "pressure waves along a column: sudden load, standing wave"
     version = 5
     verifications = (
-        *compared("cell_count", (50, 100, 200), {"excitation": "sudden_load"}, error=0.02),
-        *compared(
-            "cell_count",
+        *_checks((50, 100, 200), {"excitation": "sudden_load"}, error=0.02),
+        *_checks(
             (10, 20, 40),
             {"excitation": "standing_wave"},
             # At 40 cells the frequency derived is low by 1.09e-4: an error of 2 pi times that at
@@ -61,14 +62,7 @@ class ElasticColumnWave(CatalogueScene):
             energy_departure=1e-4,
             least_order=1.9,
         ),
-        *compared(
-            "cell_count",
-            (20,),
-            {"period_count": 10_000},
-            error=3e-3,
-            energy_departure=4e-4,
-            extreme=True,
-        ),
+        *_checks((20,), {"period_count": 10_000}, error=3e-3, energy_departure=4e-4, extreme=True),
     )
 
     excitation: str = parameter(
