@@ -35,28 +35,20 @@ def test_a_strip_bears_more_than_its_lower_bound() -> None:
 
 
 @pytest.mark.parametrize(
-    ("half_angle", "adhesion_factor", "kappa", "load"),
+    ("half_angle", "adhesion_factor", "loads"),
     [
-        (DISC, 0.0, 0.0, 5.69),  # Shield 1955
-        (DISC, 0.0, 0.25, 5.982),
-        (DISC, 0.0, 1.0, 6.723),
-        (DISC, 0.0, 2.0, 7.556),
-        (CONE, 0.0, 0.0, 4.443),
-        (CONE, 0.5, 0.0, 5.679),
-        (CONE, 1.0, 0.0, 6.690),
-        (CONE, 0.0, 0.25, 5.126),
-        (CONE, 0.0, 0.5, 5.803),
-        (CONE, 0.0, 2.0, 9.826),
-        (CONE, 1.0, 0.25, 7.789),
-        (CONE, 1.0, 1.0, 10.985),
-        (CONE, 1.0, 2.0, 15.171),
+        (DISC, 0.0, {0.0: 5.69, 0.25: 5.982, 1.0: 6.723, 2.0: 7.556}),  # 5.69 by Shield 1955
+        (CONE, 0.0, {0.0: 4.443, 0.25: 5.126, 0.5: 5.803, 2.0: 9.826}),
+        (CONE, 0.5, {0.0: 5.679}),
+        (CONE, 1.0, {0.0: 6.690, 0.25: 7.789, 1.0: 10.985, 2.0: 15.171}),
     ],
 )
 def test_loads_are_those_integrated_by_others(
-    half_angle: float, adhesion_factor: float, kappa: float, load: float
+    half_angle: float, adhesion_factor: float, loads: dict[float, float]
 ) -> None:
-    """To 0.2 %: what is left of the error of second order in the spacing of the lines."""
-    lines = SlipLines(
-        half_angle=half_angle, adhesion_factor=adhesion_factor, strength_gradient_ratio=kappa
-    )
-    assert lines.limit_load == pytest.approx(load, rel=2e-3)
+    """By kappa; to 0.2 %: what is left of the error of second order in the spacing of the lines."""
+    for kappa, load in loads.items():
+        lines = SlipLines(
+            half_angle=half_angle, adhesion_factor=adhesion_factor, strength_gradient_ratio=kappa
+        )
+        assert lines.limit_load == pytest.approx(load, rel=2e-3)

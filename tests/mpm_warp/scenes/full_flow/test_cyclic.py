@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
     CyclicPenetration,
@@ -36,14 +37,6 @@ BALL = CyclicBall(
     ductility=10.0,
     speed_ratio=0.03,
 )
-SHARED = (
-    "cells_per_radius",
-    "domain_extent",
-    "adhesion_factor",
-    "remoulded_strength_ratio",
-    "ductility",
-    "speed_ratio",
-)
 NOISE = 0.01
 """Of the mean resistance of a passage, over it."""
 
@@ -67,7 +60,8 @@ def test_the_first_passage_is_that_of_a_body_that_goes_on(
     cyclic: CyclicPenetration, pushed: FullFlowPenetration
 ) -> None:
     """To rounding: soil that waits below enters in the step in which a layer would have entered."""
-    shared = {name: getattr(cyclic, name) for name in SHARED}
+    names = parameters_of(type(cyclic)).keys() & parameters_of(type(pushed)).keys()
+    shared = {name: getattr(cyclic, name) for name in names}
     runs = [Simulation(it.build()) for it in (cyclic, dataclasses.replace(pushed, **shared))]
     # Three of the six radii: half of them through soil that was not in the grid at the start.
     steps = int(cyclic.window.time_to(3.0 * cyclic.body.radius) / runs[0].plan.time_step)

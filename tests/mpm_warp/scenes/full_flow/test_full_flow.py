@@ -10,6 +10,7 @@ from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetrati
 pytestmark = pytest.mark.slow
 
 CELLS = 4
+SHORT = {"cells_per_radius": CELLS, "particles_per_cell": 4, "penetration": 5.0}
 
 
 @pytest.mark.parametrize(
@@ -36,13 +37,7 @@ def test_where_nothing_is_known_nothing_is_compared() -> None:
 
 @pytest.mark.parametrize("adhesion_factor", [0.0, 0.5, 1.0])
 def test_steady_flow_has_the_limit_load(adhesion_factor: float) -> None:
-    bar = TBarPenetration(
-        cells_per_radius=CELLS,
-        particles_per_cell=4,
-        adhesion_factor=adhesion_factor,
-        penetration=5.0,
-    )
-    result = bar.run()
+    result = TBarPenetration(adhesion_factor=adhesion_factor, **SHORT).run()
     # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
     assert float(result.error) <= 1 / (CELLS * result.resistance_factor_exact)
     assert abs(float(result.energy_error)) < 0.02
@@ -72,9 +67,7 @@ def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
 
 def test_steady_flow_round_a_smooth_ball_has_its_limit_load() -> None:
     limit = float(FullFlowSphere(cells_per_radius=CELLS).run().bearing_capacity)
-    ball = BallPenetration(
-        cells_per_radius=CELLS, shaft_radius_ratio=0.0, penetration=5.0, particles_per_cell=4
-    )
+    ball = BallPenetration(shaft_radius_ratio=0.0, **SHORT)
     # A limit load is of first order: the mechanism is as sharp as a cell, over its own length.
     assert float(ball.run().resistance_factor) == pytest.approx(limit, rel=1 / (CELLS * limit))
 
