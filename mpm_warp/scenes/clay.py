@@ -23,6 +23,8 @@ NEEDED = (
     ("remoulded_strength_ratio", 1.0, "ductility", "the plastic shear strain of 95 % of the loss"),
 )
 """Where the first is not the second, the third must be given, which is the fourth."""
+STRAIN_RATE: dict[str, Any] = {"unit": "s-1", "minimum": 1e-12, "maximum": 1e6}
+"""What is said of any parameter that is one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +57,7 @@ class ClayScene(CatalogueScene):
     reference_strain_rate: float | None = parameter(
         None,
         "shear strain rate at which su holds, in real time; to be given with a rate_factor",
-        unit="s-1",
-        minimum=1e-12,
-        maximum=1e6,
+        **STRAIN_RATE,
     )
     remoulded_strength_ratio: float = parameter(
         1.0,

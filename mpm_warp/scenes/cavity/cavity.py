@@ -25,7 +25,7 @@ from mpm_warp.sampling import (
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
-from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene
 from mpm_warp.simulation import Simulation
 
 STRENGTH = 1e3
@@ -57,9 +57,7 @@ class Cavity(ClayScene):
     expansion_rate: float = parameter(
         1.0,
         "real speed of the wall over the radius at the start, which strain rates are of",
-        unit="s-1",
-        minimum=1e-12,
-        maximum=1e6,
+        **STRAIN_RATE,
     )
     expansion: float = parameter(
         4.0, "final over initial radius of the cavity", minimum=1.1, maximum=10

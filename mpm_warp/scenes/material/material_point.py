@@ -27,7 +27,7 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import Samples, even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.clay import ClayScene, FieldClayScene
+from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene, FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
@@ -187,11 +187,7 @@ class ElementTest(PointScene):
         1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
     )
     strain_rate: float = parameter(
-        3e-6,
-        "shear strain rate of the real test; usual: 1 % an hour",
-        unit="s-1",
-        minimum=1e-12,
-        maximum=1e6,
+        3e-6, "shear strain rate of the real test; usual: 1 % an hour", **STRAIN_RATE
     )
     step_count: int = redefined(
         PointScene, "step_count", meaning="equal strain steps of the test", minimum=2
