@@ -55,11 +55,25 @@ class ConeSelfSimilar(CatalogueScene):
     speed_ratio: float = parameter(0.03, "speed over shear wave speed", minimum=1e-3, maximum=0.1)
 
     def build(self) -> Scene:
-        """The ground and its surface; the contact is a `PenetrometerContact`."""
-        grid = self._grid()
+        """The ground and its surface, through which soil enters below and leaves nowhere."""
+        size = RADIUS / self.cells_per_radius
+        fitted = self._penetrometer.fitted_grid(
+            rows_on_face=self._penetrometer.rows_on_face(size),
+            columns=graded(size, 19.0 * RADIUS, 1.0 + 0.8 * size / RADIUS),
+            depth_below=12.0 * RADIUS,
+            height_above=RADIUS,
+        )
+        grid = GroundGrid.of(fitted, ground_level=0.0)
+        clay = Tresca(
+            shear_modulus=self.rigidity_index * STRENGTH,
+            poissons_ratio=POISSONS_RATIO,
+            density=DENSITY,
+            strength=STRENGTH,
+        )
+        speed = self.speed_ratio * clay.shear_wave_speed
         return Scene(
             grid=grid,
-            material=self._material,
+            material=clay,
             time_step_fraction=TIME_STEP_FRACTION,
             bulk_viscosity=0.2,
             parts=(
@@ -70,31 +84,17 @@ class ConeSelfSimilar(CatalogueScene):
                     face_adhesion=self.adhesion_factor * STRENGTH,
                     in_situ_stress=0.0,
                 ),
-                self._window,
+                Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0),
                 FreeSurface(),
             ),
         )
 
     def run_size(self) -> RunSize:
         """Cells of the grid, those above the ground too, and the steps to the final depth."""
-        size = size_in_grid(self.build(), self._window.time_to(self._final_depth))
-        share_of_soil = float((self._grid().rows[1:] <= 0.0).mean())
+        scene = self.build()
+        size = size_in_grid(scene, scene[Window].time_to(self._final_depth))
+        share_of_soil = float((scene.grid.rows[1:] <= 0.0).mean())
         return replace(size, particle_count=math.ceil(share_of_soil * size.particle_count))
-
-    @property
-    def _material(self) -> Tresca:
-        return Tresca(
-            shear_modulus=self.rigidity_index * STRENGTH,
-            poissons_ratio=POISSONS_RATIO,
-            density=DENSITY,
-            strength=STRENGTH,
-        )
-
-    @property
-    def _window(self) -> Window:
-        """Soil enters below, and none leaves above."""
-        speed = self.speed_ratio * self._material.shear_wave_speed
-        return Window(speed=speed, ramp_travel=0.1 * RADIUS, spare_fraction=1.0)
 
     @property
     def _penetrometer(self) -> Penetrometer:
@@ -104,16 +104,6 @@ class ConeSelfSimilar(CatalogueScene):
     def _final_depth(self) -> float:
         """Depth of the tip at the end [m]."""
         return FINAL_DEPTH * self._penetrometer.cone_height
-
-    def _grid(self) -> GroundGrid:
-        size = RADIUS / self.cells_per_radius
-        fitted = self._penetrometer.fitted_grid(
-            rows_on_face=self._penetrometer.rows_on_face(size),
-            columns=graded(size, 19.0 * RADIUS, 1.0 + 0.8 * size / RADIUS),
-            depth_below=12.0 * RADIUS,
-            height_above=RADIUS,
-        )
-        return GroundGrid.of(fitted, ground_level=0.0)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the cone in, and fit the exponent of the depth in its load."""
