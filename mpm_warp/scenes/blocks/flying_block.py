@@ -51,14 +51,9 @@ class FlyingBlock(CatalogueScene):
         0.01, "angular velocity times side, over the speed of shear waves", above=0, maximum=0.1
     )
 
-    @property
-    def cell_size(self) -> float:
-        """Side of a cell [m]."""
-        return SIDE / self.cells_per_side
-
     def run_size(self) -> RunSize:
         """Cells along the flight of the block, and its material points."""
-        columns, rows = self._cell_counts
+        columns, rows = self.build().grid.cell_counts
         count = 4 * self.cells_per_side**2
         return size_of_body(
             cell_count=columns * rows,
@@ -68,27 +63,18 @@ class FlyingBlock(CatalogueScene):
             curve_bytes=7.0 * 8.0 * count**2,
         )
 
-    @property
-    def _reach(self) -> int:
-        """Cells from the middle of the block to beyond the circle through its corners."""
-        return math.ceil(math.sqrt(0.5) * self.cells_per_side) + 2
-
-    @property
-    def _cell_counts(self) -> tuple[int, int]:
-        """Cells that hold the circle through the corners, at both ends of the flight."""
-        flight = np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
-        columns, rows = 2 * self._reach + flight
-        return int(columns), int(rows)
-
     def build(self) -> BodyScene:
-        """The block is the only body."""
-        half, cell = 0.5 * SIDE, self.cell_size
+        """The block, in a grid that holds the circle through its corners at both ends."""
+        half, cell = 0.5 * SIDE, SIDE / self.cells_per_side
         material = LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=POISSONS_RATIO, density=DENSITY
         )
         block = InterfaceFrame(angle=0.0).body((-half, half), (-half, half), 0.5 * cell, material)
-        lower = -self._reach * cell
-        grid = UniformGrid(lower=(lower, lower), cell_size=cell, cell_counts=self._cell_counts)
+        reach = math.ceil(math.sqrt(0.5) * self.cells_per_side) + 2  # cells to beyond a corner
+        flight = np.ceil(self.travel * self.cells_per_side * np.array(DIRECTION))
+        columns, rows = (2 * reach + flight).astype(int).tolist()
+        lower = (-reach * cell, -reach * cell)
+        grid = UniformGrid(lower=lower, cell_size=cell, cell_counts=(columns, rows))
         return BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -99,7 +85,7 @@ class FlyingBlock(CatalogueScene):
         velocity = flight * np.array(DIRECTION) + simulation.array("particle.position") @ turn.T
         simulation.assign("particle.velocity", velocity)
         simulation.assign("particle.affine", np.broadcast_to(turn, (len(velocity), 2, 2)))
-        sampler = free_flight(simulation, self.cell_size)
+        sampler = free_flight(simulation, SIDE / self.cells_per_side)
         steps = [round(step) for step in evenly(self.step_count, SAMPLE_COUNT)]
         recorded = follow(simulation, steps, simulation.advance_to_step, [sampler], progress)
         shape, momentum, spin = (
