@@ -9,10 +9,8 @@ import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
-from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, soil_scene
@@ -23,7 +21,6 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     Ball,
     FullFlowPenetrometer,
     ResistanceSamples,
-    RoundBody,
     TBar,
 )
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
@@ -188,23 +185,6 @@ class BallPenetration(Ball, FullFlowPenetration):
         minimum=0,
         maximum=0.8,
     )
-
-    @property
-    def body(self) -> RoundBody:
-        """The ball and its shaft."""
-        return RoundBody(
-            radius=self.ball_radius, shaft_radius=self.shaft_radius_ratio * self.ball_radius
-        )
-
-    def surroundings(self, grid: Grid) -> SurroundingGround | None:
-        """The ground that makes room for the shaft, seen from afar as a travelling source."""
-        if self.shaft_radius_ratio == 0.0:
-            return super().surroundings(grid)
-        clay = self.clay
-        source = TravellingSource(
-            radius=self.body.shaft_radius, height=0.0, shear_modulus=clay.ground_shear_modulus
-        )
-        return SurroundingGround(grid=grid, material=clay, source=source)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,7 @@ from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
-from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Window
 from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
@@ -163,13 +163,6 @@ class FullFlowPenetrometer(FieldClayScene):
     def body(self) -> RoundBody:
         """Its outline, and the grid fitted to it."""
 
-    def surroundings(self, grid: Grid) -> SurroundingGround | None:
-        """The ground around the window; none where it rests.
-
-        It rests unless a shaft follows: as much soil closes behind the body as it pushes aside.
-        """
-        return None
-
     @property
     @abstractmethod
     def window(self) -> Window | CyclicWindow:
@@ -196,17 +189,22 @@ class FullFlowPenetrometer(FieldClayScene):
             columns=growing(size, (self.domain_extent - 1.0) * radius, growth),
             extent=self.domain_extent,
         )
-        surroundings = self.surroundings(grid)
-        at_rest = ["bottom", "top", "side"] if surroundings is None else []
+        clay, around = self.clay, list[SurroundingGround]()
+        if self.body.shaft_radius > 0.0:
+            # Without a shaft as much soil closes behind the body as it pushes aside, and the ground
+            # around the window rests. From afar the shaft that follows is a travelling source.
+            shaft, stiffness = self.body.shaft_radius, clay.ground_shear_modulus
+            source = TravellingSource(radius=shaft, height=0.0, shear_modulus=stiffness)
+            around = [SurroundingGround(grid=grid, material=clay, source=source)]
+        at_rest = [] if around else ["bottom", "top", "side"]
         return Scene(
             grid=grid,
-            material=self.clay,
+            material=clay,
             particles_per_side=math.isqrt(self.particles_per_cell),
             bulk_viscosity=0.2,
             parts=(
-                # Around a window that rests nothing moves.
                 Fixed.on(grid, radial=["axis", *at_rest], vertical=at_rest),
-                *([] if surroundings is None else [surroundings]),
+                *around,
                 self.body.contact(
                     grid,
                     adhesion=self.adhesion_factor * strength,
@@ -221,16 +219,18 @@ class FullFlowPenetrometer(FieldClayScene):
 
 @dataclass(frozen=True, kw_only=True)
 class Ball(FullFlowPenetrometer):
-    """A ball without a shaft."""
+    """A ball without a shaft, unless a scene gives it one."""
 
+    shaft_radius_ratio = 0.0
     ball_radius: float = parameter(
         0.0565, "radius of the ball", unit="m", minimum=1e-6, maximum=1e3
     )
 
     @property
     def body(self) -> RoundBody:
-        """The ball."""
-        return RoundBody(radius=self.ball_radius)
+        """The ball, and its shaft where there is one."""
+        shaft_radius = self.shaft_radius_ratio * self.ball_radius
+        return RoundBody(radius=self.ball_radius, shaft_radius=shaft_radius)
 
 
 @dataclass(frozen=True, kw_only=True)
