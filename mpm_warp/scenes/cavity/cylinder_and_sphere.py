@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-import xarray as xr
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats, Grid
@@ -15,7 +14,6 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Value, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
-from mpm_warp.results import labelled
 from mpm_warp.scene import Part
 from mpm_warp.scenes.catalogue import Verification, compared
 from mpm_warp.scenes.cavity.cavity import Cavity
@@ -106,10 +104,6 @@ class CavityCylinder(Cavity):
         # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
         return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
 
-    def wall_areas(self, grid: Grid) -> Floats:
-        """See `Cavity`."""
-        return np.full(2, 0.5 * RADIUS * self.cell_size)
-
 
 @dataclass(frozen=True, kw_only=True)
 class CavitySphere(Cavity):
@@ -147,16 +141,3 @@ class CavitySphere(Cavity):
         """Nothing moves across the axis or the equator; the grid ends without traction."""
         fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])
         return (RadialMotion(), fixed) if self.remoulded_strength_ratio < 1.0 else (fixed,)
-
-    def wall_areas(self, grid: Grid) -> Floats:
-        """See `Cavity`; together r^2 less 0.6 % at 4 cells."""
-        assert isinstance(grid, PolarGrid)
-        areas: Floats = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
-        return areas
-
-    def shape(self, grid: Grid, on_rows: Floats) -> dict[str, xr.Variable]:
-        """How uneven the pressure over the wall is at the end."""
-        pressure = on_rows / self.wall_areas(grid)
-        departure = float(np.ptp(pressure) / pressure.mean())
-        is_range = "range of the pressure over the wall at the end, over its mean"
-        return labelled(departure=(departure, "1", "departure from a sphere", is_range))

@@ -123,7 +123,7 @@ class CyclicPenetration(FullFlowPenetrometer):
         return results
 
     def _ratio(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
-        """What is left of the resistance, and what that says of the clay."""
+        """What is left of the resistance, and what that says of the clay by the fit of practice."""
         factor = recorded.cyclic_resistance_factor
         first, last = float(factor[0]), float(factor[-2:].mean())
         mean = "mean of penetration and extraction, over that of the first passage"
@@ -136,10 +136,8 @@ class CyclicPenetration(FullFlowPenetrometer):
             return ratio | exact | labelled(role="error", error=error)
         if self.remoulded_strength_ratio == 1.0 or factor.size <= FITTED:
             return ratio
-        return ratio | self.fitted(fitted_degradation(factor["cycle"].values, factor.values))
-
-    def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
-        """The fit of practice; what lies beyond the end of the test is not a number."""
+        fit = fitted_degradation(factor["cycle"].values, factor.values)
+        # What lies beyond the end of the test is not a number.
         known = fit.cycles <= self.cycle_count
         cycles, remoulded, intact = (
             values if known else math.nan
@@ -149,12 +147,17 @@ class CyclicPenetration(FullFlowPenetrometer):
         before = f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0"
         of_intact = "resistance factor of intact clay, fitted"
         left = "root mean square of what it leaves, over the fitted resistance of intact clay"
-        return labelled(
+        fitted = ratio | labelled(
             fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
             fitted_remoulded_ratio=(remoulded, "1", of_remoulded, before),
             fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
             fit_misfit=(fit.misfit, "1", "misfit of the fit", left),
         )
+        if not self.body.planar:
+            return fitted
+        ductility = 2.0 * T_BAR_STRAIN * cycles
+        how = f"by a plastic shear strain of {T_BAR_STRAIN:g} in a passage of a T-bar; {BEYOND}"
+        return fitted | labelled(fitted_ductility=(ductility, "1", "ductility xi_95, fitted", how))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,13 +181,6 @@ class CyclicTBar(TBar, CyclicPenetration):
 
     summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
     version = 3
-
-    def fitted(self, fit: "Degradation") -> dict[str, xr.Variable]:
-        """The fit of practice, and the ductility that it tells."""
-        fitted = super().fitted(fit)
-        ductility = 2.0 * T_BAR_STRAIN * float(fitted["fitted_cycles"])
-        how = f"by a plastic shear strain of {T_BAR_STRAIN:g} in a passage of a T-bar; {BEYOND}"
-        return fitted | labelled(fitted_ductility=(ductility, "1", "ductility xi_95, fitted", how))
 
 
 class ResistanceLoops(ResistanceSamples):

@@ -73,7 +73,10 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return of_several([size_in_grid(test.build(), test.end_time) for test in (self, *tests)])
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """What a run gives; with its uncertainty to be measured, the further runs are made too."""
+        """What a run gives; with its uncertainty to be measured, the further runs are made too.
+
+        In plane strain and perfectly plastic clay the exact factor, the limit load, is beside it.
+        """
 
         def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
             return CatalogueScene.compute(test, report, execution)
@@ -86,7 +89,14 @@ class FullFlowPenetration(FullFlowPenetrometer):
             results = results.assign(self.error_of(results).stated(0.0, {}, reasons))
         else:
             results = further_runs.with_measured_error(alone, run, progress)
-        return self.with_exact_value(results)
+        if not self.body.planar or str(results.built_law.values) not in CRITERIA:
+            return results
+        exact = limit_load(self.adhesion_factor)
+        error = abs(float(results.resistance_factor) / exact - 1.0)
+        of_limit = (exact, "1", "limit load over projected area and su", LIMIT_LOAD_SOURCE)
+        of_error = (error, "1", "error of the resistance", "relative to the limit load")
+        found = labelled(resistance_factor_exact=of_limit) | labelled(role="error", error=of_error)
+        return results.assign(found)
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error, by choice; `ParameterError` where one is refused."""
@@ -112,10 +122,6 @@ class FullFlowPenetration(FullFlowPenetrometer):
             has_few_points=self.body.planar and few,
             recorded=recorded,
         )
-
-    def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
-        """The results beside the exact resistance factor, where there is one."""
-        return results
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Push the body down, and take the mean of its resistance over the last two radii.
@@ -202,14 +208,3 @@ class TBarPenetration(TBar, FullFlowPenetration):
         *({"adhesion_factor": factor} for factor in (0.0, 0.5, 1.0)),
         error=0.02,
     )
-
-    def with_exact_value(self, results: xr.Dataset) -> xr.Dataset:
-        """The results beside the limit load, in perfectly plastic clay."""
-        if str(results.built_law.values) not in CRITERIA:
-            return results
-        exact = limit_load(self.adhesion_factor)
-        error = abs(float(results.resistance_factor) / exact - 1.0)
-        of_limit = (exact, "1", "limit load over projected area and su", LIMIT_LOAD_SOURCE)
-        of_error = (error, "1", "error of the resistance", "relative to the limit load")
-        found = labelled(resistance_factor_exact=of_limit) | labelled(role="error", error=of_error)
-        return results.assign(found)
