@@ -73,9 +73,11 @@ class Bearing(CatalogueScene):
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact of the soil with the body, which sinks at `speed`."""
 
-    @abstractmethod
     def load(self, scene: Scene, nodal: Floats) -> float:
         """Load over area and su, of normal and tangential forces at the contact's nodes, [n, 2]."""
+        # Forces are those on half a body in plane strain, or on a radian.
+        area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
+        return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
 
     @property
     def final_displacement(self) -> float:
@@ -163,6 +165,16 @@ class Bearing(CatalogueScene):
                 results,
             )
         return results
+
+
+def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
+    """The force of the soil on a body along the line of travel, upward positive [N].
+
+    It is that on half a body of unit length, or on a radian of one, of normal and tangential forces
+    from the soil at the nodes [N], shape [node_count, 2].
+    """
+    normals = contact.normals
+    return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))
 
 
 def plateau(displacement: Floats, load: Floats) -> float:

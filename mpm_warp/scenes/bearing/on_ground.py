@@ -150,11 +150,6 @@ class Footing(OnGround):
             speed=self.speed,
         )
 
-    def load(self, scene: Scene, nodal: Floats) -> float:
-        """The sum of the normal forces, over area and su0."""
-        area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
-        return float(nodal[:, 0].sum()) / (area * STRENGTH)
-
 
 @dataclass(frozen=True, kw_only=True)
 class CircularFooting(Footing):

@@ -7,19 +7,17 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
-from mpm_warp.scenes.full_flow.penetrometer import upward_force
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0
@@ -89,12 +87,6 @@ class FullFlow(Bearing):
             in_situ_stress=NO_PARTING,
             speed=self.speed,
         )
-
-    def load(self, scene: Scene, nodal: Floats) -> float:
-        """The force along the line of travel, over projected area and su."""
-        # Forces are those on half a cylinder, or on a radian of a sphere.
-        area = RADIUS if self.planar else 0.5 * RADIUS**2
-        return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,6 +22,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
+from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.cone.penetration import penetration_axis
@@ -102,16 +103,6 @@ class RoundBody:
             in_situ_stress=in_situ_stress,
             on_axis=on_axis,
         )
-
-
-def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
-    """The force of the soil on a body along the line of travel, upward positive [N].
-
-    It is that on half a cylinder of unit length, or on a radian of a ball, of normal and tangential
-    forces from the soil at the nodes [N], shape [node_count, 2].
-    """
-    normals = contact.normals
-    return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))
 
 
 @dataclass(frozen=True, kw_only=True)

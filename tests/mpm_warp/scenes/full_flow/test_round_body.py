@@ -5,7 +5,8 @@ import pytest
 
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.scenes.full_flow.penetrometer import RoundBody, upward_force
+from mpm_warp.scenes.bearing.bearing import upward_force
+from mpm_warp.scenes.full_flow.penetrometer import RoundBody
 
 ROUNDING = 1e-12
 RADIUS = 2.0
