@@ -3,6 +3,7 @@
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -50,6 +51,8 @@ class Bearing(CatalogueScene):
     method = ("cells_per_radius", "rigidity_index", "displacement", "speed_ratio")
     material = "tresca"
     """Where the soil yields."""
+    planar: ClassVar[bool] = False
+    """Whether strain is plane; otherwise the body is round."""
 
     cells_per_radius: int = parameter(8, "cells per radius of the body", minimum=1, maximum=40)
     rigidity_index: float = parameter(10_000.0, "rigidity index G/su", minimum=100, maximum=1e6)

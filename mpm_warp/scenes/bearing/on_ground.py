@@ -81,8 +81,6 @@ class OnGround(Bearing):
 class Footing(OnGround):
     """A rigid footing; in plane strain the radius is half the width."""
 
-    planar: ClassVar[bool]
-    """Whether strain is plane; otherwise the footing is circular."""
     source: ClassVar[str]
     """Where they are from."""
     verifications = compared(
@@ -157,7 +155,6 @@ class CircularFooting(Footing):
 
     summary = "limit load of a circular footing, smooth and rough"
     version = 3
-    planar = False
     smooth_and_rough = 5.69, 6.05
     source = (
         "smooth: Shield 1955, Proc. R. Soc. A 233:267-287; rough: Eason & Shield 1960, "

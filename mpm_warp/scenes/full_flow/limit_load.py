@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -47,9 +46,6 @@ class FullFlow(Bearing):
 
     Soil surrounds the body, so that the limit load of a small displacement is that of steady flow.
     """
-
-    planar: ClassVar[bool]
-    """Whether the body is a cylinder in plane strain; otherwise it is a sphere."""
 
     adhesion_factor: float = redefined(
         ConeInGround, "adhesion_factor", meaning="adhesion factor of the body"
@@ -123,7 +119,6 @@ class FullFlowSphere(FullFlow):
 
     summary = "force on a sphere that soil flows around (ball penetrometer)"
     version = 1
-    planar = False
     verifications = compared(
         "cells_per_radius",
         (4, 8),
