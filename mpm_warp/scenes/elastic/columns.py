@@ -82,10 +82,8 @@ class GravityColumn(CatalogueScene):
         """The column, its weight, and the damping that brings it to rest."""
         (grid, fixed), material = column(self.cell_count), self.material
         # Twice the angular frequency of the first mode, pi c / 2 H.
-        damping = math.pi * material.pressure_wave_speed / HEIGHT
-        return Scene(
-            grid=grid, material=material, parts=(Gravity(GRAVITY), Damping(damping), fixed)
-        )
+        rate = math.pi * material.pressure_wave_speed / HEIGHT
+        return Scene(grid=grid, material=material, parts=(Gravity(GRAVITY), Damping(rate), fixed))
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Let the column come to rest, and compare stress and settlement with the exact ones."""

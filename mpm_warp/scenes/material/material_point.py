@@ -224,11 +224,10 @@ class ElementTest(PointScene):
             stress, state = np.stack(rows[:4], axis=-1), dict(zip(names, rows[4:], strict=True))
             return self._curves(self.greatest_shear_strain * share, stress, state)
 
-        steps = np.unique(np.geomspace(1, self.step_count, SAMPLE_COUNT).round().astype(int))
+        marks = np.geomspace(1, self.step_count, SAMPLE_COUNT).round().astype(int)
+        steps = np.unique(marks).tolist()
         samples = Samples(take, labelled_curves)
-        recorded = follow(
-            simulation, steps.tolist(), simulation.advance_to_step, [samples], progress
-        )
+        recorded = follow(simulation, steps, simulation.advance_to_step, [samples], progress)
         return recorded.assign(self._read_off(recorded))
 
     def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:

@@ -133,9 +133,7 @@ class Sounding(SoundingTest):
         anisotropy = ground.stress_anisotropy_at(ground.depth, self.stress_anisotropy)
         rows = None
         if ground.of_law:
-            rows = tuple(
-                self._test_in(*numbered).clay for numbered in enumerate(anisotropy.tolist())
-            )
+            rows = tuple(self._test_in(*row).clay for row in enumerate(anisotropy.tolist()))
         else:  # its stress is within the yield surface everywhere
             _ = [self._test_in(None, extreme) for extreme in {anisotropy.min(), anisotropy.max()}]
         variation = ground.variation(
