@@ -172,7 +172,7 @@ class FullFlowPenetrometer(FieldClayScene):
 
     def build(self) -> Scene:
         """The soil around the body, in a grid that travels with it."""
-        radius, strength = self.body.radius, self.undrained_shear_strength
+        radius, su = self.body.radius, self.undrained_shear_strength
         size = radius / self.cells_per_radius
         growth = 1.0 + self.cell_growth / self.cells_per_radius
         grid = self.body.fitted_grid(
@@ -197,9 +197,7 @@ class FullFlowPenetrometer(FieldClayScene):
                 Fixed.on(grid, radial=["axis", *at_rest], vertical=at_rest),
                 *around,
                 self.body.contact(
-                    grid,
-                    adhesion=self.adhesion_factor * strength,
-                    in_situ_stress=NO_PARTING * strength,
+                    grid, adhesion=self.adhesion_factor * su, in_situ_stress=NO_PARTING * su
                 ),
                 self.window,
                 ConservativeInterpolation(),

@@ -112,15 +112,12 @@ class MaterialPoint(PointScene):
         """The paths whose stress is known, then random ones that start without stress."""
         paths, strength = self._paths, self.undrained_shear_strength
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
-        gradient = np.concatenate([[path.gradient for path in paths], random])
-        start = np.zeros((len(gradient), 4))
+        rates = np.concatenate([[path.gradient for path in paths], random])
+        start = np.zeros((len(rates), 4))
         if self.law is None:
             start[: len(paths)] = [path.start for path in paths]
         return StrainPaths(
-            material=self.clay,
-            gradient=gradient,
-            stress=start * strength,
-            step_count=self.step_count,
+            material=self.clay, gradient=rates, stress=start * strength, step_count=self.step_count
         )
 
     @property

@@ -188,11 +188,7 @@ def test_a_border_is_felt_before_and_behind_it() -> None:
 def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     """Thinner than what the cone feels: a part of its resistance, with a half width."""
     result = changed(
-        from_depth=16.0,
-        to_depth=24.0,
-        layer_top=20.0,
-        layer_thickness=1.0,
-        layer_strength_ratio=3.0,
+        from_depth=16, to_depth=24, layer_top=20, layer_thickness=1, layer_strength_ratio=3
     ).run()
     share = result.layer_share
     assert 0.05 < float(share) < 0.7

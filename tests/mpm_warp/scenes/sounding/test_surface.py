@@ -78,16 +78,8 @@ def test_the_load_grows_with_the_square_of_the_depth() -> None:
     F / (su d^2) of `cone_self_similar`, smooth, at 12 cells per radius, is 5.1. The surface is
     known to half a cell, 1/12 of a radius, so at the depth d this is known to 2 / 12 / d.
     """
-    result = changed(
-        from_depth=0.0,
-        to_depth=1.2,
-        adhesion_factor=0.0,
-        cells_per_radius=6,
-        speed_ratio=0.05,
-        domain_above=2.0,
-        domain_below=8.0,
-        domain_radius=12.0,
-    ).run()
+    fine = {"cells_per_radius": 6, "domain_above": 2, "domain_below": 8, "domain_radius": 12}
+    result = changed(from_depth=0, to_depth=1.2, adhesion_factor=0, speed_ratio=0.05, **fine).run()
     depth = result.depth.values
     factor = math.pi * result.cone_factor_at_tip.values / depth**2
     for begin, end in ((0.6, 0.9), (0.9, 1.2)):
