@@ -16,7 +16,7 @@ from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.results import labelled
-from mpm_warp.sampling import follow, soil_scene
+from mpm_warp.sampling import Sampler, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
@@ -289,15 +289,11 @@ class ConePenetration(ConeTestByDefault):
             balances = [soundness.energy_balance_curves(simulation)]
         if snapshots is not None:
             views = [penetration.PenetrationSnapshots(self, curves, snapshots)]
+        samplers: list[Sampler] = [curves, pressures, *balances, *views]
         spacing = SAMPLE_SPACING * self.cone_radius
-        sample_count = round(self.penetration / SAMPLE_SPACING)
+        moments = [k * spacing for k in range(1, round(self.penetration / SAMPLE_SPACING) + 1)]
         recorded = follow(
-            simulation,
-            [sample * spacing for sample in range(1, sample_count + 1)],
-            simulation.travel_to,
-            [curves, pressures, *balances, *views],
-            progress,
-            is_over=curves.is_steady,
+            simulation, moments, simulation.travel_to, samplers, progress, is_over=curves.is_steady
         )
         for view in views:
             view.sample(is_last=True)
