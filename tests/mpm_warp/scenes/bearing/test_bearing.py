@@ -96,9 +96,7 @@ def test_where_soil_is_stuck_below_a_rough_body_no_load_is_known_but_computed() 
 
 
 @pytest.mark.parametrize("displacement", [1e-3, 0.1])
-def test_a_footing_pressed_by_a_few_steps_has_a_sample_a_step_and_no_plateau(
-    displacement: float,
-) -> None:
+def test_a_footing_of_few_steps_has_a_sample_a_step_and_no_plateau(displacement: float) -> None:
     with pytest.raises(UnfinishedRun) as end:
         CircularFooting(cells_per_radius=4, displacement=displacement).run()
     result = end.value.curves

@@ -13,9 +13,7 @@ CONE = math.radians(30.0)
 @pytest.mark.parametrize(
     ("half_angle", "adhesion_factor"), [(CONE, 0.0), (CONE, 0.5), (CONE, 1.0), (DISC, 0.0)]
 )
-def test_a_wedge_in_uniform_soil_has_its_closed_form(
-    half_angle: float, adhesion_factor: float
-) -> None:
+def test_uniform_soil_has_its_closed_form(half_angle: float, adhesion_factor: float) -> None:
     """1 + beta + D + cos D + alpha cot(beta / 2), D = asin(alpha): each step is exact there.
 
     That of a smooth strip is 2 + pi.

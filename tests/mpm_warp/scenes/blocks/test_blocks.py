@@ -89,7 +89,7 @@ def test_block_at_rest_does_not_creep(held: dict[str, Value], grid_angle: float)
 
 
 @pytest.mark.parametrize(
-    ("parameters", "key"),
+    ("given", "key"),
     [
         ({"friction": -0.1}, "friction"),
         ({"slope": 0.0}, "drive"),
@@ -101,11 +101,9 @@ def test_block_at_rest_does_not_creep(held: dict[str, Value], grid_angle: float)
         ({"interface_radius": 0.5, "friction": 0.0}, "interface_radius"),
     ],
 )
-def test_sliding_block_without_its_exact_solution_is_refused(
-    parameters: dict[str, Value], key: str
-) -> None:
+def test_a_block_without_its_exact_solution_is_refused(given: dict[str, Value], key: str) -> None:
     with pytest.raises(ParameterError, match=key) as refusal:
-        SlidingBlock(**parameters)
+        SlidingBlock(**given)
     assert refusal.value.key == key
 
 

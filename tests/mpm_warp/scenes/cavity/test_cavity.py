@@ -23,9 +23,7 @@ RADII = np.array([1.01, 1.05, 1.1, 1.2, 1.5, 2.0, 4.0])
         (500.0, [3.288, 4.840, 5.464, 6.029, 6.627, 6.927, 7.151]),
     ],
 )
-def test_closed_form_has_its_tabulated_values(
-    rigidity_index: float, pressures: list[float]
-) -> None:
+def test_closed_form_has_tabulated_values(rigidity_index: float, pressures: list[float]) -> None:
     computed = CavityCylinder(rigidity_index=rigidity_index).exact.pressure(RADII)
     np.testing.assert_allclose(computed, pressures, atol=5e-4)  # given to three decimals
 
@@ -37,9 +35,7 @@ CELLS = 4
 @pytest.mark.parametrize(
     ("rigidity_index", "material"), [(50.0, "tresca"), (100.0, "tresca"), (50.0, "von_mises")]
 )
-def test_pressures_around_a_cylinder_follow_the_closed_form(
-    rigidity_index: float, material: str
-) -> None:
+def test_a_cylinder_follows_the_closed_form(rigidity_index: float, material: str) -> None:
     """Expanded fourfold."""
     result = CavityCylinder(
         rigidity_index=rigidity_index, material=material, cells_per_radius=CELLS
@@ -54,7 +50,7 @@ def test_pressures_around_a_cylinder_follow_the_closed_form(
     assert float(result.pore_pressure_error) <= 0.5 * half_cell / logarithm
 
 
-def test_pressures_around_a_sphere_follow_the_closed_form() -> None:
+def test_a_sphere_follows_the_closed_form() -> None:
     """Expanded twofold; the soil's compressibility lowers the limit by 0.018."""
     result = CavitySphere(cells_per_radius=CELLS, rigidity_index=50.0, expansion=2.0).run()
     limit = 4 / 3 * (1 + math.log(50.0))

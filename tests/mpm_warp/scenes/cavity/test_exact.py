@@ -47,9 +47,7 @@ def test_clay_that_softens_has_its_tabulated_pressures(
 
 
 @pytest.mark.parametrize(("body", "expected"), [(CYLINDER, 6.068), (SPHERE, 8.091)])
-def test_clay_with_a_rate_effect_has_its_tabulated_limits(
-    body: tuple[int, float], expected: float
-) -> None:
+def test_a_rate_effect_has_its_tabulated_limits(body: tuple[int, float], expected: float) -> None:
     """mu 0.1, m (da/dt)/a 100 times the reference strain rate."""
     m, factor = body
     hurried = clay(rate_factor=0.1)

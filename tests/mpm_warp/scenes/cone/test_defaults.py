@@ -106,9 +106,7 @@ def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: st
 
 
 @pytest.mark.parametrize("index", [50.0, 500.0])
-def test_further_runs_have_the_method_by_default_of_the_test_whose_error_they_measure(
-    index: float,
-) -> None:
+def test_further_runs_have_the_method_of_the_test_whose_error_they_measure(index: float) -> None:
     test = ConePenetration(rigidity_index=index, uncertainty="measured")
     assert why_not_as_measured(test.build(), test._expected) == []
     for choice, further in test.further_tests().items():

@@ -42,9 +42,7 @@ def test_nothing_flows_through_the_surface_on_the_whole(contact: PenetrometerCon
     np.testing.assert_allclose(np.linalg.norm(contact.normals, axis=1), 1.0, rtol=ROUNDING)
 
 
-def test_the_shoulder_has_the_mean_normal_and_the_tip_the_vertical_one(
-    contact: PenetrometerContact,
-) -> None:
+def test_shoulder_has_a_mean_normal_and_the_tip_a_vertical(contact: PenetrometerContact) -> None:
     normals, face, shaft = contact.normals, contact.face_areas, contact.shaft_areas
     shoulder = int(np.flatnonzero((face > 0.0) & (shaft > 0.0))[0])
     expected = face[shoulder] * np.array([-np.cos(HALF_ANGLE), np.sin(HALF_ANGLE)])
@@ -99,9 +97,7 @@ def test_adhesion_gives_the_exact_shear_on_face_and_shaft(
     np.testing.assert_allclose(contact.shaft_shear_stress(nodal), on_shaft, rtol=ROUNDING)
 
 
-def test_what_counts_as_shear_at_the_tip_is_taken_from_its_normal_force(
-    contact: PenetrometerContact,
-) -> None:
+def test_shear_at_the_tip_is_taken_from_its_normal_force(contact: PenetrometerContact) -> None:
     nodal = _uniform_traction(contact, 7.0)
     forces = contact.forces(nodal)
     vertical = nodal[:, 0] * contact.normals[:, 1]
@@ -177,9 +173,7 @@ SMOOTH = ConePenetration(
 )
 
 
-def test_forces_and_work_are_those_of_the_nodes_along_the_axis(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_forces_and_work_are_those_of_nodes_along_the_axis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a smooth cone: normal forces times the upward part of their normals, times the way."""
     scene = SMOOTH.build()
     simulation = Simulation(scene)

@@ -77,9 +77,7 @@ def test_ground_as_it_was_has_no_excess_pore_pressure() -> None:
 
 
 @pytest.mark.parametrize(("adhesion_factor", "share"), [(0.0, 0.0), (0.2, 0.4), (0.8, 1.0)])
-def test_pressures_are_those_of_the_places_and_begin_with_none(
-    adhesion_factor: float, share: float
-) -> None:
+def test_pressures_are_of_the_places_and_begin_at_0(adhesion_factor: float, share: float) -> None:
     """u3 is linear between rows: off by their distance squared over 8, times the curvature."""
     cell = TEST.penetrometer.cone_height / TEST.cone_radius / 3
     off = FALL * (cell / (SHAFT_FILTER - cell)) ** 2 / 8

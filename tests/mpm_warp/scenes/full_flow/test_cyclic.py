@@ -92,9 +92,7 @@ def test_perfectly_plastic_clay_does_not_degrade(plastic: xr.Dataset) -> None:
     assert "fitted_cycles" not in plastic
 
 
-def test_penetration_and_extraction_have_their_signs_numbers_and_places(
-    plastic: xr.Dataset,
-) -> None:
+def test_penetration_and_extraction_have_signs_numbers_and_places(plastic: xr.Dataset) -> None:
     np.testing.assert_allclose(plastic.cycle, [0.25, 0.75, 1.25, 1.75])
     loops = plastic.cyclic_resistance
     assert loops.dims == ("cycle", "penetration")
@@ -106,9 +104,7 @@ def test_penetration_and_extraction_have_their_signs_numbers_and_places(
     assert all(abs(float(it)) < 0.5 * abs(float(loops[1, 30])) for it in begins)
 
 
-def test_clay_that_softens_loses_resistance_down_to_its_remoulded_strength(
-    softened: xr.Dataset,
-) -> None:
+def test_clay_that_softens_loses_resistance_to_its_remoulded_strength(softened: xr.Dataset) -> None:
     factor = softened.cyclic_resistance_factor.values
     assert (np.diff(factor[:5]) < 0.0).all()
     exact = limit_load(0.5)

@@ -57,9 +57,7 @@ def test_the_nodes_near_the_body_are_the_same_in_a_larger_grid() -> None:
 
 
 @pytest.mark.parametrize(("body", "area"), [(BALL, 0.0), (BALL_AND_SHAFT, 0.18), (BAR, 0.0)])
-def test_a_uniform_pressure_acts_on_the_area_of_the_shaft_alone(
-    body: RoundBody, area: float
-) -> None:
+def test_uniform_pressure_acts_on_the_area_of_the_shaft_alone(body: RoundBody, area: float) -> None:
     """On the whole it pushes by its value times the area where no soil is, pi rs^2 over 2 pi."""
     _, contact = around(body)
     pressure = np.stack([7.0 * contact.normal_areas, 0.0 * contact.normal_areas], axis=-1)

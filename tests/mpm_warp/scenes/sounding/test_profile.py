@@ -149,9 +149,7 @@ def test_uniform_ground_has_no_variation() -> None:
 @pytest.mark.parametrize(
     ("thickness", "strength"), [(2.0, [20e3, 75e3, 40e3]), (None, [20e3, 75e3, 120e3])]
 )
-def test_a_layer_multiplies_the_strength_within_it(
-    thickness: float | None, strength: list[float]
-) -> None:
+def test_a_layer_multiplies_the_strength(thickness: float | None, strength: list[float]) -> None:
     ground = Sounding(
         undrained_shear_strength=10e3,
         strength_gradient=10e3 / 3,
@@ -337,9 +335,7 @@ def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
         ({"profile": LIMITED.format(9e2, 17e3)}, "row 2: rigidity_index = .* <= 2000, in 1"),
     ],
 )
-def test_ground_that_its_law_does_not_allow_is_told_in_one_line(
-    given: dict[str, Any], message: str
-) -> None:
+def test_ground_that_its_law_does_not_allow_is_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(ParameterError, match=message) as refusal:
         offered(**given)
     assert len(str(refusal.value).splitlines()) == 1

@@ -68,9 +68,7 @@ def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Data
 
 
 @pytest.mark.parametrize(("adhesion_factor", "of_shaft"), [(0.5, 0.5), (0.5, 0.2)])
-def test_the_pore_pressure_has_its_error_away_from_a_border(
-    adhesion_factor: float, of_shaft: float
-) -> None:
+def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: float) -> None:
     """In clay that changes at 13 m, and none where the shaft has an adhesion of its own."""
     sounding = Sounding(
         profile=LAYERS,

@@ -21,9 +21,7 @@ PASSED = 3.0 + math.sqrt(3.0) + 1.0
 @pytest.mark.parametrize(
     ("from_depth", "start_depth"), [(0.0, 0.0), (0.3, 0.0), (2.04, -0.06), (10.2, 0.0)]
 )
-def test_curves_near_the_surface_begin_with_a_cone_above_it(
-    from_depth: float, start_depth: float
-) -> None:
+def test_curves_near_the_surface_begin_above_it(from_depth: float, start_depth: float) -> None:
     """By less than a sample; at 3 + 2.5 + 3 + sqrt(3) radii there is room to start in place."""
     sounding = changed(from_depth=from_depth)
     assert sounding.starts_at_surface
