@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
+from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
@@ -104,7 +104,6 @@ class Material(Checked, ABC):
             check_own(self)
         except ParameterError as refusal:
             raise SceneError(f"{type(self).__name__}: {refusal}") from None
-        check_kind(f"{type(self).__name__}: variation", self.variation, (Variation, type(None)))
         by_ratios = self.variation is not None and self.variation.rows is None
         if by_ratios and type(self).properties_at is Material.properties_at:
             raise SceneError(f"{type(self).__name__} has no properties that vary by place")

@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
+from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
@@ -122,11 +122,6 @@ class SurroundingGround(Part):
     source: TravellingSource
     grid: Grid
     material: Material
-
-    def __post_init__(self) -> None:
-        check_kind("SurroundingGround: source", self.source, TravellingSource)
-        check_kind("SurroundingGround: grid", self.grid, Grid)
-        check_kind("SurroundingGround: material", self.material, Material)
 
     @cached_property
     def far(self) -> FarField:

@@ -47,7 +47,7 @@ def plane(rectilinear: Grid) -> Grid:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
+        ({"bulk_viscosity": -0.2}, "Scene: bulk_viscosity = -0.2 must be > 0$"),
         ({"parts": (WALL, WINDOW)}, "MovingWall: not together with a MovingGrid$"),
         (
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
@@ -57,7 +57,7 @@ def plane(rectilinear: Grid) -> Grid:
             {"parts": (RadialMotion(),)},
             "radial motion: the grid is a Grid, must be a PolarGrid$",
         ),
-        ({"parts": (Fixed.on, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
+        ({"parts": (Fixed.on, WALL)}, r"Scene: parts\[0\] = <.*> must be of type Part$"),
     ],
 )
 def test_what_does_not_go_together_is_refused_in_one_line(

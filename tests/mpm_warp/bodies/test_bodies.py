@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import Body, InterfaceFrame, Load
+from mpm_warp.bodies.body import Body, InterfaceFrame, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
