@@ -11,7 +11,7 @@ from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.parts.contact import nodal_areas
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window
-from mpm_warp.plan.launch import share_bounds
+from mpm_warp.plan.plan import share_bounds
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
