@@ -115,7 +115,7 @@ class Body(Checked):
         loads: forces on the particles.
     """
 
-    position: Floats = field(metadata=array_of("volume", 2))
+    position: Floats
     volume: Floats = field(metadata=array_of(None, allowed=POSITIVE))
     spacing: float = checked(POSITIVE, unit="m")
     material: LinearElastic
@@ -127,6 +127,7 @@ class Body(Checked):
         super().__post_init__()
         count = np.size(self.volume)
         check_whole("Body: length of volume", count, FROM_ONE)
+        check_array("Body: position", self.position, (count, 2))
         if self.held is not None:
             check_array("Body: held", self.held, (count,), kinds="b")
         for load in self.loads:

@@ -68,7 +68,7 @@ def add_contact(
     plan: Plan, contact: BodyContact, bodies: Sequence[Body], grid: UniformGrid
 ) -> None:
     """Add the contact of two bodies, after the velocities that each has alone."""
-    over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
+    over_nodes = grid.node_counts[::-1]
     plan.add_array("body.half_spacing", "real", np.array([0.5 * body.spacing for body in bodies]))
     for name, kind in (
         ("normal", "vec2"),
@@ -79,16 +79,15 @@ def add_contact(
     ):
         plan.add_zeros(f"contact.{name}", kind, grid.node_count)
     plan.add_zeros("contact.total", "vec3", 1)
-    plan.add_launch(interface, over_nodes, node_counts=node_counts)
-    plan.add_launch(extents, plan.particle_count, **grid.kernel_arguments)
+    plan.add_launch(interface, over_nodes)
+    plan.add_launch(extents, plan.particle_count)
     plan.add_launch(pressing_of_nodes, grid.node_count, closed=CLOSED_GAP * grid.cell_size)
-    plan.add_launch(shared_pressure, over_nodes, node_counts=node_counts)
+    plan.add_launch(shared_pressure, over_nodes)
     plan.add_launch(
         body_contact,
         over_nodes,
         friction=contact.friction,
         adhesion=contact.adhesion,
-        node_counts=node_counts,
     )
 
 

@@ -57,6 +57,7 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
         particle_bounds=scene.grid.particle_bounds,
+        given=scene.grid.kernel_arguments,
         control=TimeStepControl(
             first=scene.time_step_fraction * critical_time_step,
             fraction=scene.time_step_fraction,
@@ -89,7 +90,6 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
         plan.particle_count,
         particle_viscous_stress=plan.find("particle.viscous_stress"),
         particle_load=plan.find("particle.load"),
-        **grid.kernel_arguments,
         field_surface=plan.find("field.surface"),
     )
     held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
@@ -210,7 +210,6 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
         make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
         plan.particle_count,
         body_retardation_time=plan.find("body.retardation_time"),
-        **scene.grid.kernel_arguments,
         particle_viscous_stress=plan.find("particle.viscous_stress"),
         particle_dissipated=plan.find("particle.dissipated"),
     )

@@ -22,6 +22,7 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.arguments import (
@@ -141,6 +142,16 @@ class Grid(Checked):
         beside = np.diff(self.columns)[-1] * self.fitted_radius
         lower = np.array([0.0, self.rows[0] - below])
         return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
+    @property
+    def kernel_arguments(self) -> dict[str, Any]:
+        """The grid as kernels take it, by name."""
+        return {
+            "column_count": self.column_count,
+            "row_count": self.row_count,
+            "cell_counts": wp.vec2i(self.column_count, self.row_count),
+            "fitted_radius": self.fitted_radius,
+        }
 
     @property
     def surface_normals(self) -> Floats:

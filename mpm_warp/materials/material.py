@@ -26,7 +26,6 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import check_own
-from mpm_warp.plan.plan import Plan
 
 PROPERTIES = "particle.properties"
 """The array of the properties of each point of a material that varies, shape [slot_count]."""
@@ -245,13 +244,6 @@ class Material(Checked, ABC):
             properties_of=own_of_point if varies else common_to_points,
             state_of=own_of_point if remembers else _make_no_state(state_type),
         )
-
-    def on_points(self, plan: Plan, law: Law) -> dict[str, Any]:
-        """What a launch over points is given: their properties, of all or of each, and state."""
-        return {
-            "properties": PROPERTIES if law.varies else law.properties_type(*self.properties),
-            "particle_state": plan.find("particle.state"),
-        }
 
 
 @functools.cache

@@ -29,9 +29,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     blocks = -(-count // BLOCK)
     plan.add_zeros("yield.margin", "real", blocks)
     plan.add_zeros("yield.particle", "int", blocks)
-    plan.between_steps["yield_check"] = plan.launch(
-        _make_yield_check(law), blocks, count=count, **material.on_points(plan, law)
-    )
+    plan.between_steps["yield_check"] = plan.launch(_make_yield_check(law), blocks, count=count)
 
 
 def add_yield_share(plan: Plan, material: Material) -> None:
@@ -45,9 +43,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
         return
     (count,) = plan.arrays["particle.mass"].shape
     plan.add_zeros("yield.share", "real", count)
-    plan.between_steps["yield_share"] = plan.launch(
-        _make_yield_share(law), count, **material.on_points(plan, law)
-    )
+    plan.between_steps["yield_share"] = plan.launch(_make_yield_share(law), count)
 
 
 @functools.cache

@@ -115,9 +115,8 @@ class RadialMotion(Part):
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over nodes."""
-        grid = scene.grid
-        plan.add_array("ray.direction", "vec2", grid.surface_normals)
-        plan.add_launch(radial_motion, grid.node_count, column_count=grid.column_count)
+        plan.add_array("ray.direction", "vec2", scene.grid.surface_normals)
+        plan.add_launch(radial_motion, scene.grid.node_count)
 
 
 @kernel

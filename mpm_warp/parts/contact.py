@@ -171,17 +171,11 @@ class SurfaceContact(Part):
                 _make_sum_of_strength(law, plan.find(ADHESION_RATIO) is not None),
                 plan.arrays["particle.mass"].shape,
                 particle_adhesion_ratio=plan.find(ADHESION_RATIO),
-                **material.on_points(plan, law),
                 common=law.properties_type(*material.properties),
                 at_first=law.state_type(*at_first),
                 contact_strength_sum=ShareRow("contact.strength_sum"),
             ),
-            plan.launch(
-                adhesion_beside,
-                len(self.nodes),
-                column_count=scene.grid.column_count,
-                row_count=row_count,
-            ),
+            plan.launch(adhesion_beside, len(self.nodes)),
             plan.launch(clear_strength, (plan.share_count, row_count)),
         )
 

@@ -55,9 +55,9 @@ class EnergyAudit(Part):
 
         The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
         """
-        columns, rows = scene.grid.column_count, scene.grid.row_count + 1
+        rows = scene.grid.row_count + 1
         plan.add_zeros("transfer.energy", "real", rows)
-        of = functools.partial(plan.launch, kinetic_energy, rows, column_count=columns)
+        of = functools.partial(plan.launch, kinetic_energy, rows)
         plan.audit(of(first=0, sign=-1.0), before=plan.step[0].name)
         plan.audit(of(first=2, sign=1.0), after="momentum")
 
@@ -75,8 +75,7 @@ class EnergyBalance(Part):
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the records to the audited step."""
-        grid, material = scene.grid, scene.material
-        law = material.law()
+        grid = scene.grid
         slots = plan.arrays["particle.mass"].shape
         plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
         plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
@@ -85,12 +84,7 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_CELLS, "real", grid.cell_count)
         plan.add_zeros(OF_POINTS, "vec2", slots)
         keep = functools.partial(plan.launch, keep_velocity, grid.node_count)
-        of_points = plan.launch(
-            _make_work_of_points(law),
-            slots,
-            column_count=grid.column_count,
-            **material.on_points(plan, law),
-        )
+        of_points = plan.launch(_make_work_of_points(scene.material.law()), slots)
         # Cells still have the mass of their points, and the rates of the step before.
         plan.audit(plan.launch(work_of_cells, grid.cell_count), before="cell_stress")
         plan.audit(keep(kept="balance.by_stress"), after="momentum")

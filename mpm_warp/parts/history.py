@@ -50,17 +50,12 @@ class History(Part):
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the record of the plastic strain, and the share of its strength that soil bears."""
-        grid, material = scene.grid, scene.material
-        law = material.law()
         record = plan.launch(
-            _make_record_plastic_strain(law),
-            plan.arrays["particle.mass"].shape,
-            column_count=grid.column_count,
-            **material.on_points(plan, law),
+            _make_record_plastic_strain(scene.material.law()), plan.arrays["particle.mass"].shape
         )
         # The rates of cells are known, and the stress is still that before the law.
         plan.audit(record, before="grid_to_particles")
-        add_yield_share(plan, material)
+        add_yield_share(plan, scene.material)
 
 
 def displacement(run: Run, travel: float) -> Floats:

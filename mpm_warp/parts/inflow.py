@@ -55,7 +55,6 @@ def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
         bound_velocity,
         len(plan.initial("particle.cell")),
         stride=scene.grid.column_count + 1,
-        fitted_radius=scene.grid.fitted_radius,
         W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, stray_speed),
         speed_limit=plan.speed_limit,
     )
@@ -76,9 +75,7 @@ def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
         )
     law = scene.material.law()
     if law.yield_function is not None:
-        plan.between_steps["enter.by_law"] = plan.launch(
-            _make_enter_by_law(law), len(slots), **scene.material.on_points(plan, law)
-        )
+        plan.between_steps["enter.by_law"] = plan.launch(_make_enter_by_law(law), len(slots))
 
 
 class Inflow:

@@ -77,20 +77,19 @@ class MovingWall(RampedMotion):
         plan.add_array("wall.motion", "vec3", motion)
         plan.add_array("wall.outward", "vec2", grid.surface_normals)
         plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
-        plan.add_launch(push, grid.row_count + 1, column_count=grid.column_count)
+        plan.add_launch(push, grid.row_count + 1)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launches that move the wall at the end of a step and draw the cells together."""
         grid = scene.grid
         plan.add_launch(move_wall, grid.row_count + 1, speed=self.speed, ramp_time=self.ramp_time)
-        geometry = {"fitted_radius": grid.fitted_radius, "column_count": grid.column_count}
         if isinstance(grid, PolarGrid):
             angular, caps = grid.angular_integrals
             plan.add_array("wall.angular", "vec5", angular)
             plan.add_array("wall.caps", "real", caps)
-            plan.add_launch(refit_sectors, grid.cell_count, **geometry)
+            plan.add_launch(refit_sectors, grid.cell_count)
         else:
-            plan.add_launch(refit_cells, grid.cell_count, **geometry)
+            plan.add_launch(refit_cells, grid.cell_count)
 
 
 @kernel

@@ -215,6 +215,8 @@ class Plan:
     share_count: int = 1
     remedy: str = "try a smaller time_step_fraction"  # what may help where a run diverges
     particle_count: int = 0  # particles at the start
+    # what kernels are given by name beside arrays: numbers of the grid, properties of the soil
+    given: dict[str, Any] = field(default_factory=dict)
     # by name, "particle.mass" say; the first word says over what they run
     arrays: dict[str, Array] = field(default_factory=dict)
     step: list[Launch] = field(default_factory=list)  # the launches of one step, in order
@@ -282,8 +284,8 @@ class Plan:
     def launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> Launch:
         """A launch; its arguments go by the names that they have in the kernel.
 
-        What is not given is the array of the same name, `node_mass` being "node.mass", the length
-        of a step for `time_step`, and `OFFSET` for `offset`.
+        What is not among them is what the plan has `given`, or the array of the same name,
+        `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`.
 
         Args:
             kernel: a kernel of Warp.
@@ -295,7 +297,7 @@ class Plan:
         """
         names = list(kernel.func.__annotations__)
         known: dict[str, Any] = {name.replace(".", "_"): name for name in self.arrays}
-        known |= {"offset": OFFSET, "time_step": self.time_step, **arguments}
+        known |= {"offset": OFFSET, "time_step": self.time_step, **self.given, **arguments}
         missing = [name for name in names if name not in known]
         unknown = [name for name in arguments if name not in names]
         if missing or unknown:

@@ -108,7 +108,6 @@ def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> No
             viscous is not None, corrected is not None, blended is not None, internal_flow
         ),
         grid.cell_count,
-        column_count=grid.column_count,
         cell_dilation_rate=viscous,
         correction_weight=weight,
         cell_correction=corrected,

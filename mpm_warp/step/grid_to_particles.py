@@ -33,12 +33,10 @@ def add_grid_to_particles(
     displacement; None: there is no such flow. `window_top` is the height [m] above which particles
     leave a grid that travels; None: it rests, and they stay in it.
     """
-    grid, material = scene.grid, scene.material
-    law = material.law()
     plan.add_launch(
         _make_grid_to_particles(
-            grid.polar,
-            law,
+            scene.grid.polar,
+            scene.material.law(),
             flow_displacement,
             window_top is not None,
             plan.find("cell.pic_fraction") is not None,
@@ -46,9 +44,6 @@ def add_grid_to_particles(
         plan.arrays["particle.mass"].shape,
         cell_internal_flow=plan.find("cell.internal_flow"),
         cell_pic_fraction=plan.find("cell.pic_fraction"),
-        fitted_radius=grid.fitted_radius,
-        cell_counts=wp.vec2i(grid.column_count, grid.row_count),
-        **material.on_points(plan, law),
         window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
     )

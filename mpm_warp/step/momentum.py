@@ -59,8 +59,6 @@ def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:
     plan.add_launch(
         _make_momentum(plan.share_count, corrected),
         (grid.row_count + 1, grid.column_count + 1),
-        column_count=grid.column_count,
-        row_count=grid.row_count,
         absurd_speed=ABSURD_SPEED * plan.speed_limit,
         cell_correction=plan.find("cell.correction"),
     )

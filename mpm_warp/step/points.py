@@ -67,7 +67,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
 
 
 def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
-    """Seed the grid with particles at rest.
+    """Seed the grid with particles at rest, and give kernels their properties and state.
 
     `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
@@ -100,6 +100,11 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     if material.state:
         state = material.state_at(stress, position)
         plan.add_array("particle.state", f"vec{len(material.state)}", state)
+    common = material.law().properties_type(*material.properties)
+    plan.given |= {
+        "properties": plan.find(PROPERTIES) or common,
+        "particle_state": plan.find("particle.state"),
+    }
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:
@@ -117,8 +122,6 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
     plan.add_launch(
         _make_particles_to_grid(grid.polar, has_empty_slots),
         plan.arrays["particle.mass"].shape,
-        fitted_radius=grid.fitted_radius,
-        column_count=grid.column_count,
         node_momentum=ShareRow("node.momentum"),
         cell_stress_sum=ShareRow("cell.stress_sum"),
         cell_mass=ShareRow("cell.mass"),
