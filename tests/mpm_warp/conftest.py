@@ -15,6 +15,7 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.energy import EnergyAudit
@@ -46,6 +47,12 @@ def changing_clay(criterion: type[PerfectlyPlastic] = Tresca, **given: Any) -> E
         "ductility": 1.0,
     }
     return EinavRandolph(criterion=criterion, **{**unchanging, **given})
+
+
+def layers(*rows: tuple[float, float, float], **given: Any) -> Variation:
+    """Ground of rows of (depth, strength ratio, stiffness ratio)."""
+    depth, strength, stiffness = np.array(rows, dtype=float).T
+    return Variation(depth=depth, strength_ratio=strength, stiffness_ratio=stiffness, **given)
 
 
 def greatest_shear(stress: Floats) -> Floats:

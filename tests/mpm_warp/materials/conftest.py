@@ -1,14 +1,27 @@
-"""Laws of materials, through kernels that do nothing but call them."""
+"""Laws of materials: on strain paths, and through kernels that do nothing but call them."""
 
 import functools
 from typing import Any
 
 import numpy as np
 import warp as wp
+from numpy.typing import ArrayLike
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, zero
 from mpm_warp.materials.material import Law, Material
+from mpm_warp.scenes.material.strain_paths import StrainPaths
+from mpm_warp.simulation import Simulation
+
+
+def points_on(
+    gradients: ArrayLike, material: Material, steps: int, start: ArrayLike = (0, 0, 0, 0)
+) -> Simulation:
+    """Points on strain paths of a second each, in so many steps, all from one stress; not begun."""
+    gradient = np.array(gradients, dtype=float)
+    stress = np.tile(np.array(start, dtype=float), (len(gradient), 1))
+    paths = StrainPaths(material=material, gradient=gradient, stress=stress, step_count=steps)
+    return Simulation(paths)
 
 
 @functools.cache

@@ -10,8 +10,7 @@ import warp as wp
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vec5
 from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
-from mpm_warp.scenes.material.strain_paths import StrainPaths
-from mpm_warp.simulation import Simulation
+from tests.mpm_warp.materials.conftest import points_on
 
 TIME_STEP = 1e-3
 
@@ -37,11 +36,9 @@ def recording(stress: vec4, strain: vec4, time_step: real, properties: vec2, sta
 SOIL = Recording(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
 
 
-def deformed(gradient: Floats, stress: Floats) -> tuple[Floats, Floats]:
+def deformed(gradients: Any, start: Any = (0, 0, 0, 0)) -> tuple[Floats, Floats]:
     """Stress after a step at velocity gradients (rr, rz, zr, zz, tt), and what the law was told."""
-    step_count = round(1.0 / TIME_STEP)
-    paths = StrainPaths(material=SOIL, gradient=gradient, stress=stress, step_count=step_count)
-    simulation = Simulation(paths)
+    simulation = points_on(gradients, SOIL, round(1.0 / TIME_STEP), start)
     simulation.advance(1)
     return simulation.array("particle.stress"), simulation.array("particle.state")
 
@@ -60,7 +57,7 @@ def strain_of(gradient: Floats) -> Floats:
 
 def test_stress_of_a_step_from_rest_is_hookes(gradients: Floats) -> None:
     """dt (K tr D + 2 G dev D)."""
-    stress, _ = deformed(gradients, np.zeros((100, 4)))
+    stress, _ = deformed(gradients)
     strain = strain_of(gradients)
     volume = strain[:, [0, 1, 3]].sum(axis=1)
     expected = 2.0 * SOIL.shear_modulus * strain
@@ -70,18 +67,16 @@ def test_stress_of_a_step_from_rest_is_hookes(gradients: Floats) -> None:
 
 
 def test_a_law_is_told_the_strain_and_the_length_of_the_step(gradients: Floats) -> None:
-    _, told = deformed(gradients, np.zeros((100, 4)))
+    _, told = deformed(gradients)
     np.testing.assert_allclose(told[:, :4], strain_of(gradients), rtol=1e-12)
     np.testing.assert_array_equal(told[:, 4], TIME_STEP)
 
 
 def test_spin_turns_the_stress_and_nothing_else() -> None:
     """However far: its invariants stay, and a quarter turn exchanges r and z."""
-    stress = np.tile([3.0, -1.0, 0.5, 2.0], (2, 1))
     quarter = 2.0 * np.tan(0.25 * np.pi) / TIME_STEP  # Cayley: tan of half the angle
-    after, told = deformed(
-        np.array([[0.0, -quarter, quarter, 0.0, 0.0], [0.0, 300.0, -300.0, 0.0, 0.0]]), stress
-    )
+    turns = [(0.0, -quarter, quarter, 0.0, 0.0), (0.0, 300.0, -300.0, 0.0, 0.0)]
+    after, told = deformed(turns, (3.0, -1.0, 0.5, 2.0))
     np.testing.assert_allclose(after[0], [-1.0, 3.0, -0.5, 2.0], atol=1e-12)
     rr, zz, rz, tt = after[1]
     assert rr + zz == pytest.approx(2.0)

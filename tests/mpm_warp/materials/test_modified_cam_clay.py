@@ -18,6 +18,7 @@ from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear
 from tests.mpm_warp.materials.cam_clay_rates import cavity_wall, integrated
+from tests.mpm_warp.materials.conftest import points_on
 
 STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
 """The defaults of p0', lambda, kappa and v."""
@@ -36,10 +37,7 @@ def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
 
 def ends(material: ModifiedCamClay, gradient: Floats, steps: int) -> tuple[Floats, Floats, Floats]:
     """Stress, state and excess over the yield surface at the ends of paths, [path_count, ...]."""
-    rest = np.zeros((len(gradient), 4))
-    simulation = Simulation(
-        StrainPaths(material=material, gradient=gradient, stress=rest, step_count=steps)
-    )
+    simulation = points_on(gradient, material, steps)
     simulation.advance(steps)
     names = ("stress", "state", "yield_excess")
     stress, state, excess = (simulation.array(f"particle.{it}").copy() for it in names)

@@ -11,13 +11,12 @@ from mpm_warp import ConePenetration
 from mpm_warp.kernel_types import one, real, vec2, vec4
 from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import assert_same_bits, greatest_shear
+from tests.mpm_warp.conftest import assert_same_bits, greatest_shear, layers
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -131,11 +130,7 @@ def test_the_window_stays_as_full_as_it_was(cone: Scene) -> None:
 def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
     """Strength that grows linearly: at rest each point has that of where it is in the ground."""
     rows = empty.grid.rows
-    growing = Variation(
-        depth=np.array([-rows[-1], 10.0]),
-        strength_ratio=np.array([1.0, 3.0]),
-        stiffness_ratio=np.array([0.2, 1.0]),
-    )
+    growing = layers((-rows[-1], 1, 0.2), (10, 3, 1))
     soil = dataclasses.replace(empty.material, variation=growing)
     simulation = Simulation(dataclasses.replace(empty.without(FarField), material=soil))
     simulation.travel_to(2.0 * float(rows[1] - rows[0]))

@@ -7,13 +7,13 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import layers
 
 SOURCE = TravellingSource(radius=0.5, height=0.2, shear_modulus=3.0)
 PLACES = np.array([[4.0, -6.0], [5.0, 0.2], [3.0, 7.0], [0.0, -5.0]])
@@ -139,12 +139,8 @@ def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them
     """Soil four times as stiff from a depth on: four times the spring, twice the dashpot."""
     rows, ground = scene.grid.rows, ground_of(scene)
     border = float(rows[0] - 0.5 * (rows[1] - rows[0]))  # half a row below the grid
-    layers = Variation(
-        depth=np.array([-border, -border]),
-        strength_ratio=np.ones(2),
-        stiffness_ratio=np.array([0.25, 1.0]),
-    )
-    material = dataclasses.replace(scene.material, variation=layers)
+    stiffer = layers((-border, 1, 0.25), (-border, 1, 1))
+    material = dataclasses.replace(scene.material, variation=stiffer)
     simulation = Simulation(dataclasses.replace(scene, material=material))
     spring = simulation.array("far_field.spring") / ground.spring
     np.testing.assert_allclose(spring, 0.25, rtol=ROUNDING)
@@ -162,8 +158,8 @@ def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them
 
 
 def test_stress_that_enters_is_that_of_the_soil_s_own_stiffness(scene: Scene) -> None:
-    half = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.full(1, 0.5))
-    soft = dataclasses.replace(scene, material=dataclasses.replace(scene.material, variation=half))
+    half = dataclasses.replace(scene.material, variation=layers((0, 1, 0.5)))
+    soft = dataclasses.replace(scene, material=half)
     ground, travel = ground_of(scene), 2.0 * SHORT.cone_radius
     position = ground.side_positions[:1]
     np.testing.assert_allclose(
