@@ -16,6 +16,12 @@ from mpm_warp.step.points import seed_rows
 ROUNDING = 1e-12
 
 
+@pytest.fixture(params=["fitted", "partly_upright", "rectilinear"])
+def grid(request: pytest.FixtureRequest) -> Grid:
+    """Each of the grids with horizontal rows."""
+    return request.getfixturevalue(request.param)
+
+
 def _cone_volume(radius: float, height: float) -> float:
     return radius**2 * height / 6.0  # per radian
 

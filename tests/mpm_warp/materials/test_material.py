@@ -13,11 +13,12 @@ from mpm_warp.materials.material import Material
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.materials.yield_check import BLOCK
+from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear
-from tests.mpm_warp.materials.conftest import returned, yield_measures
+from tests.mpm_warp.materials.conftest import returned
 
 STRENGTH = 2.5
 ELASTIC = {"shear_modulus": 100.0, "poissons_ratio": 0.3, "density": 4.0}
@@ -63,14 +64,22 @@ def test_returns_keep_pressure_directions_and_what_is_inside(clay: Material) -> 
 
 @pytest.mark.parametrize(("clay", "measured"), [(TRESCA, greatest_shear), (VON_MISES, root_of_j2)])
 def test_what_is_returned_is_on_the_surface_that_the_law_itself_measures(
-    clay: Material, measured: Callable[[Floats], Floats]
+    clay: Material, measured: Callable[[Floats], Floats], floating: Scene
 ) -> None:
-    trial = trials(20.0)
-    before, strength = yield_measures(clay, trial).T
-    np.testing.assert_allclose(before, measured(trial), rtol=1e-13)
-    np.testing.assert_array_equal(strength, STRENGTH)
-    after = yield_measures(clay, returned(clay, trial))[:, 0]
-    np.testing.assert_allclose(after, np.minimum(before, strength), rtol=1e-13)
+    parts = (History(),)
+    soil = dataclasses.replace(floating, material=clay, particles_per_side=13, parts=parts)
+    simulation = Simulation(soil)
+
+    def share_of_strength(stress: Floats) -> Floats:
+        simulation.assign("particle.stress", stress)
+        simulation.launch(simulation.plan.between_steps["yield_share"])
+        return simulation.array("yield.share").copy()
+
+    trial = trials(20.0, simulation.plan.particle_count)
+    before = share_of_strength(trial)
+    np.testing.assert_allclose(before, measured(trial) / STRENGTH, rtol=1e-13)
+    after = share_of_strength(returned(clay, trial))
+    np.testing.assert_allclose(after, np.minimum(before, 1.0), rtol=1e-13)
 
 
 def nearest_on_hexagon(values: Floats) -> Floats:
