@@ -14,12 +14,9 @@ import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp import Batch, Execution, History, ParameterError, Scene, SceneError
 from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 

@@ -14,19 +14,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpm_warp import Execution, NodalLoad, SceneError, Simulation, Snapshots, SurfaceContact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.errors import SceneError
-from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.forces import NodalLoad
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.simulation import Simulation
-from mpm_warp.snapshots import Snapshots
 from tests.mpm_warp.conftest import refused
 
 NAN, INF = float("nan"), float("inf")

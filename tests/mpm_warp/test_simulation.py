@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged, WindowOverfull
+from mpm_warp import Scene, Simulation, SimulationDiverged, WindowOverfull, follow
 from mpm_warp.results import variable
-from mpm_warp.sampling import ContactForces, even_steps, follow
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+from mpm_warp.sampling import ContactForces, even_steps
+from mpm_warp.simulation import CHECK_INTERVAL
 
 
 def test_steps_time_and_updates_are_counted(floating: Scene) -> None:

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp import Batch, Execution, Simulation, SimulationDiverged
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 

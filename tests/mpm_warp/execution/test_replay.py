@@ -11,7 +11,7 @@ import pytest
 import warp as wp
 
 import mpm_warp.execution.replay
-from mpm_warp.execution.execution import Execution
+from mpm_warp import Execution, Simulation
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, DeviceRun, ThreadChoice
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes import CatalogueScene
@@ -19,7 +19,6 @@ from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits
 
 pytestmark = pytest.mark.slow

@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from mpm_warp import Material, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.material import Material
 from mpm_warp.scenes.material.strain_paths import StrainPaths
-from mpm_warp.simulation import Simulation
 
 
 def points_on(

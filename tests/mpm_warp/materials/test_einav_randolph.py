@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mpm_warp import EinavRandolph, Simulation, Tresca
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
-from mpm_warp.materials.tresca import Tresca
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import changing_clay, layers
 from tests.mpm_warp.materials.conftest import points_on
 

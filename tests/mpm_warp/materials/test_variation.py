@@ -5,14 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
+from mpm_warp import FarField, Scene, SceneError, Simulation, Variation
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries import FarField
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits, greatest_shear, layers
 
 TWO_LAYERS = layers((0, 1, 0.25), (2, 2, 0.25), (2, 0.5, 1), (5, 0.5, 1), origin_depth=3.0)

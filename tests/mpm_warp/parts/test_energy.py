@@ -5,16 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
+from mpm_warp import EnergyBalance, LinearElastic, Scene, SceneError, Simulation, SurfaceContact
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS, EnergyBalance
+from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import transferred_energy
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits
 
 ROUNDING = 1e-9

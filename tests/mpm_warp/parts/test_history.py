@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
+from mpm_warp import History, Isotropic, Scene, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import Isotropic
-from mpm_warp.parts.history import PLASTIC_STRAIN, History, displacement
+from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits
 
 ADDED = {"particle.origin", "particle.plastic_strain", "layer.origin", "layer.plastic_strain"}

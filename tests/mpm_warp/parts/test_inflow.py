@@ -7,15 +7,11 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp import ConePenetration
+from mpm_warp import Approach, ConePenetration, FarField, LinearElastic, Scene, Simulation, Window
 from mpm_warp.kernel_types import one, real, vec2, vec4
-from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
+from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits, greatest_shear, layers
 
 

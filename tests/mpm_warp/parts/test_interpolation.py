@@ -5,13 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
-from mpm_warp.parts.interpolation import ConservativeInterpolation, interpolation_weights
+from mpm_warp import ConservativeInterpolation, Grid, Scene, Simulation
+from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, bilinear
+from mpm_warp.parts.interpolation import interpolation_weights
 from mpm_warp.sampling import ContactForces
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.simulation import Simulation
 
 DIFFERENCE = 1e-4
 """Of natural coordinates, in a difference quotient; the field is a quartic at most."""

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp import Grid, LinearElastic, Scene, Simulation
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.sampling import soil_scene
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-7
 """Of what is found from many random motions by least squares."""

@@ -6,15 +6,11 @@ import itertools
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid, GroundGrid
-from mpm_warp.materials.elasticity import Isotropic
+from mpm_warp import FreeSurface, Grid, Isotropic, Scene, Simulation, Window
+from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.parts.contact import nodal_areas
-from mpm_warp.parts.free_surface import FreeSurface
-from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import share_bounds
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 
 
 def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:

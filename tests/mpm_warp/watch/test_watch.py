@@ -13,16 +13,12 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp import FreeSurface, Scene, Simulation, SimulationDiverged, SurfaceContact, Tresca
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.errors import Fault, SimulationDiverged
+from mpm_warp.errors import Fault
 from mpm_warp.kernel_types import real, vec1, vec3, vec4, zero
-from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import Value
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.free_surface import FreeSurface
-from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
-from mpm_warp.simulation import Simulation
 from mpm_warp.watch import check_contact
 
 NOTICED_WITHIN = 500
