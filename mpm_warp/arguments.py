@@ -173,13 +173,7 @@ def check_array(
 ) -> None:
     """Check that values are an array of finite numbers of a shape, all within a range.
 
-    Args:
-        name: of the argument.
-        values: the array.
-        shape: lengths of its axes; None where any length is allowed.
-        allowed: the range.
-        kinds: kinds of numbers that it may have, in the letters of numpy.
-        error: what is raised.
+    None in the shape allows any length. The `kinds` of numbers are in the letters of numpy.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")

@@ -59,8 +59,7 @@ class Law:
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
         varies: whether each point has properties of its own.
-        properties_of: (properties, number of a point) -> those of the point.
-        state_of: (states, number of a point) -> what that point remembers.
+        of_point: (properties, states, number of a point) -> (properties, state) of that point.
     """
 
     update: Any
@@ -72,8 +71,7 @@ class Law:
     state_type: Any
     remembers: bool
     varies: bool
-    properties_of: Any
-    state_of: Any
+    of_point: Any
 
     @property
     def properties_argument(self) -> Any:
@@ -241,8 +239,7 @@ class Material(Checked, ABC):
             state_type=state_type,
             remembers=remembers,
             varies=varies,
-            properties_of=own_of_point if varies else common_to_points,
-            state_of=own_of_point if remembers else _make_no_state(state_type),
+            of_point=_make_of_point(varies, remembers, state_type),
         )
 
 
@@ -291,9 +288,14 @@ def common_to_points(values: Any, point: int):
 
 
 @functools.cache
-def _make_no_state(state_type: Any) -> Any:
-    @wp.func
-    def no_state(states: wp.array(dtype=state_type), point: int) -> state_type:
-        return state_type()
+def _make_of_point(varies: bool, remembers: bool, state_type: Any) -> Any:
+    properties_of = own_of_point if varies else common_to_points
 
-    return no_state
+    @wp.func
+    def of_point(properties: Any, states: wp.array(dtype=state_type), point: int):
+        state = state_type()
+        if wp.static(remembers):
+            state = states[point]
+        return properties_of(properties, point), state
+
+    return of_point

@@ -67,8 +67,8 @@ def _make_yield_check(law: Law) -> Any:
         for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = particle_stress[p]
-                remembered = law.state_of(particle_state, p)
-                measured = law.yield_function(s, law.properties_of(properties, p), remembered)
+                own, remembered = law.of_point(properties, particle_state, p)
+                measured = law.yield_function(s, own, remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)
@@ -93,8 +93,7 @@ def _make_yield_share(law: Law) -> Any:
         yield_share: wp.array(dtype=real),
     ):
         p = wp.tid()
-        remembered = law.state_of(particle_state, p)
-        own = law.properties_of(properties, p)
+        own, remembered = law.of_point(properties, particle_state, p)
         measured = law.yield_function(particle_stress[p], own, remembered)
         yield_share[p] = measured[0] / measured[1]
 

@@ -310,8 +310,7 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
         p = offset + wp.tid()
         cell = particle_cell[p]
         if cell[0] == 0:
-            remembered = law.state_of(particle_state, p)
-            own = law.properties_of(properties, p)
+            own, remembered = law.of_point(properties, particle_state, p)
             k = law.strength(particle_stress[p], own, remembered)
             k0 = law.strength(vec4(), common, at_first)
             if wp.static(varies_adhesion):

@@ -212,13 +212,8 @@ def _make_work_of_points(law: Law) -> Any:
             return
         c = cell[1] * column_count + cell[0]
         before = particle_stress[p]
-        sigma, relaxed, moduli = plastic_step(
-            before,
-            cell_motion[c],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        sigma, relaxed, moduli = plastic_step(before, cell_motion[c], time_step, own, remembered)
         G, K = moduli[0], moduli[1]
         V = particle_mass[p] * balance_specific_volume[c]
         balance_points[p] = balance_points[p] + V * vec2(

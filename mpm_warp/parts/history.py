@@ -87,13 +87,9 @@ def _make_record_plastic_strain(law: Law) -> Any:
         cell = particle_cell[p]
         if cell[0] < 0:
             return
-        _, relaxed, moduli = plastic_step(
-            particle_stress[p],
-            cell_motion[cell[1] * column_count + cell[0]],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        motion = cell_motion[cell[1] * column_count + cell[0]]
+        _, relaxed, moduli = plastic_step(particle_stress[p], motion, time_step, own, remembered)
         particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / moduli[0]
 
     return record_plastic_strain

@@ -198,7 +198,7 @@ def _make_enter_by_law(law: Law) -> Any:
         particle_state: wp.array(dtype=law.state_type),
     ):
         p = layer_slots[wp.tid()]
-        own, remembered = law.properties_of(properties, p), law.state_of(particle_state, p)
+        own, remembered = law.of_point(properties, particle_state, p)
         sigma, _ = law.update(particle_stress[p], vec4(), time_step, own, remembered)
         particle_stress[p] = sigma
 

@@ -286,11 +286,7 @@ class Plan:
 
         What is not among them is what the plan has `given`, or the array of the same name,
         `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`.
-
-        Args:
-            kernel: a kernel of Warp.
-            over: threads along each axis.
-            arguments: by name; a text names an array, None is an array of nothing.
+        `over` is the threads along each axis. A text names an array, None stands for an empty one.
 
         Raises:
             TypeError: an argument is missing, or the kernel has none of that name.

@@ -100,12 +100,9 @@ def _make_grid_to_particles(
             change += cell_pic_fraction[c] * (u - particle_velocity[p])
         particle_velocity[p] += change
 
+        own, remembered = law.of_point(properties, particle_state, p)
         sigma, remembered = stress_update(
-            particle_stress[p],
-            cell_motion[c],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
+            particle_stress[p], cell_motion[c], time_step, own, remembered
         )
         particle_stress[p] = sigma
         if wp.static(law.remembers):

@@ -118,13 +118,9 @@ def _make_strain_path(law: Law) -> Any:
         particle_yield_excess: wp.array(dtype=real),
     ):
         p = offset + wp.tid()
-        sigma, remembered = stress_update(
-            particle_stress[p],
-            motion_of(particle_velocity_gradient[p], time_step),
-            time_step,
-            properties,
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        motion = motion_of(particle_velocity_gradient[p], time_step)
+        sigma, remembered = stress_update(particle_stress[p], motion, time_step, own, remembered)
         particle_stress[p] = sigma
         if wp.static(law.remembers):
             particle_state[p] = remembered
