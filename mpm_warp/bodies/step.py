@@ -37,7 +37,19 @@ from mpm_warp.bodies.body import Body, UniformGrid, add_loads, add_particles, cl
 from mpm_warp.bodies.contact import add_contact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.kernel_types import half, kernel, mat22, one, real, vec2, vec3, vec4, vec5, zero
+from mpm_warp.kernel_types import (
+    half,
+    kernel,
+    mat22,
+    maybe,
+    one,
+    real,
+    vec2,
+    vec3,
+    vec4,
+    vec5,
+    zero,
+)
 from mpm_warp.materials.elasticity import elastic_increment, motion_of, rotated
 from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.planning import make_plan
@@ -88,9 +100,6 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_body_to_grid(grid.axisymmetric, damped, loaded, scene.contact is not None),
         plan.particle_count,
-        particle_viscous_stress=plan.find("particle.viscous_stress"),
-        particle_load=plan.find("particle.load"),
-        field_surface=plan.find("field.surface"),
     )
     held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
     plan.add_array("field.held", "int", held)
@@ -125,14 +134,14 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
         particle_stress: wp.array(dtype=vec4),
         particle_mass: wp.array(dtype=real),
         particle_volume: wp.array(dtype=real),
-        particle_viscous_stress: wp.array(dtype=vec4),
-        particle_load: wp.array(dtype=vec2),
+        particle_viscous_stress: maybe(vec4),
+        particle_load: maybe(vec2),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
         field_momentum: wp.array2d(dtype=vec3),
-        field_surface: wp.array2d(dtype=vec2),
+        field_surface: maybe(vec2, 2),
     ):
         p = wp.tid()
         b = particle_body[p]
@@ -209,9 +218,6 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
         plan.particle_count,
-        body_retardation_time=plan.find("body.retardation_time"),
-        particle_viscous_stress=plan.find("particle.viscous_stress"),
-        particle_dissipated=plan.find("particle.dissipated"),
     )
 
 
@@ -223,7 +229,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
     def grid_to_body(
         particle_body: wp.array(dtype=int),
         body_moduli: wp.array(dtype=vec2),
-        body_retardation_time: wp.array(dtype=real),
+        body_retardation_time: maybe(real),
         field_velocity: wp.array2d(dtype=vec2),
         lower: vec2,
         h: real,
@@ -234,8 +240,8 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
         particle_affine: wp.array(dtype=mat22),
         particle_stress: wp.array(dtype=vec4),
         particle_volume: wp.array(dtype=real),
-        particle_viscous_stress: wp.array(dtype=vec4),
-        particle_dissipated: wp.array(dtype=real),
+        particle_viscous_stress: maybe(vec4),
+        particle_dissipated: maybe(real),
     ):
         p = wp.tid()
         b = particle_body[p]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.kernel_types import kernel, one, real, vec4
+from mpm_warp.kernel_types import kernel, maybe, one, real, vec4
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
@@ -55,7 +55,7 @@ def _make_yield_check(law: Law) -> Any:
         count: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         properties: law.properties_argument,
         yield_margin: wp.array(dtype=real),
         yield_particle: wp.array(dtype=int),
@@ -88,7 +88,7 @@ def _make_yield_share(law: Law) -> Any:
     @kernel
     def yield_share(
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         properties: law.properties_argument,
         yield_share: wp.array(dtype=real),
     ):

@@ -46,7 +46,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan, ShareRow
@@ -134,7 +134,6 @@ class SurfaceContact(Part):
         "contact.impulse" adds up the normal and the tangential impulse of each node on the body,
         shape [node_count, 2], since it was last cleared.
         """
-        window_motion = plan.find("window.motion")
         plan.add_array("contact.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
         place = scene.grid.node_positions[self.nodes]
@@ -147,11 +146,10 @@ class SurfaceContact(Part):
             plan.add_array("contact.on_axis", "int", self.on_axis, (len(self.nodes),))
             plan.add_launch(least_mass_reaction, len(self.on_axis))
         plan.add_launch(
-            _make_surface_contact(window_motion is not None),
+            _make_surface_contact("window.motion" in plan.arrays),
             len(self.nodes),
             friction=self.friction,
             speed=self.speed,
-            window_motion=window_motion,
         )
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
@@ -168,9 +166,8 @@ class SurfaceContact(Part):
         plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, row_count))
         plan.audit(
             plan.launch(
-                _make_sum_of_strength(law, plan.find(ADHESION_RATIO) is not None),
+                _make_sum_of_strength(law, ADHESION_RATIO in plan.arrays),
                 plan.arrays["particle.mass"].shape,
-                particle_adhesion_ratio=plan.find(ADHESION_RATIO),
                 common=law.properties_type(*material.properties),
                 at_first=law.state_type(*at_first),
                 contact_strength_sum=ShareRow("contact.strength_sum"),
@@ -239,7 +236,7 @@ def _make_surface_contact(travelling: bool) -> Any:
         node_mass: wp.array(dtype=real),
         time_step: real,
         speed: real,
-        window_motion: wp.array(dtype=real),
+        window_motion: maybe(real),
         node_velocities: wp.array(dtype=vec4),
         contact_impulse: wp.array(dtype=vec2),
     ):
@@ -299,9 +296,9 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         particle_mass: wp.array(dtype=real),
-        particle_adhesion_ratio: wp.array(dtype=real),
+        particle_adhesion_ratio: maybe(real),
         properties: law.properties_argument,
         common: law.properties_type,
         at_first: law.state_type,

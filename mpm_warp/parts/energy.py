@@ -33,7 +33,7 @@ import warp as wp
 
 from mpm_warp.arguments import check_kind
 from mpm_warp.errors import SceneError
-from mpm_warp.kernel_types import half, kernel, real, vec2, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import half, kernel, maybe, real, vec2, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
@@ -198,7 +198,7 @@ def _make_work_of_points(law: Law) -> Any:
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_mass: wp.array(dtype=real),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         cell_motion: wp.array(dtype=vec7),
         column_count: int,
         time_step: real,

@@ -22,7 +22,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import kernel, real, vec4, vec7
+from mpm_warp.kernel_types import kernel, maybe, real, vec4, vec7
 from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
@@ -76,7 +76,7 @@ def _make_record_plastic_strain(law: Law) -> Any:
         offset: int,
         particle_cell: wp.array(dtype=wp.vec2i),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         cell_motion: wp.array(dtype=vec7),
         column_count: int,
         time_step: real,

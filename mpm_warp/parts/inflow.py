@@ -29,7 +29,7 @@ import warp as wp
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.grid.location import between_nodes, make_location
-from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5
+from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
 from mpm_warp.plan.plan import Plan, Run, share_bounds
 from mpm_warp.scene import Scene
@@ -148,9 +148,9 @@ class Inflow:
     def _enter_by_law(self, place: Floats) -> None:
         """Give a layer what the material says of its place in the ground [m], [point_count, 2]."""
         run, material = self._run, self._scene.material
-        if run.plan.find(PROPERTIES):
+        if PROPERTIES in run.plan.arrays:
             run.assign("layer.properties", material.properties_at(place))
-        if run.plan.find(ADHESION_RATIO):
+        if ADHESION_RATIO in run.plan.arrays:
             run.assign("layer.adhesion_ratio", material.ratio_at(place, "adhesion_ratio"))
         if material.state:
             run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
@@ -195,7 +195,7 @@ def _make_enter_by_law(law: Law) -> Any:
         properties: law.properties_argument,
         layer_slots: wp.array(dtype=int),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
     ):
         p = layer_slots[wp.tid()]
         own, remembered = law.of_point(properties, particle_state, p)

@@ -271,10 +271,6 @@ class Plan:
         if not isinstance(name, str) or name not in self.arrays:
             raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 
-    def find(self, name: str) -> str | None:
-        """The name of an array that a part may have added; None where it has not."""
-        return name if name in self.arrays else None
-
     def initial(self, name: str) -> NDArray[Any]:
         """What an array starts with, where it was given values; they may still be changed."""
         values = self.arrays[name].initial
@@ -285,24 +281,26 @@ class Plan:
         """A launch; its arguments go by the names that they have in the kernel.
 
         What is not among them is what the plan has `given`, or the array of the same name,
-        `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`.
+        `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`;
+        and where the plan is without an array that there is `maybe`, None.
         `over` is the threads along each axis. A text names an array, None stands for an empty one.
 
         Raises:
             TypeError: an argument is missing, or the kernel has none of that name.
         """
-        names = list(kernel.func.__annotations__)
-        known: dict[str, Any] = {name.replace(".", "_"): name for name in self.arrays}
+        kinds = kernel.func.__annotations__
+        known = {name: None for name in kinds if getattr(kinds[name], "may_be_absent", False)}
+        known |= {name.replace(".", "_"): name for name in self.arrays}
         known |= {"offset": OFFSET, "time_step": self.time_step, **self.given, **arguments}
-        missing = [name for name in names if name not in known]
-        unknown = [name for name in arguments if name not in names]
+        missing = [name for name in kinds if name not in known]
+        unknown = [name for name in arguments if name not in kinds]
         if missing or unknown:
             raise TypeError(
                 f"kernel {kernel.key}: arguments missing: {missing}, unknown: {unknown}; it takes "
-                f"{', '.join(names)}"
+                f"{', '.join(kinds)}"
             )
         dim = over if isinstance(over, tuple) else (over,)
-        return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in names))
+        return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in kinds))
 
     def add_launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> None:
         """Add a launch to the end of the step; what is given and what not is said in `launch`."""

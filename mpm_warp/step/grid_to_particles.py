@@ -17,7 +17,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.location import between_nodes, make_location
-from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
 from mpm_warp.materials.material import Law
 from mpm_warp.plan.plan import Plan
@@ -39,12 +39,9 @@ def add_grid_to_particles(
             scene.material.law(),
             flow_displacement,
             window_top is not None,
-            plan.find("cell.pic_fraction") is not None,
+            "cell.pic_fraction" in plan.arrays,
         ),
         plan.arrays["particle.mass"].shape,
-        cell_internal_flow=plan.find("cell.internal_flow"),
-        cell_pic_fraction=plan.find("cell.pic_fraction"),
-        window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
     )
 
@@ -63,8 +60,8 @@ def _make_grid_to_particles(
         offset: int,
         node_velocities: wp.array(dtype=vec4),
         cell_motion: wp.array(dtype=vec7),
-        cell_internal_flow: wp.array(dtype=vec4),
-        cell_pic_fraction: wp.array(dtype=real),
+        cell_internal_flow: maybe(vec4),
+        cell_pic_fraction: maybe(real),
         grid_columns: wp.array(dtype=vec3),
         grid_rows: wp.array(dtype=vec5),
         fitted_radius: real,
@@ -74,9 +71,9 @@ def _make_grid_to_particles(
         particle_position: wp.array(dtype=vec2),
         particle_velocity: wp.array(dtype=vec2),
         particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_state: maybe(law.state_type),
         particle_cell: wp.array(dtype=wp.vec2i),
-        window_motion: wp.array(dtype=real),
+        window_motion: maybe(real),
         top: real,
     ):
         p = offset + wp.tid()

@@ -38,7 +38,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import half, kernel, one, real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import half, kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
@@ -60,7 +60,6 @@ def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:
         _make_momentum(plan.share_count, corrected),
         (grid.row_count + 1, grid.column_count + 1),
         absurd_speed=ABSURD_SPEED * plan.speed_limit,
-        cell_correction=plan.find("cell.correction"),
     )
 
 
@@ -97,7 +96,7 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
         time_step: real,
         node_least_mass: wp.array(dtype=real),
         absurd_speed: real,
-        cell_correction: wp.array(dtype=vec4),
+        cell_correction: maybe(vec4),
         node_mass: wp.array(dtype=real),
         node_velocities: wp.array(dtype=vec4),
     ):

@@ -67,7 +67,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
 
 
 def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
-    """Seed the grid with particles at rest, and give kernels their properties and state.
+    """Seed the grid with particles at rest, and give kernels their properties.
 
     `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
@@ -101,10 +101,7 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
         state = material.state_at(stress, position)
         plan.add_array("particle.state", f"vec{len(material.state)}", state)
     common = material.law().properties_type(*material.properties)
-    plan.given |= {
-        "properties": plan.find(PROPERTIES) or common,
-        "particle_state": plan.find("particle.state"),
-    }
+    plan.given["properties"] = common if material.variation is None else PROPERTIES
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:

@@ -8,6 +8,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SceneError
+from mpm_warp.kernel_types import maybe
 from mpm_warp.plan.plan import (
     OFFSET,
     WORTH_SHARING,
@@ -23,7 +24,13 @@ from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 
 
 @wp.kernel(enable_backward=False)
-def scale(offset: int, time_step: float, factor: float, cell_volume: wp.array(dtype=float)):
+def scale(
+    offset: int,
+    time_step: float,
+    factor: float,
+    cell_volume: wp.array(dtype=float),
+    cell_power: maybe(float),
+):
     k = offset + wp.tid()
     cell_volume[k] = time_step * factor * cell_volume[k]
 
@@ -77,20 +84,18 @@ def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
     assert given.byte_count == on_device.nbytes
 
 
-def test_only_arrays_that_were_added_are_found(plan: Plan) -> None:
-    plan.add_zeros("cell.correction", "vec4", (4, 3))
-    assert plan.find("cell.correction") == "cell.correction"
-    assert plan.find("cell.dilation_rate") is None
-    assert plan.arrays["cell.correction"].shape == (4, 3)
-
-
 def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> None:
     """An array by its own name, the length of a step, and what is given, in any order."""
     plan.add_zeros("cell.volume", "real", 10)
     launch = plan.launch(scale, 10, factor=3.0)
-    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume")
+    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume", None)
     assert launch.dim == (10,)
     assert launch.kernel is scale
+    plan.given["factor"] = 4.0
+    plan.add_zeros("cell.power", "real", (4, 3))
+    launch = plan.launch(scale, 10)
+    assert launch.arguments == (OFFSET, plan.time_step, 4.0, "cell.volume", "cell.power")
+    assert plan.arrays["cell.power"].shape == (4, 3)
     assert plan.launch(clear, (2, 3), values=None).arguments == (None,)
     assert plan.launch(clear, (2, 3), values=None).dim == (2, 3)
 
@@ -98,7 +103,7 @@ def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> No
 def test_what_is_given_comes_before_what_goes_by_its_name(plan: Plan) -> None:
     plan.add_zeros("cell.volume", "real", 10)
     launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
-    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume")
+    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume", None)
 
 
 @pytest.mark.parametrize(
@@ -117,7 +122,7 @@ def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_tak
         plan.add_launch(scale, 10, **arguments)
     message = str(refused.value)
     assert f"arguments missing: {missing}, unknown: {unknown};" in message
-    assert message.endswith("it takes offset, time_step, factor, cell_volume")
+    assert message.endswith("it takes offset, time_step, factor, cell_volume, cell_power")
     assert scale.key in message
     assert plan.step == []
 
