@@ -3,7 +3,8 @@
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -220,6 +221,18 @@ def crash(request: pytest.FixtureRequest) -> str:
     )
     last = tried.stdout.splitlines()[-1:]
     return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
+
+
+Misuse = tuple[Callable[[], object], type[Exception], str]
+"""What is done, the exception that it ends in, and the word that tells the argument."""
+
+
+def try_all(misuses: Mapping[str, Misuse]) -> None:
+    """What a file of misuses does as a script: the last name that it prints is what ended it."""
+    for name, (attempt, *_) in misuses.items():
+        print(name, flush=True)
+        with suppress(Exception):
+            attempt()
 
 
 def refused(do: Callable[[], object], error: type[Exception], word: str) -> None:
