@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid, Integers, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
@@ -23,6 +23,7 @@ from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.window import Window
+from mpm_warp.sampling import soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
@@ -62,6 +63,22 @@ def greatest_shear(stress: Floats) -> Floats:
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
     extremes = np.stack([centre - radius, centre + radius, stress[:, 3]])
     return np.asarray(0.5 * np.ptp(extremes, axis=0))
+
+
+def cells_of(simulation: Simulation) -> Integers:
+    """Numbers of the cells that the points of a run are in."""
+    column, row = simulation.array("particle.cell").T
+    return np.asarray(column + row * soil_scene(simulation).grid.column_count)
+
+
+def nodal_forces(grid: Grid, stress: Floats) -> Floats:
+    """Minus the divergence of stresses of cells, (rr, zz, rz, tt), at the nodes [N], [n, 2]."""
+    rr, zz, rz, tt = stress.T[..., None]
+    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
+    force = np.zeros((grid.node_count, 2))
+    pull = np.stack([rr * r + rz * z + tt * hoop, rz * r + zz * z], axis=-1)
+    np.add.at(force, grid.cell_nodes, -pull)
+    return force
 
 
 def axis_and_ends(grid: Grid) -> Fixed:

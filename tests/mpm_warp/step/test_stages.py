@@ -11,6 +11,7 @@ from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.parts.contact import nodal_areas
 from mpm_warp.plan.plan import share_bounds
 from mpm_warp.planning import make_plan
+from tests.mpm_warp.conftest import cells_of, nodal_forces
 
 
 def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:
@@ -62,10 +63,8 @@ def test_the_stress_of_a_cell_is_the_mean_of_its_particles_by_mass(floating: Sce
     stress, mass = simulation.array("particle.stress"), simulation.array("particle.mass")
     stress[:] = random.normal(size=stress.shape)
     mass[:] *= random.uniform(0.5, 2.0, size=mass.shape)
-    given, (column, row) = stress.copy(), simulation.array("particle.cell").T.copy()
+    given, cell = stress.copy(), cells_of(simulation)
     simulation.advance(1)
-    grid = floating.grid
-    cell = row * grid.column_count + column
     expected = np.stack([np.bincount(cell, mass * part) for part in given.T], axis=-1)
     expected /= np.bincount(cell, mass)[:, None]
     np.testing.assert_allclose(simulation.array("cell.stress"), expected, rtol=1e-12, atol=1e-15)
@@ -130,7 +129,7 @@ def test_a_step_from_rest_has_hookes_stress(floating: Scene) -> None:
     random = np.random.default_rng(1)
     velocity = random.normal(size=simulation.array("particle.velocity").shape)
     simulation.assign("particle.velocity", velocity)
-    column, row = simulation.array("particle.cell").copy().T
+    cell = cells_of(simulation)
     simulation.advance(1)
     grid, soil = floating.grid, floating.material
     assert isinstance(soil, Isotropic)
@@ -148,7 +147,6 @@ def test_a_step_from_rest_has_hookes_stress(floating: Scene) -> None:
     mean = soil.bulk_modulus - 2.0 / 3.0 * soil.shear_modulus
     expected[:, [0, 1, 3]] += mean * strain[:, [0, 1, 3]].sum(axis=1)[:, None]
     stress = simulation.array("particle.stress")
-    cell = row * grid.column_count + column
     np.testing.assert_allclose(stress, expected[cell], rtol=1e-9, atol=1e-9 * np.abs(stress).max())
 
 
@@ -184,16 +182,10 @@ def test_the_force_on_a_node_is_minus_the_divergence_of_the_stress_around_it(
     simulation = Simulation(floating)
     grid = floating.grid
     of_cells = 1e3 * np.random.default_rng(7).normal(size=(grid.cell_count, 4))
-    column, row = simulation.array("particle.cell").T
-    simulation.array("particle.stress")[:] = of_cells[row * grid.column_count + column]
+    simulation.array("particle.stress")[:] = of_cells[cells_of(simulation)]
     simulation.advance(1)
-    rr, zz, rz, tt = of_cells.T[..., None]
-    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
-    force = np.zeros((grid.node_count, 2))
-    pull = np.stack([rr * r + rz * z + tt * hoop, rz * r + zz * z], axis=-1)
-    np.add.at(force, grid.cell_nodes, -pull)
     impulse = simulation.array("node.mass")[:, None] * simulation.array("node.velocities")[:, :2]
-    expected = simulation.plan.time_step * force
+    expected = simulation.plan.time_step * nodal_forces(grid, of_cells)
     np.testing.assert_allclose(impulse, expected, atol=1e-12 * np.abs(expected).max())
 
 
