@@ -18,8 +18,8 @@ from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.cavity.exact import cavity_pressure
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import changing_clay, layers
-from tests.mpm_warp.materials.anisotropic_rates import Softening, stress_after, stress_along
 from tests.mpm_warp.materials.conftest import points_on
+from tests.mpm_warp.materials.rates import Softening, stress_after, stress_along
 
 ELASTIC = {"shear_modulus": 200.0, "poissons_ratio": 0.3, "density": 4.0}
 STRENGTHS = {

@@ -17,8 +17,8 @@ from mpm_warp.scenes.material.element_test import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear
-from tests.mpm_warp.materials.cam_clay_rates import cavity_wall, integrated
 from tests.mpm_warp.materials.conftest import points_on
+from tests.mpm_warp.materials.rates import cavity_wall, integrated
 
 STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
 """The defaults of p0', lambda, kappa and v."""
