@@ -39,8 +39,16 @@ class BodyScene(Checked):
         super().__post_init__()
         if not self.bodies:
             raise SceneError("bodies: there is none; give one or more")
+        lower, upper = self.grid.particle_bounds
         for index, body in enumerate(self.bodies):
-            self._check_body(index, body)
+            outside = ~np.all((body.position >= lower) & (body.position <= upper), axis=1)
+            if outside.any():
+                where = np.array2string(body.position[outside][0], precision=4)
+                raise SceneError(
+                    f"body {index}: {outside.sum()} particles, one at {where} m, are outside the "
+                    f"grid or within half a cell of its edge, which allows {lower} to {upper} m; "
+                    "widen it"
+                )
         if self.contact is not None and len(self.bodies) != 2:
             raise SceneError(f"contact: needs two bodies, the scene has {len(self.bodies)}")
         for (first, body), (second, other) in itertools.combinations(enumerate(self.bodies), 2):
@@ -75,16 +83,6 @@ class BodyScene(Checked):
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))
             least = min(least, body.critical_time_step(self.grid.cell_size, thinning))
         return least
-
-    def _check_body(self, index: int, body: Body) -> None:
-        lower, upper = self.grid.particle_bounds
-        outside = ~np.all((body.position >= lower) & (body.position <= upper), axis=1)
-        if outside.any():
-            first = np.array2string(body.position[outside][0], precision=4)
-            raise SceneError(
-                f"body {index}: {outside.sum()} particles, one at {first} m, are outside the grid "
-                f"or within half a cell of its edge, which allows {lower} to {upper} m; widen it"
-            )
 
 
 def _check_overlap(first: int, one: Body, second: int, other: Body) -> None:
