@@ -1,43 +1,46 @@
-"""What soil has gone through since it entered: where it came from, its plastic shear strain."""
+"""What soil has gone through since it entered; what the records of audited steps add to a run."""
 
 import numpy as np
 import pytest
 
-from mpm_warp import History, Isotropic, Scene, Simulation
+from mpm_warp import EnergyBalance, History, Isotropic, Part, Scene, Simulation
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.planning import make_plan
 from tests.mpm_warp.conftest import assert_same_bits, cells_of
 
-ADDED = {"particle.origin", "particle.plastic_strain", "layer.origin", "layer.plastic_strain"}
-"""Arrays of a history in a window; with `yield.share`, which a snapshot works out."""
+OF_HISTORY = {
+    *(f"{owner}.{it}" for owner in ("particle", "layer") for it in ("origin", "plastic_strain")),
+    "yield.share",  # which a snapshot works out
+}
+OVER = ("nodes", "cells", "points")
+OF_BALANCE = {f"balance.{it}" for it in (*OVER, "by_stress", "by_ground", "specific_volume")}
 
 
 def with_history(scene: Scene) -> Scene:
     return scene.with_parts(History())
 
 
-def test_a_scene_without_history_has_none_of_its_arrays_and_launches(cone: Scene) -> None:
-    plan, kept = make_plan(cone), make_plan(with_history(cone))
-    assert kept.arrays.keys() - plan.arrays.keys() == {*ADDED, "yield.share"}
-    assert plan.arrays.keys() <= kept.arrays.keys()
-    names = [launch.name for launch in plan.launches]
-    kept_names = [launch.name for launch in kept.launches]
-    assert "record_plastic_strain" not in names
-    assert sorted(kept_names) == sorted(
-        [*names, "enter", "enter", "record_plastic_strain", "yield_share"]
-    )
-    # An ordinary step is the same, kernel by kernel: it has nothing to do for a history.
-    assert [launch.kernel for launch in kept.step] == [launch.kernel for launch in plan.step]
-
-
-def test_a_history_changes_no_bit_of_a_run(cone: Scene) -> None:
-    bare, kept = Simulation(cone), Simulation(with_history(cone))
+@pytest.mark.parametrize(
+    ("part", "arrays", "launches"),
+    [
+        (History(), OF_HISTORY, ["enter", "enter", "record_plastic_strain", "yield_share"]),
+        (EnergyBalance(), OF_BALANCE, [*2 * ["keep_velocity"], *(f"work_of_{it}" for it in OVER)]),
+    ],
+)
+def test_a_record_adds_its_own_and_changes_no_bit_of_a_run(
+    cone: Scene, part: Part, arrays: set[str], launches: list[str]
+) -> None:
+    bare, kept = Simulation(cone), Simulation(cone.with_parts(part))
     for simulation in (bare, kept):
         simulation.advance(700)
     assert kept.travel > 0.2  # soil has entered
     assert_same_bits(bare, kept)
+    assert kept.plan.arrays.keys() - bare.plan.arrays.keys() == arrays
+    names, kept_names = ([it.name for it in run.plan.launches] for run in (bare, kept))
+    assert sorted(kept_names) == sorted([*names, *launches])
+    # An ordinary step is the same, kernel by kernel: it has nothing to do for a record.
+    assert [it.kernel for it in kept.plan.step] == [it.kernel for it in bare.plan.step]
 
 
 def test_soil_enters_without_displacement_and_plastic_strain(cone: Scene) -> None:
