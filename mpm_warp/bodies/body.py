@@ -73,11 +73,11 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
 
 @kernel
 def body_loads(
-    load_schedule: wp.array(dtype=vec2),
-    load_forces: wp.array2d(dtype=vec2),
-    load_time: wp.array(dtype=real),
+    load_schedule: wp.array[vec2],
+    load_forces: wp.array2d[vec2],
+    load_time: wp.array[real],
     half_step: real,
-    particle_load: wp.array(dtype=vec2),
+    particle_load: wp.array[vec2],
 ):
     """Forces of all loads on each particle; launched over particles.
 
@@ -93,7 +93,7 @@ def body_loads(
 
 
 @kernel
-def clock(time_step: real, load_time: wp.array(dtype=real)):
+def clock(time_step: real, load_time: wp.array[real]):
     """The time of the loads goes on by a step; launched once, at its end."""
     load_time[0] += time_step
 

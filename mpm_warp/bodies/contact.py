@@ -94,11 +94,11 @@ def add_contact(
 @kernel
 def interface(
     node_counts: wp.vec2i,
-    field_surface: wp.array2d(dtype=vec2),
-    field_inverse_mass: wp.array2d(dtype=real),
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
+    field_surface: wp.array2d[vec2],
+    field_inverse_mass: wp.array2d[real],
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
 ):
     """Normal and area of the interface of two bodies; launched over nodes. No area, no contact."""
     j, i = wp.tid()
@@ -122,15 +122,15 @@ def interface(
 
 @kernel
 def extents(
-    particle_body: wp.array(dtype=int),
-    particle_position: wp.array(dtype=vec2),
-    body_half_spacing: wp.array(dtype=real),
+    particle_body: wp.array[int],
+    particle_position: wp.array[vec2],
+    body_half_spacing: wp.array[real],
     lower: vec2,
     h: real,
     node_counts: wp.vec2i,
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
 ):
     """How far two bodies extend towards each other at a node; launched over particles."""
     p = wp.tid()
@@ -153,13 +153,13 @@ def extents(
 @kernel
 def pressing_of_nodes(
     closed: real,
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
-    field_surface: wp.array2d(dtype=vec2),
-    contact_pressing: wp.array(dtype=vec2),
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
+    field_surface: wp.array2d[vec2],
+    contact_pressing: wp.array[vec2],
 ):
     """Normal impulse and area of the nodes whose gap is closed; launched over nodes.
 
@@ -184,9 +184,7 @@ def pressing_of_nodes(
 
 @kernel
 def shared_pressure(
-    node_counts: wp.vec2i,
-    contact_pressing: wp.array(dtype=vec2),
-    contact_pressure: wp.array(dtype=real),
+    node_counts: wp.vec2i, contact_pressing: wp.array[vec2], contact_pressure: wp.array[real]
 ):
     """Normal impulse of a node per area of its neighbourhood; launched over nodes."""
     j, i = wp.tid()
@@ -207,12 +205,12 @@ def body_contact(
     adhesion: real,
     time_step: real,
     node_counts: wp.vec2i,
-    contact_normal: wp.array(dtype=vec2),
-    contact_pressing: wp.array(dtype=vec2),
-    contact_pressure: wp.array(dtype=real),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
-    contact_total: wp.array(dtype=vec3),
+    contact_normal: wp.array[vec2],
+    contact_pressing: wp.array[vec2],
+    contact_pressure: wp.array[real],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
+    contact_total: wp.array[vec3],
 ):
     """The corrector; launched over nodes.
 

@@ -127,20 +127,20 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
 
     @kernel
     def body_to_grid(
-        particle_body: wp.array(dtype=int),
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_affine: wp.array(dtype=mat22),
-        particle_stress: wp.array(dtype=vec4),
-        particle_mass: wp.array(dtype=real),
-        particle_volume: wp.array(dtype=real),
+        particle_body: wp.array[int],
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_affine: wp.array[mat22],
+        particle_stress: wp.array[vec4],
+        particle_mass: wp.array[real],
+        particle_volume: wp.array[real],
         particle_viscous_stress: maybe(vec4),
         particle_load: maybe(vec2),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        field_momentum: wp.array2d(dtype=vec3),
+        field_momentum: wp.array2d[vec3],
         field_surface: maybe(vec2, 2),
     ):
         p = wp.tid()
@@ -183,10 +183,10 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
 
 @kernel
 def body_prediction(
-    field_held: wp.array2d(dtype=int),
-    field_momentum: wp.array2d(dtype=vec3),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
+    field_held: wp.array2d[int],
+    field_momentum: wp.array2d[vec3],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
 ):
     """Velocity and inverse mass of each node; clears its sums. Launched over (bodies, nodes).
 
@@ -227,19 +227,19 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
 
     @kernel
     def grid_to_body(
-        particle_body: wp.array(dtype=int),
-        body_moduli: wp.array(dtype=vec2),
+        particle_body: wp.array[int],
+        body_moduli: wp.array[vec2],
         body_retardation_time: maybe(real),
-        field_velocity: wp.array2d(dtype=vec2),
+        field_velocity: wp.array2d[vec2],
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_affine: wp.array(dtype=mat22),
-        particle_stress: wp.array(dtype=vec4),
-        particle_volume: wp.array(dtype=real),
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_affine: wp.array[mat22],
+        particle_stress: wp.array[vec4],
+        particle_volume: wp.array[real],
         particle_viscous_stress: maybe(vec4),
         particle_dissipated: maybe(real),
     ):

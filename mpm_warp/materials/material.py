@@ -292,7 +292,7 @@ def _make_of_point(varies: bool, remembers: bool, state_type: Any) -> Any:
     properties_of = own_of_point if varies else common_to_points
 
     @wp.func
-    def of_point(properties: Any, states: wp.array(dtype=state_type), point: int):
+    def of_point(properties: Any, states: wp.array[state_type], point: int):
         state = state_type()
         if wp.static(remembers):
             state = states[point]

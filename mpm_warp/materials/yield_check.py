@@ -53,12 +53,12 @@ def _make_yield_check(law: Law) -> Any:
     @kernel
     def yield_check(
         count: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_stress: wp.array(dtype=vec4),
+        particle_cell: wp.array[wp.vec2i],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
         properties: law.properties_argument,
-        yield_margin: wp.array(dtype=real),
-        yield_particle: wp.array(dtype=int),
+        yield_margin: wp.array[real],
+        yield_particle: wp.array[int],
     ):
         block = wp.tid()
         first = block * wp.static(BLOCK)
@@ -87,10 +87,10 @@ def _make_yield_share(law: Law) -> Any:
 
     @kernel
     def yield_share(
-        particle_stress: wp.array(dtype=vec4),
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
         properties: law.properties_argument,
-        yield_share: wp.array(dtype=real),
+        yield_share: wp.array[real],
     ):
         p = wp.tid()
         own, remembered = law.of_point(properties, particle_state, p)

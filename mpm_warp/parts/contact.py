@@ -228,17 +228,17 @@ def _make_surface_contact(travelling: bool) -> Any:
     @kernel
     def surface_contact(
         offset: int,
-        contact_nodes: wp.array(dtype=int),
-        contact_normals: wp.array(dtype=vec2),
+        contact_nodes: wp.array[int],
+        contact_normals: wp.array[vec2],
         friction: real,
-        contact_adhesion: wp.array(dtype=real),
-        contact_pressure: wp.array(dtype=real),
-        node_mass: wp.array(dtype=real),
+        contact_adhesion: wp.array[real],
+        contact_pressure: wp.array[real],
+        node_mass: wp.array[real],
         time_step: real,
         speed: real,
         window_motion: maybe(real),
-        node_velocities: wp.array(dtype=vec4),
-        contact_impulse: wp.array(dtype=vec2),
+        node_velocities: wp.array[vec4],
+        contact_impulse: wp.array[vec2],
     ):
         k = offset + wp.tid()
         node = contact_nodes[k]
@@ -268,13 +268,13 @@ def _make_surface_contact(travelling: bool) -> Any:
 @kernel
 def least_mass_reaction(
     offset: int,
-    contact_on_axis: wp.array(dtype=int),
-    contact_nodes: wp.array(dtype=int),
-    contact_normals: wp.array(dtype=vec2),
-    node_mass: wp.array(dtype=real),
-    node_least_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-    contact_impulse: wp.array(dtype=vec2),
+    contact_on_axis: wp.array[int],
+    contact_nodes: wp.array[int],
+    contact_normals: wp.array[vec2],
+    node_mass: wp.array[real],
+    node_least_mass: wp.array[real],
+    node_velocities: wp.array[vec4],
+    contact_impulse: wp.array[vec2],
 ):
     """Launched over the nodes on the axis."""
     k = contact_on_axis[offset + wp.tid()]
@@ -294,15 +294,15 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
     @kernel
     def sum_of_strength(
         offset: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_stress: wp.array(dtype=vec4),
+        particle_cell: wp.array[wp.vec2i],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
-        particle_mass: wp.array(dtype=real),
+        particle_mass: wp.array[real],
         particle_adhesion_ratio: maybe(real),
         properties: law.properties_argument,
         common: law.properties_type,
         at_first: law.state_type,
-        contact_strength_sum: wp.array(dtype=vec2),
+        contact_strength_sum: wp.array[vec2],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
@@ -321,12 +321,12 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
 @kernel
 def adhesion_beside(
     offset: int,
-    contact_nodes: wp.array(dtype=int),
-    contact_first_adhesion: wp.array(dtype=real),
-    contact_strength_sum: wp.array2d(dtype=vec2),
+    contact_nodes: wp.array[int],
+    contact_first_adhesion: wp.array[real],
+    contact_strength_sum: wp.array2d[vec2],
     column_count: int,
     row_count: int,
-    contact_adhesion: wp.array(dtype=real),
+    contact_adhesion: wp.array[real],
 ):
     """Launched over the surface's nodes; one without soil keeps what it has."""
     n = offset + wp.tid()
@@ -342,7 +342,7 @@ def adhesion_beside(
 
 
 @kernel
-def clear_strength(contact_strength_sum: wp.array2d(dtype=vec2)):
+def clear_strength(contact_strength_sum: wp.array2d[vec2]):
     """Launched over the sums: (shares, rows)."""
     share, row = wp.tid()
     contact_strength_sum[share, row] = vec2()

@@ -99,9 +99,9 @@ def kinetic_energy(
     column_count: int,
     first: int,
     sign: real,
-    node_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-    transfer_energy: wp.array(dtype=real),
+    node_mass: wp.array[real],
+    node_velocities: wp.array[vec4],
+    transfer_energy: wp.array[real],
 ):
     """Launched over rows of nodes, each of which keeps its own sum.
 
@@ -117,7 +117,7 @@ def kinetic_energy(
 
 
 @kernel
-def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)):
+def keep_velocity(offset: int, node_velocities: wp.array[vec4], kept: wp.array[vec2]):
     """Launched over nodes."""
     node = offset + wp.tid()
     v = node_velocities[node]
@@ -127,13 +127,13 @@ def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.a
 @kernel
 def work_of_nodes(
     offset: int,
-    node_velocities: wp.array(dtype=vec4),
-    node_mass: wp.array(dtype=real),
-    node_least_mass: wp.array(dtype=real),
-    window_motion: wp.array(dtype=real),
-    balance_by_stress: wp.array(dtype=vec2),
-    balance_by_ground: wp.array(dtype=vec2),
-    balance_nodes: wp.array(dtype=vec5),
+    node_velocities: wp.array[vec4],
+    node_mass: wp.array[real],
+    node_least_mass: wp.array[real],
+    window_motion: wp.array[real],
+    balance_by_stress: wp.array[vec2],
+    balance_by_ground: wp.array[vec2],
+    balance_nodes: wp.array[vec5],
 ):
     """Launched over nodes."""
     node = offset + wp.tid()
@@ -156,13 +156,13 @@ def work_of_nodes(
 @kernel
 def work_of_cells(
     offset: int,
-    cell_mass: wp.array2d(dtype=real),
-    cell_volume: wp.array(dtype=real),
-    cell_viscosity: wp.array(dtype=real),
-    cell_dilation_rate: wp.array(dtype=real),
+    cell_mass: wp.array2d[real],
+    cell_volume: wp.array[real],
+    cell_viscosity: wp.array[real],
+    cell_dilation_rate: wp.array[real],
     time_step: real,
-    balance_specific_volume: wp.array(dtype=real),
-    balance_cells: wp.array(dtype=real),
+    balance_specific_volume: wp.array[real],
+    balance_cells: wp.array[real],
 ):
     """Launched over cells; it leaves their volume over the mass of their points too."""
     c = offset + wp.tid()
@@ -195,16 +195,16 @@ def _make_work_of_points(law: Law) -> Any:
     @kernel
     def work_of_points(
         offset: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_mass: wp.array(dtype=real),
-        particle_stress: wp.array(dtype=vec4),
+        particle_cell: wp.array[wp.vec2i],
+        particle_mass: wp.array[real],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
-        cell_motion: wp.array(dtype=vec7),
+        cell_motion: wp.array[vec7],
         column_count: int,
         time_step: real,
         properties: law.properties_argument,
-        balance_specific_volume: wp.array(dtype=real),
-        balance_points: wp.array(dtype=vec2),
+        balance_specific_volume: wp.array[real],
+        balance_points: wp.array[vec2],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]

@@ -74,14 +74,14 @@ def _make_record_plastic_strain(law: Law) -> Any:
     @kernel
     def record_plastic_strain(
         offset: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_stress: wp.array(dtype=vec4),
+        particle_cell: wp.array[wp.vec2i],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
-        cell_motion: wp.array(dtype=vec7),
+        cell_motion: wp.array[vec7],
         column_count: int,
         time_step: real,
         properties: law.properties_argument,
-        particle_plastic_strain: wp.array(dtype=real),
+        particle_plastic_strain: wp.array[real],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]

@@ -173,9 +173,7 @@ def _make_enter(dtype: Any) -> Any:
     """The kernel that writes the values of a layer into its slots; over the layer's particles."""
 
     @kernel
-    def enter(
-        layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
-    ):
+    def enter(layer_slots: wp.array[int], layer: wp.array[dtype], field: wp.array[dtype]):
         k = wp.tid()
         field[layer_slots[k]] = layer[k]
 
@@ -193,8 +191,8 @@ def _make_enter_by_law(law: Law) -> Any:
     def enter_by_law(
         time_step: real,
         properties: law.properties_argument,
-        layer_slots: wp.array(dtype=int),
-        particle_stress: wp.array(dtype=vec4),
+        layer_slots: wp.array[int],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
     ):
         p = layer_slots[wp.tid()]
@@ -210,16 +208,16 @@ natural = make_location(polar=False).natural
 
 @kernel
 def bound_velocity(
-    node_velocities: wp.array(dtype=vec4),
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    node_velocities: wp.array[vec4],
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     stride: int,
     fitted_radius: real,
-    particle_cell: wp.array(dtype=wp.vec2i),
-    particle_position: wp.array(dtype=vec2),
+    particle_cell: wp.array[wp.vec2i],
+    particle_position: wp.array[vec2],
     W: real,
     speed_limit: real,
-    particle_velocity: wp.array(dtype=vec2),
+    particle_velocity: wp.array[vec2],
 ):
     """Launched over slots."""
     p = wp.tid()

@@ -97,8 +97,8 @@ def move_wall(
     time_step: real,
     speed: real,
     ramp_time: real,
-    wall_motion: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    wall_motion: wp.array[vec3],
+    grid_rows: wp.array[vec5],
 ):
     """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
 
@@ -116,12 +116,12 @@ def move_wall(
 @kernel
 def refit_cells(
     offset: int,
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     fitted_radius: real,
     column_count: int,
-    cell_integrals: wp.array2d(dtype=vec3),
-    cell_volume: wp.array(dtype=real),
+    cell_integrals: wp.array2d[vec3],
+    cell_volume: wp.array[real],
 ):
     """Integrals and volumes of the cells after the wall has moved; launched over cells."""
     c = offset + wp.tid()
@@ -149,14 +149,14 @@ def part(P: real, Q: real, t: vec5) -> vec3:
 @kernel
 def refit_sectors(
     offset: int,
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     fitted_radius: real,
     column_count: int,
-    wall_angular: wp.array2d(dtype=vec5),
-    wall_caps: wp.array(dtype=real),
-    cell_integrals: wp.array2d(dtype=vec3),
-    cell_volume: wp.array(dtype=real),
+    wall_angular: wp.array2d[vec5],
+    wall_caps: wp.array[real],
+    cell_integrals: wp.array2d[vec3],
+    cell_volume: wp.array[real],
 ):
     """The same for the cells of a polar grid; launched over cells.
 
@@ -181,11 +181,11 @@ def refit_sectors(
 @kernel
 def push(
     column_count: int,
-    wall_motion: wp.array(dtype=vec3),
-    wall_outward: wp.array(dtype=vec2),
-    node_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-    wall_impulse: wp.array(dtype=real),
+    wall_motion: wp.array[vec3],
+    wall_outward: wp.array[vec2],
+    node_mass: wp.array[real],
+    node_velocities: wp.array[vec4],
+    wall_impulse: wp.array[real],
 ):
     """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
 

@@ -218,11 +218,11 @@ def _place(position: Floats, travel: float) -> Floats:
 @kernel
 def moving_ends(
     offset: int,
-    end_nodes: wp.array(dtype=int),
-    end_free: wp.array(dtype=vec2),
-    end_flow: wp.array(dtype=vec2),
-    window_motion: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
+    end_nodes: wp.array[int],
+    end_free: wp.array[vec2],
+    end_flow: wp.array[vec2],
+    window_motion: wp.array[real],
+    node_velocities: wp.array[vec4],
 ):
     """Launched over the nodes of bottom and top."""
     k = offset + wp.tid()
@@ -239,17 +239,17 @@ def _make_moving_side(partly: bool) -> Any:
     @kernel
     def moving_side(
         offset: int,
-        far_field_nodes: wp.array(dtype=int),
-        far_field_spring: wp.array(dtype=vec2),
-        far_field_dashpot: wp.array(dtype=vec2),
-        far_field_flow: wp.array(dtype=vec2),
-        far_field_drawn: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        node_least_mass: wp.array(dtype=real),
+        far_field_nodes: wp.array[int],
+        far_field_spring: wp.array[vec2],
+        far_field_dashpot: wp.array[vec2],
+        far_field_flow: wp.array[vec2],
+        far_field_drawn: wp.array[vec2],
+        node_mass: wp.array[real],
+        node_least_mass: wp.array[real],
         time_step: real,
-        window_motion: wp.array(dtype=real),
-        far_field_displacement: wp.array(dtype=vec2),
-        node_velocities: wp.array(dtype=vec4),
+        window_motion: wp.array[real],
+        far_field_displacement: wp.array[vec2],
+        node_velocities: wp.array[vec4],
     ):
         k = offset + wp.tid()
         node = far_field_nodes[k]

@@ -185,7 +185,7 @@ def _make_advance_window(hurried: bool) -> Any:
         final_speed: real,
         approach_travel: real,
         slowing_travel: real,
-        window_motion: wp.array(dtype=real),
+        window_motion: wp.array[real],
     ):
         window_motion[2] += time_step * window_motion[1]
         window_motion[0] += time_step

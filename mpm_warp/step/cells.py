@@ -49,12 +49,12 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> An
     @kernel
     def cell_stress(
         offset: int,
-        cell_stress_sum: wp.array2d(dtype=vec4),
-        cell_mass: wp.array2d(dtype=real),
+        cell_stress_sum: wp.array2d[vec4],
+        cell_mass: wp.array2d[real],
         cell_dilation_rate: maybe(real),
         cell_viscosity: maybe(real),
         cell_full_mass: maybe(real),
-        cell_stress: wp.array(dtype=vec4),
+        cell_stress: wp.array[vec4],
     ):
         c = offset + wp.tid()
         sums, m = vec4(), real(0.0)
@@ -118,16 +118,16 @@ def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flo
     @kernel
     def cell_rates(
         offset: int,
-        node_velocities: wp.array(dtype=vec4),
-        cell_integrals: wp.array2d(dtype=vec3),
-        cell_volume: wp.array(dtype=real),
+        node_velocities: wp.array[vec4],
+        cell_integrals: wp.array2d[vec3],
+        cell_volume: wp.array[real],
         column_count: int,
         time_step: real,
         cell_dilation_rate: maybe(real),
         correction_weight: real,
         cell_correction: maybe(vec4),
         cell_pic_fraction: maybe(real),
-        cell_motion: wp.array(dtype=vec7),
+        cell_motion: wp.array[vec7],
         cell_interpolation_weights: maybe(vec10),
         cell_internal_flow: maybe(vec4),
     ):

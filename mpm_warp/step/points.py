@@ -138,18 +138,18 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool) -> Any:
     @kernel
     def particles_to_grid(
         offset: int,
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_stress: wp.array(dtype=vec4),
-        particle_mass: wp.array(dtype=real),
-        particle_cell: wp.array(dtype=wp.vec2i),
-        grid_columns: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_stress: wp.array[vec4],
+        particle_mass: wp.array[real],
+        particle_cell: wp.array[wp.vec2i],
+        grid_columns: wp.array[vec3],
+        grid_rows: wp.array[vec5],
         fitted_radius: real,
         column_count: int,
-        node_momentum: wp.array(dtype=vec4),
-        cell_stress_sum: wp.array(dtype=vec4),
-        cell_mass: wp.array(dtype=real),
+        node_momentum: wp.array[vec4],
+        cell_stress_sum: wp.array[vec4],
+        cell_mass: wp.array[real],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]

@@ -110,8 +110,8 @@ def _make_strain_path(law: Law) -> Any:
         offset: int,
         time_step: real,
         properties: law.properties_type,
-        particle_velocity_gradient: wp.array(dtype=vec5),
-        particle_stress: wp.array(dtype=vec4),
+        particle_velocity_gradient: wp.array[vec5],
+        particle_stress: wp.array[vec4],
         particle_state: maybe(law.state_type),
         particle_yield_excess: maybe(real),
     ):
