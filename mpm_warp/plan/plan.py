@@ -289,7 +289,8 @@ class Plan:
             TypeError: an argument is missing, or the kernel has none of that name.
         """
         kinds = kernel.func.__annotations__
-        known = {name: None for name in kinds if getattr(kinds[name], "may_be_absent", False)}
+        absent = [name for name, kind in kinds.items() if getattr(kind, "may_be_absent", False)]
+        known: dict[str, Any] = dict.fromkeys(absent)
         known |= {name.replace(".", "_"): name for name in self.arrays}
         known |= {"offset": OFFSET, "time_step": self.time_step, **self.given, **arguments}
         missing = [name for name in kinds if name not in known]
