@@ -9,11 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 
 from mpm_warp.grid.fitted import Floats, Grid, Integers, graded
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.kernel_types import one, real, vec2, vec4, vector
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
@@ -28,6 +30,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
 
+vec6 = vector(6)
 SMALL_WINDOW: dict[str, Any] = {"domain_radius": 8, "domain_above": 3, "domain_below": 3}
 """Costs next to nothing; a resistance in it is no good cone factor."""
 MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
@@ -38,6 +41,24 @@ MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
     "steady_tolerance": 0,
 }
 """A short cone test to which its further runs belong."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Recording(LinearElastic):
+    """Remembers what its law is told: the strain of the last step, how many steps, how long [s]."""
+
+    @property
+    def state(self) -> tuple[str, ...]:
+        return ("rr", "zz", "rz", "tt", "steps", "age")
+
+    def update(self) -> Any:
+        return recording
+
+
+@wp.func
+def recording(stress: vec4, e: vec4, time_step: real, properties: vec2, state: vec6):
+    trial = stress + elastic_increment(e, properties[0], properties[1])
+    return trial, vec6(e[0], e[1], e[2], e[3], state[4] + one, state[5] + time_step)
 
 
 def changing_clay(criterion: type[PerfectlyPlastic] = Tresca, **given: Any) -> EinavRandolph:
