@@ -17,10 +17,6 @@ OVER = ("nodes", "cells", "points")
 OF_BALANCE = {f"balance.{it}" for it in (*OVER, "by_stress", "by_ground", "specific_volume")}
 
 
-def with_history(scene: Scene) -> Scene:
-    return scene.with_parts(History())
-
-
 @pytest.mark.parametrize(
     ("part", "arrays", "launches"),
     [
@@ -44,7 +40,7 @@ def test_a_record_adds_its_own_and_changes_no_bit_of_a_run(
 
 
 def test_soil_enters_without_displacement_and_plastic_strain(cone: Scene) -> None:
-    simulation = Simulation(with_history(cone))
+    simulation = Simulation(cone.with_parts(History()))
     simulation.assign(PLASTIC_STRAIN, 1.0)
     before = simulation.array("layer.position").copy()
     while np.array_equal(simulation.array("layer.position"), before):
@@ -78,7 +74,7 @@ def test_plastic_strain_is_a_sample_of_what_the_law_takes_from_the_trial_stress(
     cone: Scene,
 ) -> None:
     """Of every 16th step from the first, as many times over: by hand, in soil that stays."""
-    simulation = Simulation(with_history(cone))
+    simulation = Simulation(cone.with_parts(History()))
     clay = cone.material
     assert isinstance(clay, Isotropic)
     simulation.advance(480)  # so that soil yields
@@ -108,7 +104,7 @@ def test_a_cavity_has_the_plastic_strain_of_its_expansion(cavity: Scene) -> None
     1 / r, linear between nodes w apart, is too large by (w / 2 r)^2 at most, a strain of one cell
     off by a third of that: here w = r / 2 at the wall.
     """
-    simulation = Simulation(with_history(cavity))
+    simulation = Simulation(cavity.with_parts(History()))
     simulation.advance_to(40.0)
     moved = displacement(simulation, 0.0)[:, 0]
     radius = simulation.array("particle.position")[:, 0]
