@@ -85,10 +85,6 @@ def load_twice() -> None:
     Simulation(replace(SCENE, parts=tuple(loads))).advance(3)
 
 
-def compute_with(threads: Any) -> None:
-    Simulation(SCENE, Execution(threads=threads)).advance(3)
-
-
 def misuses() -> Iterator[tuple[str, Misuse]]:
     for name, values in ASSIGNED.items():
         for number, value in enumerate(values):
@@ -108,7 +104,7 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
             do = partial(make_plan, scene, share_count=count)
             yield f"{kind} share_count {count}", (do, SceneError, "share_count")
     for threads in (0, -1, 1.5, "all", 3, 2**70):
-        yield f"threads {threads}", (partial(compute_with, threads), ValueError, "threads")
+        yield f"threads {threads}", (partial(Execution, threads=threads), ValueError, "threads")
     yield "take", (take_twice, ValueError, "contact forces")
     yield "two loads", (load_twice, SceneError, "load.nodes")
     for number, called in enumerate((Simulation.array, Simulation.assign)):

@@ -41,10 +41,6 @@ DIFFERENT: list[CatalogueScene] = [
 """Several kinds of scenes; cones of their own materials, contact, time steps and lengths."""
 
 
-def run_together(scenes: list[CatalogueScene], execution: Batch) -> list[xr.Dataset]:
-    return execution.run([partial(scene.run, execution=execution) for scene in scenes])
-
-
 def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
     for name in one.variables:
         if not str(name).endswith("_time") or name == "time_step":
@@ -59,7 +55,8 @@ def alone() -> list[xr.Dataset]:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_batch_does_not_change_a_bit(threads: int, alone: list[xr.Dataset]) -> None:
-    results = run_together(DIFFERENT, Batch(threads=threads))
+    batch = Batch(threads=threads)
+    results = batch.run([partial(scene.run, execution=batch) for scene in DIFFERENT])
     for expected, result in zip(alone, results, strict=True):
         assert_same(expected, result)
 

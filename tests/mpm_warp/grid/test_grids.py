@@ -22,15 +22,11 @@ def grid(request: pytest.FixtureRequest) -> Grid:
     return request.getfixturevalue(request.param)
 
 
-def _cone_volume(radius: float, height: float) -> float:
-    return radius**2 * height / 6.0  # per radian
-
-
 def test_cells_fill_the_space_around_the_penetrometer(fitted: Grid) -> None:
     height = float(np.ptp(fitted.rows))
     cone_height = 1.0 / np.tan(np.radians(30.0))
     shaft = 0.5 * (fitted.rows[-1] - cone_height)
-    expected = 0.5 * fitted.outer_radius**2 * height - _cone_volume(1.0, cone_height) - shaft
+    expected = 0.5 * fitted.outer_radius**2 * height - cone_height / 6.0 - shaft  # per radian
     assert fitted.cell_volumes.sum() == pytest.approx(expected, rel=ROUNDING)
 
 
