@@ -168,26 +168,6 @@ def test_uniform_dilation_is_of_second_order_in_the_angle(planar: bool) -> None:
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
 
 
-def test_integrals_after_the_wall_has_moved_are_those_of_a_grid_made_there() -> None:
-    """The closed form, product by product, against quadrature."""
-    grid = polar(planar=False)
-    angular, caps = grid.angular_integrals
-    distance = INNER + (OUTER - INNER) * grid.columns
-    a, w = distance[:-1], np.diff(distance)
-    squares = a**2 + a * w + w**2 / 3.0
-    firsts = {0: w * (a / 2 + w / 6), 1: w * (a / 2 + w / 3)}
-    expected = grid.gradient_integrals.reshape(grid.row_count, grid.column_count, 4, 3)
-    for ray in (0, 1):
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            t = angular[:, ray, :, None]
-            r = sign * squares * t[:, 0] + firsts[side] * t[:, 1]
-            z = sign * squares * t[:, 2] - firsts[side] * t[:, 3]
-            parts = np.stack([r, z, firsts[side] * t[:, 4]], axis=-1)
-            np.testing.assert_allclose(expected[:, :, 2 * ray + side], parts, atol=1e-12)
-    volumes = grid.cell_volumes.reshape(grid.row_count, -1)
-    np.testing.assert_allclose(volumes, np.outer(caps, squares * w), rtol=ROUNDING)
-
-
 def test_wall_vectors_add_up_to_the_projected_wall() -> None:
     """Of a quarter circle its two shadows; of half a sphere, per radian, its equator's disc."""
     circle = polar(planar=True).wall_vectors.sum(axis=0)

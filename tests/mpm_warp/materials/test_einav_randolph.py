@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mpm_warp import EinavRandolph, Simulation, Tresca
+from mpm_warp import EinavRandolph, LinearElastic, Simulation, Tresca
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
@@ -100,11 +100,16 @@ def test_points_remember_only_what_changes_their_strength() -> None:
     assert clay(**SOFT, **HURRIED).state == ("lost_share", "rate_effect")
 
 
-def test_each_kind_of_strength_law_has_a_key_of_its_own() -> None:
+def test_each_material_has_one_law_of_its_own() -> None:
     kinds = [{}, SOFT, HURRIED, SOFT | HURRIED]
     clays = [clay(criterion, **kind) for criterion in CRITERIA.values() for kind in kinds]
-    assert len({it.law() for it in clays}) == len(clays)
-    assert clay(**SOFT).law() == clay(**SOFT).law()  # no kernel is built twice
+    without_memory = [material(**ELASTIC) for material in CRITERIA.values()]
+    elastic = LinearElastic(shear_modulus=200.0, poissons_ratio=0.3, density=4.0)
+    materials = [elastic, *without_memory, *clays]
+    laws = [it.law() for it in materials]
+    assert len(set(laws)) == len(laws)
+    assert laws == [it.law() for it in materials]  # no kernel is built twice
+    assert not any(law.remembers for law in laws[: 1 + len(without_memory)])
 
 
 def test_where_clay_varies_it_is_clay_of_that_strength_and_stiffness() -> None:

@@ -130,14 +130,6 @@ def test_a_material_that_never_yields_has_no_return() -> None:
     np.testing.assert_array_equal(returned(material, trial), trial)
 
 
-def test_every_material_has_one_law_of_its_own() -> None:
-    materials = [LinearElastic(**ELASTIC), TRESCA, VON_MISES]
-    laws = [it.law() for it in materials]
-    assert len(set(laws)) == len(laws)
-    assert laws == [it.law() for it in materials]  # no kernel is built twice
-    assert not any(law.remembers for law in laws)
-
-
 def test_wave_speeds_are_those_of_the_elastic_moduli() -> None:
     """E = 2 G (1 + nu); the constrained modulus E (1 - nu) / ((1 + nu) (1 - 2 nu)) is rho cp^2."""
     material = LinearElastic(**ELASTIC)

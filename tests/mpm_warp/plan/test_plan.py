@@ -194,11 +194,6 @@ def test_a_time_step_beyond_the_critical_one_is_a_fault() -> None:
     assert following(0.8, critical=0.75, fraction=1.0) == pytest.approx(0.75**2 / 0.8)
 
 
-def test_only_what_can_change_is_looked_at(cone: Scene, cavity: Scene) -> None:
-    assert make_plan(cone).control is None
-    assert make_plan(cavity).control is not None
-
-
 def test_a_plan_with_another_time_step_is_the_same_but_for_numbers(cavity: Scene) -> None:
     plan = make_plan(cavity)
     assert plan.control is not None
