@@ -189,17 +189,13 @@ def impulse_at_the_tip(cone: Scene, share: float, *, held: bool) -> tuple[float,
     return float(simulation.array("contact.impulse")[0, 0]), simulation.plan.time_step
 
 
-@pytest.mark.parametrize("share", [1.0, 0.5, 0.1])
-def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene, share: float) -> None:
-    """The force of the stress does not depend on how much soil there is to give it."""
+def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene) -> None:
+    """The force of the stress does not depend on how much soil there is to give it, if held."""
     full, time_step = impulse_at_the_tip(cone, 1.0, held=True)
     assert full > 0.1 * PRESSURE * cone[SurfaceContact].normal_areas[0] * time_step
-    assert impulse_at_the_tip(cone, share, held=True)[0] == pytest.approx(full, rel=1e-9)
-
-
-def test_where_nothing_is_held_little_soil_gives_little_force(cone: Scene) -> None:
-    full, _ = impulse_at_the_tip(cone, 1.0, held=False)
-    assert full == impulse_at_the_tip(cone, 1.0, held=True)[0]
+    for share in (0.5, 0.1):
+        assert impulse_at_the_tip(cone, share, held=True)[0] == pytest.approx(full, rel=1e-9)
+    assert impulse_at_the_tip(cone, 1.0, held=False)[0] == full
     assert impulse_at_the_tip(cone, 0.1, held=False)[0] < 0.3 * full
 
 

@@ -85,7 +85,7 @@ def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
 
 
 def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> None:
-    """An array by its own name, the length of a step, and what is given, in any order."""
+    """An array by its own name, the length of a step; what is given in any order comes first."""
     plan.add_zeros("cell.volume", "real", 10)
     launch = plan.launch(scale, 10, factor=3.0)
     assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume", None)
@@ -96,14 +96,10 @@ def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> No
     launch = plan.launch(scale, 10)
     assert launch.arguments == (OFFSET, plan.time_step, 4.0, "cell.volume", "cell.power")
     assert plan.arrays["cell.power"].shape == (4, 3)
+    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
+    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume", "cell.power")
     assert plan.launch(clear, (2, 3), values=None).arguments == (None,)
     assert plan.launch(clear, (2, 3), values=None).dim == (2, 3)
-
-
-def test_what_is_given_comes_before_what_goes_by_its_name(plan: Plan) -> None:
-    plan.add_zeros("cell.volume", "real", 10)
-    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
-    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume", None)
 
 
 @pytest.mark.parametrize(
