@@ -9,7 +9,8 @@ import reprlib
 from collections.abc import Collection, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
 from numbers import Integral, Real
-from typing import Any, ClassVar
+from types import UnionType
+from typing import Any, ClassVar, get_args, get_origin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,22 +73,24 @@ def check_number(
 
 
 def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
-    """Declare a number as a field of a `Checked`; it may be None where that is the default."""
+    """Declare a number as a field of a `Checked`; it is a whole one where its type is `int`."""
     return field(default=default, metadata={"allowed": allowed, "unit": unit})
 
 
-def array_of(*shape: int | str, allowed: Range = FINITE) -> dict[str, Any]:
-    """Metadata of a field of a `Checked` that holds an array, or None where that is the default.
+def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:
+    """Metadata of a field of a `Checked` that holds an array.
 
-    A name in its shape is that of a field which is as long.
+    A name in its shape is that of a field which is as long; None stands for any length.
     """
     return {"allowed": allowed, "shape": shape}
 
 
 class Checked:
-    """The base of dataclasses whose numbers and arrays are checked when they are made.
+    """The base of dataclasses whose fields are checked when they are made.
 
-    A subclass that checks more than its fields calls `super().__post_init__()` first.
+    Numbers and arrays are as `checked` and `array_of` declare them; what is declared as `bool`, as
+    a `Checked`, or as a tuple of such, is one. A field whose default is None may be None. A
+    subclass that checks more than its fields calls `super().__post_init__()` first.
 
     Raises:
         SceneError: a value is not allowed; the message names class, field, value and range.
@@ -98,7 +101,7 @@ class Checked:
     def __post_init__(self) -> None:
         for own in fields(self):
             name, value = f"{type(self).__name__}: {own.name}", getattr(self, own.name)
-            if "allowed" not in own.metadata or (value is None and own.default is None):
+            if value is None and own.default is None:
                 continue
             if "shape" in own.metadata:
                 lengths = [
@@ -106,8 +109,25 @@ class Checked:
                     for it in own.metadata["shape"]
                 ]
                 check_array(name, value, lengths, own.metadata["allowed"])
-            else:
+            elif "allowed" in own.metadata and own.type is int:
+                check_whole(name, value, own.metadata["allowed"])
+            elif "allowed" in own.metadata:
                 check_number(name, value, **own.metadata)
+            elif not own.metadata:
+                _check_declared(name, value, own.type)
+
+
+def _check_declared(name: str, value: Any, declared: Any) -> None:
+    """Check the class of a value, or of those in a tuple, where it is a `Checked` or `bool`."""
+    if get_origin(declared) is tuple:
+        check_kind(name, value, tuple)
+        for number, item in enumerate(value):
+            _check_declared(f"{name}[{number}]", item, get_args(declared)[0])
+    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
+    if all(
+        isinstance(kind, type) and issubclass(kind, (Checked, bool, type(None))) for kind in kinds
+    ):
+        check_kind(name, value, kinds)
 
 
 def check_whole(
@@ -153,13 +173,7 @@ def check_array(
 ) -> None:
     """Check that values are an array of finite numbers of a shape, all within a range.
 
-    Args:
-        name: of the argument.
-        values: the array.
-        shape: lengths of its axes; None where any length is allowed.
-        allowed: the range.
-        kinds: kinds of numbers that it may have, in the letters of numpy.
-        error: what is raised.
+    None in the shape allows any length. The `kinds` of numbers are in the letters of numpy.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")

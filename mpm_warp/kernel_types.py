@@ -62,6 +62,13 @@ def vector(length: int) -> Any:
     return wp.types.vector(length, real)
 
 
+def maybe(dtype: Any, ndim: int = 1) -> Any:
+    """The type of an array that a plan may be without; a kernel must not read it then."""
+    kind = wp.array(dtype=dtype, ndim=ndim)
+    kind.may_be_absent = True
+    return kind
+
+
 real = wp.float64
 vec1, vec2, vec3, vec4, vec5, vec7, vec10 = (vector(length) for length in (1, 2, 3, 4, 5, 7, 10))
 mat22 = wp.types.matrix((2, 2), real)

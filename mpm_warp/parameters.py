@@ -17,12 +17,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from mpm_warp.aliases import SCENES, what_to_give
-from mpm_warp.arguments import Range
+from mpm_warp.arguments import FINITE, Range
 from mpm_warp.errors import ParameterError
 
 Value = float | int | str | bool
-BOUNDS = tuple(field.name for field in dataclasses.fields(Range))
-"""Names of the bounds of numbers."""
 
 
 class Derived(float):
@@ -46,8 +44,7 @@ class Parameter:
             where there may be none, as `meaning` says.
         unit: SI unit, "1" for a dimensionless number.
         meaning: one phrase for help, documentation and the long names of datasets.
-        minimum, maximum: inclusive bounds.
-        above, below: exclusive bounds.
+        bounds: within which a number is allowed.
         choices: all the values that are allowed, where there are few.
         sane: least and greatest value between which nearly all random cases of the scene complete
             (studies/stability.md); None where that is all that is allowed.
@@ -59,10 +56,7 @@ class Parameter:
     default: Value | None
     unit: str
     meaning: str
-    minimum: float | None = None
-    maximum: float | None = None
-    above: float | None = None
-    below: float | None = None
+    bounds: Range = FINITE
     choices: tuple[Value, ...] | None = None
     sane: tuple[float, float] | None = None
     optional: bool = False
@@ -113,40 +107,32 @@ class Parameter:
             return True
         return self.bounds.holds(value, value)
 
-    @functools.cached_property
-    def bounds(self) -> Range:
-        """The bounds of a number."""
-        given = {bound: getattr(self, bound) for bound in BOUNDS}
-        return Range(**{bound: value for bound, value in given.items() if value is not None})
-
 
 def parameter(
     default: Value | None,
     meaning: str,
     *,
     unit: str = "1",
-    minimum: float | None = None,
-    maximum: float | None = None,
-    above: float | None = None,
-    below: float | None = None,
     choices: tuple[Value, ...] | None = None,
     sane: tuple[float, float] | None = None,
+    **bounds: float,
 ) -> Any:
     """Declare a parameter, as a field of a dataclass; the arguments are those of `Parameter`.
 
-    The default is None where the scene derives the value from others: the parameter then always has
-    a value, and its type is ``float``. It is None, too, where there may be no value: the type is
-    then ``float | None``. `meaning` has to say which.
+    The `bounds` are those of `Range`: minimum, maximum, above, below. The default is None where the
+    scene derives the value from others: the parameter then always has a value, and its type is
+    ``float``. It is None, too, where there may be no value: the type is then ``float | None``.
+    `meaning` has to say which.
     """
-    bounds = {"minimum": minimum, "maximum": maximum, "above": above, "below": below}
-    definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane, **bounds}
-    return dataclasses.field(default=default, metadata=definition)
+    definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane}
+    return dataclasses.field(default=default, metadata={**definition, "bounds": Range(**bounds)})
 
 
 def redefined(group: type, name: str, **changes: Any) -> Any:
     """Declare a parameter of a group again; `changes` are arguments of :func:`parameter`."""
     field = {field.name: field for field in dataclasses.fields(group)}[name]
-    return parameter(**{"default": field.default, **field.metadata, **changes})
+    definition = {"default": field.default, **field.metadata}
+    return parameter(**definition | dataclasses.asdict(definition.pop("bounds")) | changes)
 
 
 _DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}

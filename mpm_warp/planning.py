@@ -61,6 +61,7 @@ def make_soil_plan(
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=wave_speed,
         particle_bounds=grid.particle_bounds,
+        given=grid.kernel_arguments,
     )
     interpolated = scene.find(ConservativeInterpolation) is not None
     spare_fraction = 0.0 if window is None else window.spare_fraction_in(grid)

@@ -22,15 +22,7 @@ from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
-from mpm_warp.arguments import (
-    FROM_ONE,
-    POSITIVE,
-    Checked,
-    check_array,
-    check_kind,
-    check_number,
-    check_whole,
-)
+from mpm_warp.arguments import FROM_ONE, POSITIVE, Checked, array_of, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
@@ -109,7 +101,7 @@ class Part(Checked):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Scene:
+class Scene(Checked):
     """Soil in a grid, and what acts on it. SI units; stress is the excess over in-situ.
 
     Attributes:
@@ -130,29 +122,20 @@ class Scene:
 
     grid: Grid
     material: Material
-    particles_per_side: int = 2
-    time_step_fraction: float = 0.85
-    bulk_viscosity: float | None = None
-    stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4))
+    particles_per_side: int = checked(FROM_ONE, default=2)
+    time_step_fraction: float = checked(POSITIVE, default=0.85)
+    bulk_viscosity: float | None = checked(POSITIVE, default=None)
+    stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4), metadata=array_of(4))
     parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:
-        check_kind("grid", self.grid, Grid)
-        check_kind("material", self.material, Material)
-        check_whole("particles_per_side", self.particles_per_side, FROM_ONE)
-        check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
-        if self.bulk_viscosity is not None:
-            check_number("bulk_viscosity", self.bulk_viscosity, POSITIVE)
-        check_array("stress_at_rest", self.stress_at_rest, (4,))
+        super().__post_init__()
         self.material.check_stress_at_rest(self.stress_at_rest)
         refuse_together(
             "stress_at_rest",
             np.any(self.stress_at_rest) and self.material.variation is not None,
             "a material that varies",
         )
-        check_kind("parts", self.parts, tuple)
-        for number, part in enumerate(self.parts):
-            check_kind(f"parts[{number}]", part, Part)
         for part in self.parts:
             self._check_beside_others(part)
             part.check(self)

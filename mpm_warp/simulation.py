@@ -12,8 +12,7 @@ from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.threads import in_turn
 from mpm_warp.parts.inflow import Inflow
-from mpm_warp.plan.launch import Launch
-from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.plan import Launch, Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import BetweenSteps, Scene
 from mpm_warp.watch import make_watch
@@ -98,7 +97,7 @@ class Simulation:
         Raises:
             ValueError: the scene has no window.
         """
-        if self.plan.find("window.motion") is None:
+        if "window.motion" not in self.plan.arrays:
             raise ValueError(f"the scene {NOTHING_TRAVELS}")
         return float(self._run.array("window.motion")[2])
 
@@ -195,7 +194,7 @@ class Simulation:
         check_number("travel", travel, unit="m", error=ValueError)
         inflow = next((actor for actor in self._between_steps if isinstance(actor, Inflow)), None)
         if inflow is None:
-            travels = self.plan.find("window.motion") is not None
+            travels = "window.motion" in self.plan.arrays
             why = "has a window that turns: advance to a time" if travels else NOTHING_TRAVELS
             raise ValueError(f"the scene {why}")
         while inflow.travel < travel:

@@ -83,7 +83,7 @@ class ParticleWatch:
     @property
     def _present(self) -> Integers:
         """The slots that hold a particle."""
-        if self._run.plan.find("particle.cell") is None:
+        if "particle.cell" not in self._run.plan.arrays:
             return np.arange(self._run.plan.particle_count, dtype=np.int32)
         slots = np.flatnonzero(self._run.array("particle.cell")[:, 0] >= 0)
         return slots.astype(np.int32)
@@ -122,7 +122,7 @@ class SoilWatch(ParticleWatch):
         """Record what the next step, the last one before a look, is compared with."""
         contact = self._scene.find(SurfaceContact)
         speed = 0.0 if contact is None else contact.speed
-        if self._run.plan.find("window.motion"):
+        if "window.motion" in self._run.plan.arrays:
             speed = float(self._run.array("window.motion")[1])
         present = self._present
         sample = present[:: 1 + len(present) // SAMPLED]
@@ -199,7 +199,7 @@ class SoilWatch(ParticleWatch):
         strain = motion[:, :4].astype(np.float64)
         after = self._state_of(particle)
         own = np.tile(material.properties, (len(particle), 1))
-        if self._run.plan.find(PROPERTIES):
+        if PROPERTIES in self._run.plan.arrays:
             own = self._of("properties", particle)
         told = material.mean_stress_change(
             strain[:, 0] + strain[:, 1] + strain[:, 3],
@@ -228,7 +228,7 @@ class SoilWatch(ParticleWatch):
         return trace
 
     def _state_of(self, particle: Integers) -> Floats | None:
-        return self._of("state", particle) if self._run.plan.find("particle.state") else None
+        return self._of("state", particle) if "particle.state" in self._run.plan.arrays else None
 
     def _cell_of(self, particle: Integers) -> Integers:
         column, row = self._of("cell", particle).T

@@ -15,9 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpm_warp import ConePenetration
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parameters import parameter
+from mpm_warp import ConePenetration, Grid, parameter
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.laws import GROWTH_ERROR, growth_measure
 
 ROWS = (4, 5, 7, 10)

@@ -44,6 +44,18 @@ def cell_size(cells_per_radius: float) -> float:
     return slope / round(cells_per_radius * slope)
 
 
+def mesh_error_of(case: Mapping[str, float]) -> float:
+    """By the law of the mesh."""
+    return float(
+        mesh_error(
+            rigidity_index=case["rigidity_index"],
+            adhesion_factor=case["adhesion_factor"],
+            cell_size=cell_size(case["cells_per_radius"]),
+            cell_growth=GROWTH,
+        )
+    )
+
+
 @pytest.mark.parametrize("rank", range(len(RIGIDITY_INDICES)))
 @pytest.mark.parametrize("adhesion_factor", [0, 1])
 def test_the_law_of_the_mesh_is_that_of_the_meshes_measured(
@@ -73,15 +85,12 @@ def test_the_law_of_wide_cells_is_that_of_the_coarsest_mesh_measured() -> None:
     wide: dict[tuple[float, float], float] = {}
     for it in table("mesh_error"):
         case = it["rigidity_index"], it["adhesion_factor"]
-        size = cell_size(it["cells_per_radius"])
-        linear = mesh_error(
-            rigidity_index=case[0], adhesion_factor=case[1], cell_size=size, cell_growth=GROWTH
-        ) - WIDE_ERROR * max(0.0, size - LARGEST_CELL)
-        limit = it["cone_factor_simulated"] - linear
-        if size > LARGEST_CELL:
-            wide[case] = float(limit)
+        excess = max(0.0, cell_size(it["cells_per_radius"]) - LARGEST_CELL)
+        limit = it["cone_factor_simulated"] - mesh_error_of(it) + WIDE_ERROR * excess
+        if excess:
+            wide[case] = limit
         else:
-            limits.setdefault(case, []).append(float(limit))
+            limits.setdefault(case, []).append(limit)
     excess = cell_size(1.75) - LARGEST_CELL
     found = np.array([(wide[it] - np.mean(limits[it])) / excess for it in limits])
     assert len(found) == 2 * len(RIGIDITY_INDICES)
@@ -133,13 +142,7 @@ def test_the_law_of_the_mesh_goes_on_to_finer_meshes() -> None:
     limits: dict[tuple[float, float], list[float]] = {}
     for it in table("mesh_error_fine"):
         case = it["rigidity_index"], it["adhesion_factor"]
-        error = mesh_error(
-            rigidity_index=case[0],
-            adhesion_factor=case[1],
-            cell_size=cell_size(it["cells_per_radius"]),
-            cell_growth=GROWTH,
-        )
-        limits.setdefault(case, []).append(it["cone_factor_simulated"] - float(error))
+        limits.setdefault(case, []).append(it["cone_factor_simulated"] - mesh_error_of(it))
     for default, *finer in limits.values():
         assert finer == pytest.approx([default] * len(finer), rel=LEAST_UNCERTAINTY)
 

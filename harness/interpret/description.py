@@ -3,7 +3,6 @@
 All three are made from the definitions in keys.py.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from harness.interpret.site import load_site
 from harness.study.description import assignment, comment, toml
 from harness.study.distributions import HOW, read_input
 from harness.study.files import read_toml
-from harness.study.schema import DIALECT, LINE, Schema, distributions, table_schema
+from harness.study.schema import DIALECT, LINE, Schema, bounds_schema, distributions, table_schema
 from harness.study.tables import StudyError, Table
 
 PERCENTILES = 5, 50, 95
@@ -133,14 +132,8 @@ def _of_key(key: Key) -> Schema:
 
 def _of_form(form: Form, key: Key) -> list[Schema]:
     """The schemas of what a value of such a form may be."""
-    bounds = {
-        "minimum": key.allowed.minimum,
-        "maximum": key.allowed.maximum,
-        "exclusiveMinimum": key.allowed.above,
-        "exclusiveMaximum": key.allowed.below,
-    }
     number: Schema = {"type": "number"}
-    within = number | {name: bound for name, bound in bounds.items() if math.isfinite(bound)}
+    within = number | bounds_schema(key.allowed)
     by_depth = {"depth": _list(number), "value": _list(within)}
     errors = dict.fromkeys(COLUMNS[1:], number | {"minimum": 0})
     return {

@@ -202,7 +202,8 @@ def _candidates(definition: Parameter) -> list[Value]:
         return []
     if default != 0:
         return [type(default)(default / 2), default]
-    return [default, *([] if definition.maximum is None else [float(definition.maximum)])]
+    greatest = definition.bounds.maximum
+    return [default, *([float(greatest)] if math.isfinite(greatest) else [])]
 
 
 def _allows(scene: type[CatalogueScene], name: str, value: Value) -> bool:

@@ -1,5 +1,6 @@
 """What a study does with one scene: its parameters and their values, read from the definition."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -136,7 +137,8 @@ def moment_of(scene: Scene, over: str) -> Parameter:
     """What a moment at which the soil is kept may be: as the parameter that it is measured over."""
     farthest = parameters_of(scene)[over]
     meaning = f"moment at which the soil is kept, measured as the {over} is"
-    return replace(farthest, name=SNAPSHOTS, minimum=None, above=0.0, meaning=meaning)
+    bounds = replace(farthest.bounds, minimum=-math.inf, above=0.0)
+    return replace(farthest, name=SNAPSHOTS, bounds=bounds, meaning=meaning)
 
 
 def _fixed(table: Table) -> dict[str, Value]:

@@ -4,6 +4,7 @@ It is made from the definitions of the parameters, scene by scene. What depends 
 at once, such as the sum of cases, is left to the harness.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,6 +21,7 @@ from harness.study.distributions import FORMS, PERCENTILE
 from harness.study.expressions import LONGEST
 from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
+from mpm_warp.arguments import Range
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.table import PROFILE
@@ -138,15 +140,23 @@ def _of_scene(name: str) -> Schema:
     )
 
 
+def bounds_schema(allowed: Range) -> Schema:
+    """The bounds of a number."""
+    bounds = {
+        "minimum": allowed.minimum,
+        "maximum": allowed.maximum,
+        "exclusiveMinimum": allowed.above,
+        "exclusiveMaximum": allowed.below,
+    }
+    return {name: bound for name, bound in bounds.items() if math.isfinite(bound)}
+
+
 def value_schema(parameter: Parameter) -> Schema:
     """The schema of a parameter's value."""
     schema: Schema = {
         "type": TYPES[parameter.kind],
         "description": parameter.explanation,
-        "minimum": parameter.minimum,
-        "maximum": parameter.maximum,
-        "exclusiveMinimum": parameter.above,
-        "exclusiveMaximum": parameter.below,
+        **bounds_schema(parameter.bounds),
         "enum": None if parameter.choices is None else list(parameter.choices),
         "default": parameter.default,
     }

@@ -1,4 +1,4 @@
-"""Bodies: square lattices of particles, how to lay them along a line, and the loads on them.
+"""Bodies: square lattices of particles, the loads on them, and the uniform grid around them.
 
 Loads rise linearly in time, then stay:
 
@@ -6,29 +6,38 @@ Loads rise linearly in time, then stay:
 
 They are taken in the middle of the step: then the impulse of a load is exact in every step in which
 it only rises or only stays.
+
+Shape functions are quadratic B-splines, nine nodes for each particle. Symbols: h cell size, X_0
+lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5 and 1.5.
+
+    N = (3/2 - f)^2 / 2,    3/4 - (f - 1)^2,    (f - 1/2)^2 / 2
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.arguments import (
+    FINITE,
     FROM_ONE,
     NOT_NEGATIVE,
     POSITIVE,
     Checked,
+    Range,
+    array_of,
     check_array,
-    check_kind,
+    check_number,
     check_whole,
     checked,
 )
-from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import kernel, one, real, vec2, zero
+from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.plan.plan import Plan
 
@@ -37,13 +46,10 @@ from mpm_warp.plan.plan import Plan
 class Load(Checked):
     """Dead forces on the particles of a body, which rise linearly from zero and then stay."""
 
-    forces: Floats  # final force on each particle [N], shape [particle_count, 2]
+    # final force on each particle [N], shape [particle_count, 2]
+    forces: Floats = field(metadata=array_of(None, 2))
     start: float = checked(NOT_NEGATIVE, unit="s")  # time t_0 at which they begin to rise [s], >= 0
     rise_time: float = checked(POSITIVE, unit="s")  # time T that they take to rise [s], > 0
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_array("Load: forces", self.forces, (None, 2))
 
     def impulse_time(self, time: Floats) -> Floats:
         """Impulse until each time since the start of the run [s], over the final force [s]."""
@@ -67,11 +73,11 @@ def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
 
 @kernel
 def body_loads(
-    load_schedule: wp.array(dtype=vec2),
-    load_forces: wp.array2d(dtype=vec2),
-    load_time: wp.array(dtype=real),
+    load_schedule: wp.array[vec2],
+    load_forces: wp.array2d[vec2],
+    load_time: wp.array[real],
     half_step: real,
-    particle_load: wp.array(dtype=vec2),
+    particle_load: wp.array[vec2],
 ):
     """Forces of all loads on each particle; launched over particles.
 
@@ -87,13 +93,9 @@ def body_loads(
 
 
 @kernel
-def clock(time_step: real, load_time: wp.array(dtype=real)):
+def clock(time_step: real, load_time: wp.array[real]):
     """The time of the loads goes on by a step; launched once, at its end."""
     load_time[0] += time_step
-
-
-MARGIN = 2
-"""Empty cells of a grid around bodies, at least."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,7 +116,7 @@ class Body(Checked):
     """
 
     position: Floats
-    volume: Floats
+    volume: Floats = field(metadata=array_of(None, allowed=POSITIVE))
     spacing: float = checked(POSITIVE, unit="m")
     material: LinearElastic
     held: NDArray[np.bool_] | None = None
@@ -125,14 +127,10 @@ class Body(Checked):
         super().__post_init__()
         count = np.size(self.volume)
         check_whole("Body: length of volume", count, FROM_ONE)
-        check_array("Body: volume", self.volume, (count,), POSITIVE)
         check_array("Body: position", self.position, (count, 2))
-        check_kind("Body: material", self.material, LinearElastic)
         if self.held is not None:
             check_array("Body: held", self.held, (count,), kinds="b")
-        check_kind("Body: loads", self.loads, tuple)
         for load in self.loads:
-            check_kind("Body: load", load, Load)
             check_array("Body: loads: forces", load.forces, (count, 2))
 
     @property
@@ -154,6 +152,87 @@ class Body(Checked):
         crossing = cell_size / (self.material.pressure_wave_speed * math.sqrt(thinning))
         damping_ratio = (self.retardation_time or 0.0) / crossing
         return crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
+
+
+low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
+
+
+@dataclass(frozen=True, kw_only=True)
+class UniformGrid(Checked):
+    """A grid of square cells."""
+
+    lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
+    cell_size: float = checked(POSITIVE, unit="m")  # side of a cell [m], > 0
+    cell_counts: tuple[int, int]  # cells along both axes, >= 3 each
+    axisymmetric: bool = False  # whether the axes are (r, z), else plane strain in (x, y)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("lower", "cell_counts"):
+            if np.shape(getattr(self, name)) != (2,):
+                raise SceneError(
+                    f"UniformGrid: {name} = {getattr(self, name)!r} must be two numbers"
+                )
+        for count in self.cell_counts:
+            check_whole("UniformGrid: cell_counts: one", count, Range(minimum=3))
+        r, z = self.lower
+        least = NOT_NEGATIVE if self.axisymmetric else FINITE
+        check_number("UniformGrid: lower r", r, least, unit="m")
+        check_number("UniformGrid: lower z", z, unit="m")
+
+    @property
+    def node_counts(self) -> tuple[int, int]:
+        """Nodes along both axes."""
+        return self.cell_counts[0] + 1, self.cell_counts[1] + 1
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes."""
+        return self.node_counts[0] * self.node_counts[1]
+
+    @property
+    def particle_bounds(self) -> tuple[Floats, Floats]:
+        """Lowest and highest coordinates at which all nodes of a quadratic B-spline exist [m]."""
+        lower = np.asarray(self.lower) + 0.5 * self.cell_size
+        return lower, lower + self.cell_size * (np.asarray(self.cell_counts) - 1.0)
+
+    @property
+    def kernel_arguments(self) -> dict[str, Any]:
+        """The grid as kernels take it: lowest corner, cell size h, nodes along both axes."""
+        return {
+            "lower": vec2(*self.lower),
+            "h": self.cell_size,
+            "node_counts": wp.vec2i(*self.node_counts),
+        }
+
+
+@wp.func
+def first_node(where: real, node_count: int) -> int:
+    """Lowest of the three nodes of a place, over h from the lowest of all; the others exist too."""
+    return wp.clamp(int(wp.floor(where - half)), 0, node_count - 3)
+
+
+@wp.func
+def spline(where: real, h: real, node_count: int):
+    """Lowest of the three nodes of a place, and of the three N, dN/dx [1/m] and X - x [m].
+
+    f is limited to its range: a particle that has left the grid stays finite until the watch finds
+    it.
+    """
+    first = first_node(where, node_count)
+    f = wp.clamp(where - real(first), half, high)
+    weights = vec3(
+        half * (high - f) * (high - f),
+        low - (f - one) * (f - one),
+        half * (f - half) * (f - half),
+    )
+    slopes = vec3(f - high, two * (one - f), f - half)
+    offsets = vec3(-f, one - f, two - f)
+    return first, weights, slopes / h, h * offsets
+
+
+MARGIN = 2
+"""Empty cells of a grid around bodies, at least."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,8 +32,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import NOT_NEGATIVE, Checked, checked
-from mpm_warp.bodies.body import Body
-from mpm_warp.bodies.grid import UniformGrid, first_node
+from mpm_warp.bodies.body import Body, UniformGrid, first_node
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan
@@ -69,7 +68,7 @@ def add_contact(
     plan: Plan, contact: BodyContact, bodies: Sequence[Body], grid: UniformGrid
 ) -> None:
     """Add the contact of two bodies, after the velocities that each has alone."""
-    over_nodes, node_counts = grid.node_counts[::-1], wp.vec2i(*grid.node_counts)
+    over_nodes = grid.node_counts[::-1]
     plan.add_array("body.half_spacing", "real", np.array([0.5 * body.spacing for body in bodies]))
     for name, kind in (
         ("normal", "vec2"),
@@ -80,27 +79,26 @@ def add_contact(
     ):
         plan.add_zeros(f"contact.{name}", kind, grid.node_count)
     plan.add_zeros("contact.total", "vec3", 1)
-    plan.add_launch(interface, over_nodes, node_counts=node_counts)
-    plan.add_launch(extents, plan.particle_count, **grid.kernel_arguments)
+    plan.add_launch(interface, over_nodes)
+    plan.add_launch(extents, plan.particle_count)
     plan.add_launch(pressing_of_nodes, grid.node_count, closed=CLOSED_GAP * grid.cell_size)
-    plan.add_launch(shared_pressure, over_nodes, node_counts=node_counts)
+    plan.add_launch(shared_pressure, over_nodes)
     plan.add_launch(
         body_contact,
         over_nodes,
         friction=contact.friction,
         adhesion=contact.adhesion,
-        node_counts=node_counts,
     )
 
 
 @kernel
 def interface(
     node_counts: wp.vec2i,
-    field_surface: wp.array2d(dtype=vec2),
-    field_inverse_mass: wp.array2d(dtype=real),
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
+    field_surface: wp.array2d[vec2],
+    field_inverse_mass: wp.array2d[real],
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
 ):
     """Normal and area of the interface of two bodies; launched over nodes. No area, no contact."""
     j, i = wp.tid()
@@ -124,15 +122,15 @@ def interface(
 
 @kernel
 def extents(
-    particle_body: wp.array(dtype=int),
-    particle_position: wp.array(dtype=vec2),
-    body_half_spacing: wp.array(dtype=real),
+    particle_body: wp.array[int],
+    particle_position: wp.array[vec2],
+    body_half_spacing: wp.array[real],
     lower: vec2,
     h: real,
     node_counts: wp.vec2i,
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
 ):
     """How far two bodies extend towards each other at a node; launched over particles."""
     p = wp.tid()
@@ -155,13 +153,13 @@ def extents(
 @kernel
 def pressing_of_nodes(
     closed: real,
-    contact_normal: wp.array(dtype=vec2),
-    contact_area: wp.array(dtype=real),
-    contact_extent: wp.array(dtype=vec2),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
-    field_surface: wp.array2d(dtype=vec2),
-    contact_pressing: wp.array(dtype=vec2),
+    contact_normal: wp.array[vec2],
+    contact_area: wp.array[real],
+    contact_extent: wp.array[vec2],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
+    field_surface: wp.array2d[vec2],
+    contact_pressing: wp.array[vec2],
 ):
     """Normal impulse and area of the nodes whose gap is closed; launched over nodes.
 
@@ -186,9 +184,7 @@ def pressing_of_nodes(
 
 @kernel
 def shared_pressure(
-    node_counts: wp.vec2i,
-    contact_pressing: wp.array(dtype=vec2),
-    contact_pressure: wp.array(dtype=real),
+    node_counts: wp.vec2i, contact_pressing: wp.array[vec2], contact_pressure: wp.array[real]
 ):
     """Normal impulse of a node per area of its neighbourhood; launched over nodes."""
     j, i = wp.tid()
@@ -209,12 +205,12 @@ def body_contact(
     adhesion: real,
     time_step: real,
     node_counts: wp.vec2i,
-    contact_normal: wp.array(dtype=vec2),
-    contact_pressing: wp.array(dtype=vec2),
-    contact_pressure: wp.array(dtype=real),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
-    contact_total: wp.array(dtype=vec3),
+    contact_normal: wp.array[vec2],
+    contact_pressing: wp.array[vec2],
+    contact_pressure: wp.array[real],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
+    contact_total: wp.array[vec3],
 ):
     """The corrector; launched over nodes.
 

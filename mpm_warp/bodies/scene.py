@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, check_kind, check_number
-from mpm_warp.bodies.body import Body, Load
+from mpm_warp.arguments import POSITIVE, Checked, checked
+from mpm_warp.bodies.body import Body, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 
@@ -23,7 +22,7 @@ TOUCHING = 0.9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BodyScene:
+class BodyScene(Checked):
     """Bodies on a grid, and contact between them.
 
     Raises:
@@ -33,18 +32,23 @@ class BodyScene:
     grid: UniformGrid  # the background grid
     bodies: tuple[Body, ...]  # one or more
     # time step over the critical one, the least `Body.critical_time_step` of all bodies; > 0
-    time_step_fraction: float = 0.6
+    time_step_fraction: float = checked(POSITIVE, default=0.6)
     contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
 
     def __post_init__(self) -> None:
-        check_kind("grid", self.grid, UniformGrid)
-        check_kind("bodies", self.bodies, tuple)
-        check_kind("contact", self.contact, (BodyContact, type(None)))
+        super().__post_init__()
         if not self.bodies:
             raise SceneError("bodies: there is none; give one or more")
-        check_number("time_step_fraction", self.time_step_fraction, POSITIVE)
+        lower, upper = self.grid.particle_bounds
         for index, body in enumerate(self.bodies):
-            self._check_body(index, body)
+            outside = ~np.all((body.position >= lower) & (body.position <= upper), axis=1)
+            if outside.any():
+                where = np.array2string(body.position[outside][0], precision=4)
+                raise SceneError(
+                    f"body {index}: {outside.sum()} particles, one at {where} m, are outside the "
+                    f"grid or within half a cell of its edge, which allows {lower} to {upper} m; "
+                    "widen it"
+                )
         if self.contact is not None and len(self.bodies) != 2:
             raise SceneError(f"contact: needs two bodies, the scene has {len(self.bodies)}")
         for (first, body), (second, other) in itertools.combinations(enumerate(self.bodies), 2):
@@ -79,17 +83,6 @@ class BodyScene:
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))
             least = min(least, body.critical_time_step(self.grid.cell_size, thinning))
         return least
-
-    def _check_body(self, index: int, body: Body) -> None:
-        check_kind(f"bodies[{index}]", body, Body)
-        lower, upper = self.grid.particle_bounds
-        outside = ~np.all((body.position >= lower) & (body.position <= upper), axis=1)
-        if outside.any():
-            first = np.array2string(body.position[outside][0], precision=4)
-            raise SceneError(
-                f"body {index}: {outside.sum()} particles, one at {first} m, are outside the grid "
-                f"or within half a cell of its edge, which allows {lower} to {upper} m; widen it"
-            )
 
 
 def _check_overlap(first: int, one: Body, second: int, other: Body) -> None:

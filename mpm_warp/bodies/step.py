@@ -33,12 +33,23 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import FROM_ONE, check_whole
-from mpm_warp.bodies.body import Body, add_loads, add_particles, clock
+from mpm_warp.bodies.body import Body, UniformGrid, add_loads, add_particles, clock, spline
 from mpm_warp.bodies.contact import add_contact
-from mpm_warp.bodies.grid import UniformGrid, spline
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Integers
-from mpm_warp.kernel_types import half, kernel, mat22, one, real, vec2, vec3, vec4, vec5, zero
+from mpm_warp.kernel_types import (
+    half,
+    kernel,
+    mat22,
+    maybe,
+    one,
+    real,
+    vec2,
+    vec3,
+    vec4,
+    vec5,
+    zero,
+)
 from mpm_warp.materials.elasticity import elastic_increment, motion_of, rotated
 from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.planning import make_plan
@@ -58,6 +69,7 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
         longest_time_step=max(1.0, scene.time_step_fraction) * critical_time_step,
         speed_limit=max(body.material.pressure_wave_speed for body in scene.bodies),
         particle_bounds=scene.grid.particle_bounds,
+        given=scene.grid.kernel_arguments,
         control=TimeStepControl(
             first=scene.time_step_fraction * critical_time_step,
             fraction=scene.time_step_fraction,
@@ -88,10 +100,6 @@ def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_body_to_grid(grid.axisymmetric, damped, loaded, scene.contact is not None),
         plan.particle_count,
-        particle_viscous_stress=plan.find("particle.viscous_stress"),
-        particle_load=plan.find("particle.load"),
-        **grid.kernel_arguments,
-        field_surface=plan.find("field.surface"),
     )
     held = np.stack([_held_nodes(body, grid) for body in scene.bodies])
     plan.add_array("field.held", "int", held)
@@ -119,21 +127,21 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
 
     @kernel
     def body_to_grid(
-        particle_body: wp.array(dtype=int),
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_affine: wp.array(dtype=mat22),
-        particle_stress: wp.array(dtype=vec4),
-        particle_mass: wp.array(dtype=real),
-        particle_volume: wp.array(dtype=real),
-        particle_viscous_stress: wp.array(dtype=vec4),
-        particle_load: wp.array(dtype=vec2),
+        particle_body: wp.array[int],
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_affine: wp.array[mat22],
+        particle_stress: wp.array[vec4],
+        particle_mass: wp.array[real],
+        particle_volume: wp.array[real],
+        particle_viscous_stress: maybe(vec4),
+        particle_load: maybe(vec2),
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        field_momentum: wp.array2d(dtype=vec3),
-        field_surface: wp.array2d(dtype=vec2),
+        field_momentum: wp.array2d[vec3],
+        field_surface: maybe(vec2, 2),
     ):
         p = wp.tid()
         b = particle_body[p]
@@ -175,10 +183,10 @@ def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: b
 
 @kernel
 def body_prediction(
-    field_held: wp.array2d(dtype=int),
-    field_momentum: wp.array2d(dtype=vec3),
-    field_inverse_mass: wp.array2d(dtype=real),
-    field_velocity: wp.array2d(dtype=vec2),
+    field_held: wp.array2d[int],
+    field_momentum: wp.array2d[vec3],
+    field_inverse_mass: wp.array2d[real],
+    field_velocity: wp.array2d[vec2],
 ):
     """Velocity and inverse mass of each node; clears its sums. Launched over (bodies, nodes).
 
@@ -210,10 +218,6 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
     plan.add_launch(
         make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
         plan.particle_count,
-        body_retardation_time=plan.find("body.retardation_time"),
-        **scene.grid.kernel_arguments,
-        particle_viscous_stress=plan.find("particle.viscous_stress"),
-        particle_dissipated=plan.find("particle.dissipated"),
     )
 
 
@@ -223,21 +227,21 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
 
     @kernel
     def grid_to_body(
-        particle_body: wp.array(dtype=int),
-        body_moduli: wp.array(dtype=vec2),
-        body_retardation_time: wp.array(dtype=real),
-        field_velocity: wp.array2d(dtype=vec2),
+        particle_body: wp.array[int],
+        body_moduli: wp.array[vec2],
+        body_retardation_time: maybe(real),
+        field_velocity: wp.array2d[vec2],
         lower: vec2,
         h: real,
         node_counts: wp.vec2i,
         time_step: real,
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_affine: wp.array(dtype=mat22),
-        particle_stress: wp.array(dtype=vec4),
-        particle_volume: wp.array(dtype=real),
-        particle_viscous_stress: wp.array(dtype=vec4),
-        particle_dissipated: wp.array(dtype=real),
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_affine: wp.array[mat22],
+        particle_stress: wp.array[vec4],
+        particle_volume: wp.array[real],
+        particle_viscous_stress: maybe(vec4),
+        particle_dissipated: maybe(real),
     ):
         p = wp.tid()
         b = particle_body[p]

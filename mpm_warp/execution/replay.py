@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.execution.threads import LEFT, barrier, in_turn, share_of, worker_threads
 from mpm_warp.kernel_types import kernels_kept
-from mpm_warp.plan.launch import Launch
-from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
+from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan
 
 UPDATES_PER_CALL = 5_000_000
 """Particle updates of one call, about: a quarter of a second, for which Ctrl-C has to wait."""

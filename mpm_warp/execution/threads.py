@@ -13,7 +13,7 @@ from typing import ParamSpec, TypeVar
 
 import warp as wp
 
-from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Launch
 
 _WARP = threading.RLock()
 Arguments = ParamSpec("Arguments")

@@ -17,22 +17,25 @@ plane strain per unit thickness.
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
+import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.arguments import (
     FROM_ONE,
     POSITIVE,
+    Checked,
     Range,
+    array_of,
     check_array,
-    check_kind,
     check_number,
     check_rising,
     check_whole,
+    checked,
 )
 from mpm_warp.errors import SceneError
 
@@ -47,7 +50,7 @@ GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Grid:
+class Grid(Checked):
     """A structured grid of bilinear cells, axisymmetric or, of unit thickness, in plane strain.
 
     Attributes:
@@ -64,27 +67,25 @@ class Grid:
         SceneError: a value is not allowed.
     """
 
-    columns: Floats
-    rows: Floats
+    columns: Floats = field(metadata=array_of(None))
+    rows: Floats = field(metadata=array_of(None))
     surface_radius: Floats
-    fitted_radius: float
+    fitted_radius: float = checked(POSITIVE, unit="m")
     planar: bool = False
     polar = False
     """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name in ("columns", "rows"):
             values = getattr(self, name)
-            check_array(f"grid: {name}", values, (None,))
-            check_whole(f"grid: length of {name}, less 1,", len(values) - 1, FROM_ONE)
-            check_rising(f"grid: {name}", values)
+            check_whole(f"Grid: length of {name}, less 1,", len(values) - 1, FROM_ONE)
+            check_rising(f"Grid: {name}", values)
         if self.columns[0] != 0.0 or 1.0 not in self.columns:
             ends = f"{self.columns[0]:g} to {self.columns[-1]:g}"
-            raise SceneError(f"grid: columns are from {ends}, must be from 0 and one of them 1")
-        check_number("grid: fitted_radius", self.fitted_radius, POSITIVE, unit="m")
+            raise SceneError(f"Grid: columns are from {ends}, must be from 0 and one of them 1")
         within = Range(minimum=0.0, below=self.fitted_radius)
-        check_array("grid: surface_radius", self.surface_radius, self.rows.shape, within)
-        check_kind("grid: planar", self.planar, (bool, np.bool_))
+        check_array("Grid: surface_radius", self.surface_radius, self.rows.shape, within)
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z) at radii [m]: r, or 1 in plane strain, [...]."""
@@ -141,6 +142,16 @@ class Grid:
         beside = np.diff(self.columns)[-1] * self.fitted_radius
         lower = np.array([0.0, self.rows[0] - below])
         return lower, np.array([self.outer_radius + beside, self.rows[-1] + above])
+
+    @property
+    def kernel_arguments(self) -> dict[str, Any]:
+        """The grid as kernels take it, by name."""
+        return {
+            "column_count": self.column_count,
+            "row_count": self.row_count,
+            "cell_counts": wp.vec2i(self.column_count, self.row_count),
+            "fitted_radius": self.fitted_radius,
+        }
 
     @property
     def surface_normals(self) -> Floats:
@@ -252,7 +263,7 @@ class GroundGrid(Grid):
     def __post_init__(self) -> None:
         super().__post_init__()
         above_bottom = Range(above=float(self.rows[0]))
-        check_number("grid: ground_level", self.ground_level, above_bottom, unit="m")
+        check_number("GroundGrid: ground_level", self.ground_level, above_bottom, unit="m")
 
     def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
         """See `Grid`."""

@@ -25,7 +25,7 @@ class Location:
 
 
 @wp.func
-def between_nodes(of_nodes: wp.array(dtype=vec4), node: int, stride: int, xi: real, eta: real):
+def between_nodes(of_nodes: wp.array[vec4], node: int, stride: int, xi: real, eta: real):
     """Bilinear between the nodes of a cell, the first of them `node`, of so many in a row."""
     upper = node + stride
     left = of_nodes[node] + eta * (of_nodes[upper] - of_nodes[node])
@@ -61,8 +61,8 @@ def make_location(polar: bool) -> Location:
     def settle(
         x: vec2,
         cell: wp.vec2i,
-        columns: wp.array(dtype=vec3),
-        rows: wp.array(dtype=vec5),
+        columns: wp.array[vec3],
+        rows: wp.array[vec5],
         fitted_radius: real,
         cell_counts: wp.vec2i,
     ) -> wp.vec2i:

@@ -31,10 +31,10 @@ class PolarGrid(Grid):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_array("grid: rows", self.rows, (None,), Range(minimum=0.0, maximum=np.pi))
+        check_array("PolarGrid: rows", self.rows, (None,), Range(minimum=0.0, maximum=np.pi))
         if np.ptp(self.surface_radius) > 0.0:
             radii = f"{self.surface_radius.min():g} to {self.surface_radius.max():g} m"
-            raise SceneError(f"grid: surface_radius is {radii}, must be the same on all rays")
+            raise SceneError(f"PolarGrid: surface_radius is {radii}, must be the same on all rays")
 
     def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
         """See `Grid`."""

@@ -20,13 +20,12 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
+from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import check_own
-from mpm_warp.plan.plan import Plan
 
 PROPERTIES = "particle.properties"
 """The array of the properties of each point of a material that varies, shape [slot_count]."""
@@ -60,8 +59,7 @@ class Law:
         remembers: whether points remember anything; otherwise `state` is of length 1 and is not
             kept.
         varies: whether each point has properties of its own.
-        properties_of: (properties, number of a point) -> those of the point.
-        state_of: (states, number of a point) -> what that point remembers.
+        of_point: (properties, states, number of a point) -> (properties, state) of that point.
     """
 
     update: Any
@@ -73,8 +71,7 @@ class Law:
     state_type: Any
     remembers: bool
     varies: bool
-    properties_of: Any
-    state_of: Any
+    of_point: Any
 
     @property
     def properties_argument(self) -> Any:
@@ -104,7 +101,6 @@ class Material(Checked, ABC):
             check_own(self)
         except ParameterError as refusal:
             raise SceneError(f"{type(self).__name__}: {refusal}") from None
-        check_kind(f"{type(self).__name__}: variation", self.variation, (Variation, type(None)))
         by_ratios = self.variation is not None and self.variation.rows is None
         if by_ratios and type(self).properties_at is Material.properties_at:
             raise SceneError(f"{type(self).__name__} has no properties that vary by place")
@@ -243,16 +239,8 @@ class Material(Checked, ABC):
             state_type=state_type,
             remembers=remembers,
             varies=varies,
-            properties_of=own_of_point if varies else common_to_points,
-            state_of=own_of_point if remembers else _make_no_state(state_type),
+            of_point=_make_of_point(varies, remembers, state_type),
         )
-
-    def on_points(self, plan: Plan, law: Law) -> dict[str, Any]:
-        """What a launch over points is given: their properties, of all or of each, and state."""
-        return {
-            "properties": PROPERTIES if law.varies else law.properties_type(*self.properties),
-            "particle_state": plan.find("particle.state"),
-        }
 
 
 @functools.cache
@@ -300,9 +288,14 @@ def common_to_points(values: Any, point: int):
 
 
 @functools.cache
-def _make_no_state(state_type: Any) -> Any:
-    @wp.func
-    def no_state(states: wp.array(dtype=state_type), point: int) -> state_type:
-        return state_type()
+def _make_of_point(varies: bool, remembers: bool, state_type: Any) -> Any:
+    properties_of = own_of_point if varies else common_to_points
 
-    return no_state
+    @wp.func
+    def of_point(properties: Any, states: wp.array[state_type], point: int):
+        state = state_type()
+        if wp.static(remembers):
+            state = states[point]
+        return properties_of(properties, point), state
+
+    return of_point

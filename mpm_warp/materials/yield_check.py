@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.kernel_types import kernel, one, real, vec4
+from mpm_warp.kernel_types import kernel, maybe, one, real, vec4
 from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
@@ -29,9 +29,7 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     blocks = -(-count // BLOCK)
     plan.add_zeros("yield.margin", "real", blocks)
     plan.add_zeros("yield.particle", "int", blocks)
-    plan.between_steps["yield_check"] = plan.launch(
-        _make_yield_check(law), blocks, count=count, **material.on_points(plan, law)
-    )
+    plan.between_steps["yield_check"] = plan.launch(_make_yield_check(law), blocks, count=count)
 
 
 def add_yield_share(plan: Plan, material: Material) -> None:
@@ -45,9 +43,7 @@ def add_yield_share(plan: Plan, material: Material) -> None:
         return
     (count,) = plan.arrays["particle.mass"].shape
     plan.add_zeros("yield.share", "real", count)
-    plan.between_steps["yield_share"] = plan.launch(
-        _make_yield_share(law), count, **material.on_points(plan, law)
-    )
+    plan.between_steps["yield_share"] = plan.launch(_make_yield_share(law), count)
 
 
 @functools.cache
@@ -57,12 +53,12 @@ def _make_yield_check(law: Law) -> Any:
     @kernel
     def yield_check(
         count: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_cell: wp.array[wp.vec2i],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
         properties: law.properties_argument,
-        yield_margin: wp.array(dtype=real),
-        yield_particle: wp.array(dtype=int),
+        yield_margin: wp.array[real],
+        yield_particle: wp.array[int],
     ):
         block = wp.tid()
         first = block * wp.static(BLOCK)
@@ -71,8 +67,8 @@ def _make_yield_check(law: Law) -> Any:
         for p in range(first, wp.min(first + wp.static(BLOCK), count)):
             if particle_cell[p][0] >= 0:
                 s = particle_stress[p]
-                remembered = law.state_of(particle_state, p)
-                measured = law.yield_function(s, law.properties_of(properties, p), remembered)
+                own, remembered = law.of_point(properties, particle_state, p)
+                measured = law.yield_function(s, own, remembered)
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)
@@ -91,14 +87,13 @@ def _make_yield_share(law: Law) -> Any:
 
     @kernel
     def yield_share(
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
         properties: law.properties_argument,
-        yield_share: wp.array(dtype=real),
+        yield_share: wp.array[real],
     ):
         p = wp.tid()
-        remembered = law.state_of(particle_state, p)
-        own = law.properties_of(properties, p)
+        own, remembered = law.of_point(properties, particle_state, p)
         measured = law.yield_function(particle_stress[p], own, remembered)
         yield_share[p] = measured[0] / measured[1]
 

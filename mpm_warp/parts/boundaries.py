@@ -93,9 +93,9 @@ class Fixed(Part):
 @kernel
 def fixed(
     offset: int,
-    fixed_nodes: wp.array(dtype=int),
-    fixed_free: wp.array(dtype=vec2),
-    node_velocities: wp.array(dtype=vec4),
+    fixed_nodes: wp.array[int],
+    fixed_free: wp.array[vec2],
+    node_velocities: wp.array[vec4],
 ):
     """Launched over the held nodes."""
     k = offset + wp.tid()
@@ -115,17 +115,13 @@ class RadialMotion(Part):
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over nodes."""
-        grid = scene.grid
-        plan.add_array("ray.direction", "vec2", grid.surface_normals)
-        plan.add_launch(radial_motion, grid.node_count, column_count=grid.column_count)
+        plan.add_array("ray.direction", "vec2", scene.grid.surface_normals)
+        plan.add_launch(radial_motion, scene.grid.node_count)
 
 
 @kernel
 def radial_motion(
-    offset: int,
-    column_count: int,
-    ray_direction: wp.array(dtype=vec2),
-    node_velocities: wp.array(dtype=vec4),
+    offset: int, column_count: int, ray_direction: wp.array[vec2], node_velocities: wp.array[vec4]
 ):
     """Launched over nodes."""
     k = offset + wp.tid()
@@ -211,13 +207,13 @@ def raise_springs(run: Run, *, lowest: Floats | float) -> None:
 @kernel
 def far_field(
     offset: int,
-    far_field_nodes: wp.array(dtype=int),
-    far_field_spring: wp.array(dtype=real),
-    far_field_dashpot: wp.array(dtype=vec2),
-    node_mass: wp.array(dtype=real),
+    far_field_nodes: wp.array[int],
+    far_field_spring: wp.array[real],
+    far_field_dashpot: wp.array[vec2],
+    node_mass: wp.array[real],
     time_step: real,
-    far_field_displacement: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
+    far_field_displacement: wp.array[real],
+    node_velocities: wp.array[vec4],
 ):
     """Launched over the nodes of the side."""
     k = offset + wp.tid()

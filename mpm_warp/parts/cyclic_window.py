@@ -133,11 +133,7 @@ def rows_below(grid: Grid, stroke: float) -> int:
 
 @kernel
 def advance_cyclic_window(
-    time_step: real,
-    speed: real,
-    ramp_time: real,
-    passage_time: real,
-    window_motion: wp.array(dtype=real),
+    time_step: real, speed: real, ramp_time: real, passage_time: real, window_motion: wp.array[real]
 ):
     """One step of the motion; launched once."""
     window_motion[2] += time_step * window_motion[1]
@@ -158,11 +154,11 @@ def leave_and_return(
     top: real,
     highest_row: int,
     passage_time: real,
-    window_motion: wp.array(dtype=real),
-    particle_position: wp.array(dtype=vec2),
-    particle_velocity: wp.array(dtype=vec2),
-    particle_cell: wp.array(dtype=wp.vec2i),
-    particle_resting_column: wp.array(dtype=int),
+    window_motion: wp.array[real],
+    particle_position: wp.array[vec2],
+    particle_velocity: wp.array[vec2],
+    particle_cell: wp.array[wp.vec2i],
+    particle_resting_column: wp.array[int],
 ):
     """Launched over slots of particles."""
     p = offset + wp.tid()

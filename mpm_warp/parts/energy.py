@@ -33,7 +33,7 @@ import warp as wp
 
 from mpm_warp.arguments import check_kind
 from mpm_warp.errors import SceneError
-from mpm_warp.kernel_types import half, kernel, real, vec2, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import half, kernel, maybe, real, vec2, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
@@ -55,9 +55,9 @@ class EnergyAudit(Part):
 
         The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
         """
-        columns, rows = scene.grid.column_count, scene.grid.row_count + 1
+        rows = scene.grid.row_count + 1
         plan.add_zeros("transfer.energy", "real", rows)
-        of = functools.partial(plan.launch, kinetic_energy, rows, column_count=columns)
+        of = functools.partial(plan.launch, kinetic_energy, rows)
         plan.audit(of(first=0, sign=-1.0), before=plan.step[0].name)
         plan.audit(of(first=2, sign=1.0), after="momentum")
 
@@ -75,8 +75,7 @@ class EnergyBalance(Part):
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the records to the audited step."""
-        grid, material = scene.grid, scene.material
-        law = material.law()
+        grid = scene.grid
         slots = plan.arrays["particle.mass"].shape
         plan.add_zeros("balance.by_stress", "vec2", grid.node_count)
         plan.add_zeros("balance.by_ground", "vec2", grid.node_count)
@@ -85,12 +84,7 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_CELLS, "real", grid.cell_count)
         plan.add_zeros(OF_POINTS, "vec2", slots)
         keep = functools.partial(plan.launch, keep_velocity, grid.node_count)
-        of_points = plan.launch(
-            _make_work_of_points(law),
-            slots,
-            column_count=grid.column_count,
-            **material.on_points(plan, law),
-        )
+        of_points = plan.launch(_make_work_of_points(scene.material.law()), slots)
         # Cells still have the mass of their points, and the rates of the step before.
         plan.audit(plan.launch(work_of_cells, grid.cell_count), before="cell_stress")
         plan.audit(keep(kept="balance.by_stress"), after="momentum")
@@ -105,9 +99,9 @@ def kinetic_energy(
     column_count: int,
     first: int,
     sign: real,
-    node_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-    transfer_energy: wp.array(dtype=real),
+    node_mass: wp.array[real],
+    node_velocities: wp.array[vec4],
+    transfer_energy: wp.array[real],
 ):
     """Launched over rows of nodes, each of which keeps its own sum.
 
@@ -123,7 +117,7 @@ def kinetic_energy(
 
 
 @kernel
-def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.array(dtype=vec2)):
+def keep_velocity(offset: int, node_velocities: wp.array[vec4], kept: wp.array[vec2]):
     """Launched over nodes."""
     node = offset + wp.tid()
     v = node_velocities[node]
@@ -133,13 +127,13 @@ def keep_velocity(offset: int, node_velocities: wp.array(dtype=vec4), kept: wp.a
 @kernel
 def work_of_nodes(
     offset: int,
-    node_velocities: wp.array(dtype=vec4),
-    node_mass: wp.array(dtype=real),
-    node_least_mass: wp.array(dtype=real),
-    window_motion: wp.array(dtype=real),
-    balance_by_stress: wp.array(dtype=vec2),
-    balance_by_ground: wp.array(dtype=vec2),
-    balance_nodes: wp.array(dtype=vec5),
+    node_velocities: wp.array[vec4],
+    node_mass: wp.array[real],
+    node_least_mass: wp.array[real],
+    window_motion: wp.array[real],
+    balance_by_stress: wp.array[vec2],
+    balance_by_ground: wp.array[vec2],
+    balance_nodes: wp.array[vec5],
 ):
     """Launched over nodes."""
     node = offset + wp.tid()
@@ -162,13 +156,13 @@ def work_of_nodes(
 @kernel
 def work_of_cells(
     offset: int,
-    cell_mass: wp.array2d(dtype=real),
-    cell_volume: wp.array(dtype=real),
-    cell_viscosity: wp.array(dtype=real),
-    cell_dilation_rate: wp.array(dtype=real),
+    cell_mass: wp.array2d[real],
+    cell_volume: wp.array[real],
+    cell_viscosity: wp.array[real],
+    cell_dilation_rate: wp.array[real],
     time_step: real,
-    balance_specific_volume: wp.array(dtype=real),
-    balance_cells: wp.array(dtype=real),
+    balance_specific_volume: wp.array[real],
+    balance_cells: wp.array[real],
 ):
     """Launched over cells; it leaves their volume over the mass of their points too."""
     c = offset + wp.tid()
@@ -201,16 +195,16 @@ def _make_work_of_points(law: Law) -> Any:
     @kernel
     def work_of_points(
         offset: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_mass: wp.array(dtype=real),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
-        cell_motion: wp.array(dtype=vec7),
+        particle_cell: wp.array[wp.vec2i],
+        particle_mass: wp.array[real],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
+        cell_motion: wp.array[vec7],
         column_count: int,
         time_step: real,
         properties: law.properties_argument,
-        balance_specific_volume: wp.array(dtype=real),
-        balance_points: wp.array(dtype=vec2),
+        balance_specific_volume: wp.array[real],
+        balance_points: wp.array[vec2],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
@@ -218,13 +212,8 @@ def _make_work_of_points(law: Law) -> Any:
             return
         c = cell[1] * column_count + cell[0]
         before = particle_stress[p]
-        sigma, relaxed, moduli = plastic_step(
-            before,
-            cell_motion[c],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        sigma, relaxed, moduli = plastic_step(before, cell_motion[c], time_step, own, remembered)
         G, K = moduli[0], moduli[1]
         V = particle_mass[p] * balance_specific_volume[c]
         balance_points[p] = balance_points[p] + V * vec2(

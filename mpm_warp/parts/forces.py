@@ -32,12 +32,7 @@ class Gravity(Part):
 
 
 @kernel
-def gravity(
-    offset: int,
-    change: real,
-    node_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-):
+def gravity(offset: int, change: real, node_mass: wp.array[real], node_velocities: wp.array[vec4]):
     """Launched over nodes; one without soil keeps what it has."""
     node = offset + wp.tid()
     if node_mass[node] > zero:
@@ -69,11 +64,11 @@ class NodalLoad(Part):
 
 @kernel
 def nodal_load(
-    load_nodes: wp.array(dtype=int),
-    load_forces: wp.array(dtype=vec2),
-    node_mass: wp.array(dtype=real),
+    load_nodes: wp.array[int],
+    load_forces: wp.array[vec2],
+    node_mass: wp.array[real],
     time_step: real,
-    node_velocities: wp.array(dtype=vec4),
+    node_velocities: wp.array[vec4],
 ):
     """Launched over the loaded nodes."""
     k = wp.tid()
@@ -100,7 +95,7 @@ class Damping(Part):
 
 
 @kernel
-def damping(offset: int, drag: real, node_velocities: wp.array(dtype=vec4)):
+def damping(offset: int, drag: real, node_velocities: wp.array[vec4]):
     """Launched over nodes."""
     node = offset + wp.tid()
     v = node_velocities[node]

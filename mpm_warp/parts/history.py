@@ -22,7 +22,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import kernel, real, vec4, vec7
+from mpm_warp.kernel_types import kernel, maybe, real, vec4, vec7
 from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
@@ -50,17 +50,12 @@ class History(Part):
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the record of the plastic strain, and the share of its strength that soil bears."""
-        grid, material = scene.grid, scene.material
-        law = material.law()
         record = plan.launch(
-            _make_record_plastic_strain(law),
-            plan.arrays["particle.mass"].shape,
-            column_count=grid.column_count,
-            **material.on_points(plan, law),
+            _make_record_plastic_strain(scene.material.law()), plan.arrays["particle.mass"].shape
         )
         # The rates of cells are known, and the stress is still that before the law.
         plan.audit(record, before="grid_to_particles")
-        add_yield_share(plan, material)
+        add_yield_share(plan, scene.material)
 
 
 def displacement(run: Run, travel: float) -> Floats:
@@ -79,26 +74,22 @@ def _make_record_plastic_strain(law: Law) -> Any:
     @kernel
     def record_plastic_strain(
         offset: int,
-        particle_cell: wp.array(dtype=wp.vec2i),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
-        cell_motion: wp.array(dtype=vec7),
+        particle_cell: wp.array[wp.vec2i],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
+        cell_motion: wp.array[vec7],
         column_count: int,
         time_step: real,
         properties: law.properties_argument,
-        particle_plastic_strain: wp.array(dtype=real),
+        particle_plastic_strain: wp.array[real],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
         if cell[0] < 0:
             return
-        _, relaxed, moduli = plastic_step(
-            particle_stress[p],
-            cell_motion[cell[1] * column_count + cell[0]],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        motion = cell_motion[cell[1] * column_count + cell[0]]
+        _, relaxed, moduli = plastic_step(particle_stress[p], motion, time_step, own, remembered)
         particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / moduli[0]
 
     return record_plastic_strain

@@ -29,10 +29,9 @@ import warp as wp
 from mpm_warp.errors import WindowOverfull
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.grid.location import between_nodes, make_location
-from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5
+from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
-from mpm_warp.plan.launch import share_bounds
-from mpm_warp.plan.plan import Plan, Run
+from mpm_warp.plan.plan import Plan, Run, share_bounds
 from mpm_warp.scene import Scene
 
 ROUNDING = 1e-6
@@ -56,7 +55,6 @@ def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
         bound_velocity,
         len(plan.initial("particle.cell")),
         stride=scene.grid.column_count + 1,
-        fitted_radius=scene.grid.fitted_radius,
         W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, stray_speed),
         speed_limit=plan.speed_limit,
     )
@@ -77,9 +75,7 @@ def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
         )
     law = scene.material.law()
     if law.yield_function is not None:
-        plan.between_steps["enter.by_law"] = plan.launch(
-            _make_enter_by_law(law), len(slots), **scene.material.on_points(plan, law)
-        )
+        plan.between_steps["enter.by_law"] = plan.launch(_make_enter_by_law(law), len(slots))
 
 
 class Inflow:
@@ -152,9 +148,9 @@ class Inflow:
     def _enter_by_law(self, place: Floats) -> None:
         """Give a layer what the material says of its place in the ground [m], [point_count, 2]."""
         run, material = self._run, self._scene.material
-        if run.plan.find(PROPERTIES):
+        if PROPERTIES in run.plan.arrays:
             run.assign("layer.properties", material.properties_at(place))
-        if run.plan.find(ADHESION_RATIO):
+        if ADHESION_RATIO in run.plan.arrays:
             run.assign("layer.adhesion_ratio", material.ratio_at(place, "adhesion_ratio"))
         if material.state:
             run.assign("layer.state", material.state_at(run.array("layer.stress"), place))
@@ -177,9 +173,7 @@ def _make_enter(dtype: Any) -> Any:
     """The kernel that writes the values of a layer into its slots; over the layer's particles."""
 
     @kernel
-    def enter(
-        layer_slots: wp.array(dtype=int), layer: wp.array(dtype=dtype), field: wp.array(dtype=dtype)
-    ):
+    def enter(layer_slots: wp.array[int], layer: wp.array[dtype], field: wp.array[dtype]):
         k = wp.tid()
         field[layer_slots[k]] = layer[k]
 
@@ -197,12 +191,12 @@ def _make_enter_by_law(law: Law) -> Any:
     def enter_by_law(
         time_step: real,
         properties: law.properties_argument,
-        layer_slots: wp.array(dtype=int),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
+        layer_slots: wp.array[int],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
     ):
         p = layer_slots[wp.tid()]
-        own, remembered = law.properties_of(properties, p), law.state_of(particle_state, p)
+        own, remembered = law.of_point(properties, particle_state, p)
         sigma, _ = law.update(particle_stress[p], vec4(), time_step, own, remembered)
         particle_stress[p] = sigma
 
@@ -214,16 +208,16 @@ natural = make_location(polar=False).natural
 
 @kernel
 def bound_velocity(
-    node_velocities: wp.array(dtype=vec4),
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    node_velocities: wp.array[vec4],
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     stride: int,
     fitted_radius: real,
-    particle_cell: wp.array(dtype=wp.vec2i),
-    particle_position: wp.array(dtype=vec2),
+    particle_cell: wp.array[wp.vec2i],
+    particle_position: wp.array[vec2],
     W: real,
     speed_limit: real,
-    particle_velocity: wp.array(dtype=vec2),
+    particle_velocity: wp.array[vec2],
 ):
     """Launched over slots."""
     p = wp.tid()

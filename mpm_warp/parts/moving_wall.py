@@ -77,20 +77,19 @@ class MovingWall(RampedMotion):
         plan.add_array("wall.motion", "vec3", motion)
         plan.add_array("wall.outward", "vec2", grid.surface_normals)
         plan.add_zeros("wall.impulse", "real", grid.row_count + 1)
-        plan.add_launch(push, grid.row_count + 1, column_count=grid.column_count)
+        plan.add_launch(push, grid.row_count + 1)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
         """Add the launches that move the wall at the end of a step and draw the cells together."""
         grid = scene.grid
         plan.add_launch(move_wall, grid.row_count + 1, speed=self.speed, ramp_time=self.ramp_time)
-        geometry = {"fitted_radius": grid.fitted_radius, "column_count": grid.column_count}
         if isinstance(grid, PolarGrid):
             angular, caps = grid.angular_integrals
             plan.add_array("wall.angular", "vec5", angular)
             plan.add_array("wall.caps", "real", caps)
-            plan.add_launch(refit_sectors, grid.cell_count, **geometry)
+            plan.add_launch(refit_sectors, grid.cell_count)
         else:
-            plan.add_launch(refit_cells, grid.cell_count, **geometry)
+            plan.add_launch(refit_cells, grid.cell_count)
 
 
 @kernel
@@ -98,8 +97,8 @@ def move_wall(
     time_step: real,
     speed: real,
     ramp_time: real,
-    wall_motion: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    wall_motion: wp.array[vec3],
+    grid_rows: wp.array[vec5],
 ):
     """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
 
@@ -117,12 +116,12 @@ def move_wall(
 @kernel
 def refit_cells(
     offset: int,
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     fitted_radius: real,
     column_count: int,
-    cell_integrals: wp.array2d(dtype=vec3),
-    cell_volume: wp.array(dtype=real),
+    cell_integrals: wp.array2d[vec3],
+    cell_volume: wp.array[real],
 ):
     """Integrals and volumes of the cells after the wall has moved; launched over cells."""
     c = offset + wp.tid()
@@ -150,14 +149,14 @@ def part(P: real, Q: real, t: vec5) -> vec3:
 @kernel
 def refit_sectors(
     offset: int,
-    grid_columns: wp.array(dtype=vec3),
-    grid_rows: wp.array(dtype=vec5),
+    grid_columns: wp.array[vec3],
+    grid_rows: wp.array[vec5],
     fitted_radius: real,
     column_count: int,
-    wall_angular: wp.array2d(dtype=vec5),
-    wall_caps: wp.array(dtype=real),
-    cell_integrals: wp.array2d(dtype=vec3),
-    cell_volume: wp.array(dtype=real),
+    wall_angular: wp.array2d[vec5],
+    wall_caps: wp.array[real],
+    cell_integrals: wp.array2d[vec3],
+    cell_volume: wp.array[real],
 ):
     """The same for the cells of a polar grid; launched over cells.
 
@@ -182,11 +181,11 @@ def refit_sectors(
 @kernel
 def push(
     column_count: int,
-    wall_motion: wp.array(dtype=vec3),
-    wall_outward: wp.array(dtype=vec2),
-    node_mass: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
-    wall_impulse: wp.array(dtype=real),
+    wall_motion: wp.array[vec3],
+    wall_outward: wp.array[vec2],
+    node_mass: wp.array[real],
+    node_velocities: wp.array[vec4],
+    wall_impulse: wp.array[real],
 ):
     """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
 

@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
+from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
@@ -123,11 +123,6 @@ class SurroundingGround(Part):
     grid: Grid
     material: Material
 
-    def __post_init__(self) -> None:
-        check_kind("SurroundingGround: source", self.source, TravellingSource)
-        check_kind("SurroundingGround: grid", self.grid, Grid)
-        check_kind("SurroundingGround: material", self.material, Material)
-
     @cached_property
     def far(self) -> FarField:
         """The medium beside the window: nodes of the side, springs along r, dashpots."""
@@ -200,7 +195,7 @@ class SurroundingGround(Part):
         plan.add_array("far_field.flow", "vec2", side_flow)
         plan.add_array("far_field.drawn", "vec2", side_flow + drawn / self.spring)
         plan.add_array("far_field.displacement", "vec2", at_rest)
-        partly = plan.find("cell.full_mass") is not None
+        partly = "cell.full_mass" in plan.arrays
         plan.add_launch(_make_moving_side(partly), len(self.far.nodes))
         # After the side: a spring in a corner must not move what the bottom holds.
         ends = Fixed.on(self.grid, radial=["bottom"], vertical=["bottom", "top"])
@@ -223,11 +218,11 @@ def _place(position: Floats, travel: float) -> Floats:
 @kernel
 def moving_ends(
     offset: int,
-    end_nodes: wp.array(dtype=int),
-    end_free: wp.array(dtype=vec2),
-    end_flow: wp.array(dtype=vec2),
-    window_motion: wp.array(dtype=real),
-    node_velocities: wp.array(dtype=vec4),
+    end_nodes: wp.array[int],
+    end_free: wp.array[vec2],
+    end_flow: wp.array[vec2],
+    window_motion: wp.array[real],
+    node_velocities: wp.array[vec4],
 ):
     """Launched over the nodes of bottom and top."""
     k = offset + wp.tid()
@@ -244,17 +239,17 @@ def _make_moving_side(partly: bool) -> Any:
     @kernel
     def moving_side(
         offset: int,
-        far_field_nodes: wp.array(dtype=int),
-        far_field_spring: wp.array(dtype=vec2),
-        far_field_dashpot: wp.array(dtype=vec2),
-        far_field_flow: wp.array(dtype=vec2),
-        far_field_drawn: wp.array(dtype=vec2),
-        node_mass: wp.array(dtype=real),
-        node_least_mass: wp.array(dtype=real),
+        far_field_nodes: wp.array[int],
+        far_field_spring: wp.array[vec2],
+        far_field_dashpot: wp.array[vec2],
+        far_field_flow: wp.array[vec2],
+        far_field_drawn: wp.array[vec2],
+        node_mass: wp.array[real],
+        node_least_mass: wp.array[real],
         time_step: real,
-        window_motion: wp.array(dtype=real),
-        far_field_displacement: wp.array(dtype=vec2),
-        node_velocities: wp.array(dtype=vec4),
+        window_motion: wp.array[real],
+        far_field_displacement: wp.array[vec2],
+        node_velocities: wp.array[vec4],
     ):
         k = offset + wp.tid()
         node = far_field_nodes[k]

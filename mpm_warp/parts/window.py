@@ -11,7 +11,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, Range, check_kind, check_number, checked
+from mpm_warp.arguments import POSITIVE, Checked, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, zero
 from mpm_warp.parts.inflow import OVER_WINDOW, Inflow, add_inflow
@@ -117,7 +117,6 @@ class Window(MovingGrid):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_kind("Window: approach", self.approach, (Approach, type(None)))
         if self.approach is not None:
             faster = Range(above=self.speed)
             check_number("Window: approach.speed", self.approach.speed, faster, unit="m/s")
@@ -186,7 +185,7 @@ def _make_advance_window(hurried: bool) -> Any:
         final_speed: real,
         approach_travel: real,
         slowing_travel: real,
-        window_motion: wp.array(dtype=real),
+        window_motion: wp.array[real],
     ):
         window_motion[2] += time_step * window_motion[1]
         window_motion[0] += time_step

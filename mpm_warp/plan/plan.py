@@ -1,11 +1,12 @@
 """A plan: the exact list of arrays and kernel launches of a run, as data.
 
-It can be printed, compared and tested. Nothing here knows of a scene.
+It can be printed, compared and tested. Nothing here knows of a scene. A launch may be split into
+shares that run at the same time.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -24,13 +25,16 @@ from mpm_warp.arguments import (
 from mpm_warp.errors import Fault, SceneError
 from mpm_warp.kernel_types import mat22, real, vector
 from mpm_warp.parameters import nearest_name
-from mpm_warp.plan.launch import OFFSET, Launch
 
 AUDIT_INTERVAL = 16
 """One of so many steps is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers."""
 
+WORTH_SHARING = 200
+"""Items of a launch, at least, whose work takes longer than the threads' wait for each other."""
+OFFSET = object()
+"""The argument by which a share of a launch gets the number of its first item."""
 SLACK = 1.05
 """Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
 SURPRISE = 1.1
@@ -85,6 +89,80 @@ class Array:
                 )
 
 
+@dataclass(frozen=True)
+class ShareRow:
+    """The argument that gives each share of a launch a row of its own of an array."""
+
+    name: str  # of the array
+    number: int = 0  # of the share
+
+
+def share_bounds(length: int, count: int) -> NDArray[np.integer[Any]]:
+    """Where each of `count` shares of `length` items begins, and where the last one ends."""
+    return length * np.arange(count + 1) // count
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Launch:
+    """One kernel launch; texts among the arguments name arrays of the plan.
+
+    A launch that has `OFFSET` among its arguments can be split along its first axis into shares,
+    which may run at the same time: what they write does not overlap, or is their `ShareRow`.
+    """
+
+    kernel: Any  # a kernel of Warp
+    dim: tuple[int, ...]  # threads along each of its axes
+    arguments: tuple[Any, ...]  # those of the kernel, in its order
+
+    @property
+    def name(self) -> str:
+        """That of its kernel, whichever of its variants it is."""
+        # Warp names a kernel by the functions that it was defined in, too.
+        return str(self.kernel.key.split("__")[-1])
+
+    @property
+    def item_count(self) -> int:
+        """How many times the kernel runs."""
+        return math.prod(self.dim)
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether threads share the launch."""
+        large = self.item_count >= WORTH_SHARING
+        return OFFSET in self.arguments and (large or self.adds_up)
+
+    @property
+    def adds_up(self) -> bool:
+        """Whether its result depends on how it is split, if only by rounding."""
+        return any(isinstance(item, ShareRow) for item in self.arguments)
+
+    @property
+    def arrays(self) -> tuple[str, ...]:
+        """Names of the arrays that the launch reads or writes."""
+        names = (item.name if isinstance(item, ShareRow) else item for item in self.arguments)
+        return tuple(name for name in names if isinstance(name, str))
+
+    def share(self, number: int, count: int) -> "Launch":
+        """One of `count` shares of the launch, as even as can be."""
+        begin, end = share_bounds(self.dim[0], count)[number : number + 2].tolist()
+        arguments: list[Any] = []
+        for item in self.arguments:
+            own = ShareRow(item.name, number) if isinstance(item, ShareRow) else item
+            arguments.append(begin if item is OFFSET else own)
+        dim = (end - begin, *self.dim[1:])
+        return replace(self, dim=dim, arguments=tuple(arguments))
+
+    def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
+        """What the kernel is called with, by the arrays on a device: threads, and arguments."""
+
+        def on_device(item: Any) -> Any:
+            if isinstance(item, ShareRow):
+                return arrays[item.name][item.number]
+            return arrays[item] if isinstance(item, str) else item
+
+        return self.dim, [on_device(item) for item in self.arguments]
+
+
 @dataclass(kw_only=True, eq=False)
 class TimeStepControl:
     """Keeps the time step at a fraction of the critical one, which the watch finds anew.
@@ -137,6 +215,8 @@ class Plan:
     share_count: int = 1
     remedy: str = "try a smaller time_step_fraction"  # what may help where a run diverges
     particle_count: int = 0  # particles at the start
+    # what kernels are given by name beside arrays: numbers of the grid, properties of the soil
+    given: dict[str, Any] = field(default_factory=dict)
     # by name, "particle.mass" say; the first word says over what they run
     arrays: dict[str, Array] = field(default_factory=dict)
     step: list[Launch] = field(default_factory=list)  # the launches of one step, in order
@@ -191,10 +271,6 @@ class Plan:
         if not isinstance(name, str) or name not in self.arrays:
             raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 
-    def find(self, name: str) -> str | None:
-        """The name of an array that a part may have added; None where it has not."""
-        return name if name in self.arrays else None
-
     def initial(self, name: str) -> NDArray[Any]:
         """What an array starts with, where it was given values; they may still be changed."""
         values = self.arrays[name].initial
@@ -204,29 +280,28 @@ class Plan:
     def launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> Launch:
         """A launch; its arguments go by the names that they have in the kernel.
 
-        What is not given is the array of the same name, `node_mass` being "node.mass", the length
-        of a step for `time_step`, and `OFFSET` for `offset`.
-
-        Args:
-            kernel: a kernel of Warp.
-            over: threads along each axis.
-            arguments: by name; a text names an array, None is an array of nothing.
+        What is not among them is what the plan has `given`, or the array of the same name,
+        `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`;
+        and where the plan is without an array that there is `maybe`, None.
+        `over` is the threads along each axis. A text names an array, None stands for an empty one.
 
         Raises:
             TypeError: an argument is missing, or the kernel has none of that name.
         """
-        names = list(kernel.func.__annotations__)
-        known: dict[str, Any] = {name.replace(".", "_"): name for name in self.arrays}
-        known |= {"offset": OFFSET, "time_step": self.time_step, **arguments}
-        missing = [name for name in names if name not in known]
-        unknown = [name for name in arguments if name not in names]
+        kinds = kernel.func.__annotations__
+        absent = [name for name, kind in kinds.items() if getattr(kind, "may_be_absent", False)]
+        known: dict[str, Any] = dict.fromkeys(absent)
+        known |= {name.replace(".", "_"): name for name in self.arrays}
+        known |= {"offset": OFFSET, "time_step": self.time_step, **self.given, **arguments}
+        missing = [name for name in kinds if name not in known]
+        unknown = [name for name in arguments if name not in kinds]
         if missing or unknown:
             raise TypeError(
                 f"kernel {kernel.key}: arguments missing: {missing}, unknown: {unknown}; it takes "
-                f"{', '.join(names)}"
+                f"{', '.join(kinds)}"
             )
         dim = over if isinstance(over, tuple) else (over,)
-        return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in names))
+        return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in kinds))
 
     def add_launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> None:
         """Add a launch to the end of the step; what is given and what not is said in `launch`."""

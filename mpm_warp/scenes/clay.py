@@ -3,7 +3,7 @@
 import functools
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, make_dataclass
+from dataclasses import asdict, dataclass, fields, make_dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import BOUNDS, Derived, Parameter, fill_in, parameter
+from mpm_warp.parameters import Derived, Parameter, fill_in, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 NEEDED = (
@@ -255,10 +255,8 @@ def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
         for name, definition in found
     )
     _, first = found[0]
-    bounds = (
-        {bound: getattr(first, bound) for bound in (*BOUNDS, "choices")} if len(found) == 1 else {}
-    )
-    return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **bounds)
+    of_one = {"choices": first.choices, **asdict(first.bounds)} if len(found) == 1 else {}
+    return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **of_one)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import kernel, one, real, vec3, vec4, vec5, vec7, vec10, zero
+from mpm_warp.kernel_types import kernel, maybe, one, real, vec3, vec4, vec5, vec7, vec10, zero
 from mpm_warp.materials.elasticity import motion_of
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
@@ -36,13 +36,9 @@ def add_cell_stress(plan: Plan, scene: Scene) -> None:
         impedance = scene.material.density * scene.material.pressure_wave_speed
         plan.add_array("cell.viscosity", "real", viscosity * impedance * grid.cell_lengths)
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
-    free_surface = plan.find("cell.full_mass") is not None
+    free_surface = "cell.full_mass" in plan.arrays
     plan.add_launch(
-        _make_cell_stress(plan.share_count, viscosity is not None, free_surface),
-        grid.cell_count,
-        cell_dilation_rate=plan.find("cell.dilation_rate"),
-        cell_viscosity=plan.find("cell.viscosity"),
-        cell_full_mass=plan.find("cell.full_mass"),
+        _make_cell_stress(plan.share_count, viscosity is not None, free_surface), grid.cell_count
     )
 
 
@@ -53,12 +49,12 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> An
     @kernel
     def cell_stress(
         offset: int,
-        cell_stress_sum: wp.array2d(dtype=vec4),
-        cell_mass: wp.array2d(dtype=real),
-        cell_dilation_rate: wp.array(dtype=real),
-        cell_viscosity: wp.array(dtype=real),
-        cell_full_mass: wp.array(dtype=real),
-        cell_stress: wp.array(dtype=vec4),
+        cell_stress_sum: wp.array2d[vec4],
+        cell_mass: wp.array2d[real],
+        cell_dilation_rate: maybe(real),
+        cell_viscosity: maybe(real),
+        cell_full_mass: maybe(real),
+        cell_stress: wp.array[vec4],
     ):
         c = offset + wp.tid()
         sums, m = vec4(), real(0.0)
@@ -101,20 +97,13 @@ def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> No
     plan.add_zeros("cell.motion", "vec7", grid.cell_count)
     if internal_flow is not None:
         plan.add_zeros("cell.internal_flow", "vec4", grid.cell_count)
-    viscous, corrected = plan.find("cell.dilation_rate"), plan.find("cell.correction")
-    blended = plan.find("cell.pic_fraction")
+    viscous, corrected, blended = (
+        f"cell.{name}" in plan.arrays for name in ("dilation_rate", "correction", "pic_fraction")
+    )
     plan.add_launch(
-        _make_cell_rates(
-            viscous is not None, corrected is not None, blended is not None, internal_flow
-        ),
+        _make_cell_rates(viscous, corrected, blended, internal_flow),
         grid.cell_count,
-        column_count=grid.column_count,
-        cell_dilation_rate=viscous,
         correction_weight=weight,
-        cell_correction=corrected,
-        cell_pic_fraction=blended,
-        cell_interpolation_weights=plan.find("cell.interpolation_weights"),
-        cell_internal_flow=plan.find("cell.internal_flow"),
     )
 
 
@@ -129,18 +118,18 @@ def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flo
     @kernel
     def cell_rates(
         offset: int,
-        node_velocities: wp.array(dtype=vec4),
-        cell_integrals: wp.array2d(dtype=vec3),
-        cell_volume: wp.array(dtype=real),
+        node_velocities: wp.array[vec4],
+        cell_integrals: wp.array2d[vec3],
+        cell_volume: wp.array[real],
         column_count: int,
         time_step: real,
-        cell_dilation_rate: wp.array(dtype=real),
+        cell_dilation_rate: maybe(real),
         correction_weight: real,
-        cell_correction: wp.array(dtype=vec4),
-        cell_pic_fraction: wp.array(dtype=real),
-        cell_motion: wp.array(dtype=vec7),
-        cell_interpolation_weights: wp.array(dtype=vec10),
-        cell_internal_flow: wp.array(dtype=vec4),
+        cell_correction: maybe(vec4),
+        cell_pic_fraction: maybe(real),
+        cell_motion: wp.array[vec7],
+        cell_interpolation_weights: maybe(vec10),
+        cell_internal_flow: maybe(vec4),
     ):
         c = offset + wp.tid()
         node = c + c / column_count

@@ -17,7 +17,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.grid.location import between_nodes, make_location
-from mpm_warp.kernel_types import kernel, real, vec2, vec3, vec4, vec5, vec7, zero
+from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import make_stress_update
 from mpm_warp.materials.material import Law
 from mpm_warp.plan.plan import Plan
@@ -33,23 +33,15 @@ def add_grid_to_particles(
     displacement; None: there is no such flow. `window_top` is the height [m] above which particles
     leave a grid that travels; None: it rests, and they stay in it.
     """
-    grid, material = scene.grid, scene.material
-    law = material.law()
     plan.add_launch(
         _make_grid_to_particles(
-            grid.polar,
-            law,
+            scene.grid.polar,
+            scene.material.law(),
             flow_displacement,
             window_top is not None,
-            plan.find("cell.pic_fraction") is not None,
+            "cell.pic_fraction" in plan.arrays,
         ),
         plan.arrays["particle.mass"].shape,
-        cell_internal_flow=plan.find("cell.internal_flow"),
-        cell_pic_fraction=plan.find("cell.pic_fraction"),
-        fitted_radius=grid.fitted_radius,
-        cell_counts=wp.vec2i(grid.column_count, grid.row_count),
-        **material.on_points(plan, law),
-        window_motion=plan.find("window.motion"),
         top=0.0 if window_top is None else window_top,
     )
 
@@ -66,22 +58,22 @@ def _make_grid_to_particles(
     @kernel
     def grid_to_particles(
         offset: int,
-        node_velocities: wp.array(dtype=vec4),
-        cell_motion: wp.array(dtype=vec7),
-        cell_internal_flow: wp.array(dtype=vec4),
-        cell_pic_fraction: wp.array(dtype=real),
-        grid_columns: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
+        node_velocities: wp.array[vec4],
+        cell_motion: wp.array[vec7],
+        cell_internal_flow: maybe(vec4),
+        cell_pic_fraction: maybe(real),
+        grid_columns: wp.array[vec3],
+        grid_rows: wp.array[vec5],
         fitted_radius: real,
         cell_counts: wp.vec2i,
         time_step: real,
         properties: law.properties_argument,
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
-        particle_cell: wp.array(dtype=wp.vec2i),
-        window_motion: wp.array(dtype=real),
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
+        particle_cell: wp.array[wp.vec2i],
+        window_motion: maybe(real),
         top: real,
     ):
         p = offset + wp.tid()
@@ -105,12 +97,9 @@ def _make_grid_to_particles(
             change += cell_pic_fraction[c] * (u - particle_velocity[p])
         particle_velocity[p] += change
 
+        own, remembered = law.of_point(properties, particle_state, p)
         sigma, remembered = stress_update(
-            particle_stress[p],
-            cell_motion[c],
-            time_step,
-            law.properties_of(properties, p),
-            law.state_of(particle_state, p),
+            particle_stress[p], cell_motion[c], time_step, own, remembered
         )
         particle_stress[p] = sigma
         if wp.static(law.remembers):

@@ -38,7 +38,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import half, kernel, one, real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import half, kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
@@ -59,10 +59,7 @@ def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:
     plan.add_launch(
         _make_momentum(plan.share_count, corrected),
         (grid.row_count + 1, grid.column_count + 1),
-        column_count=grid.column_count,
-        row_count=grid.row_count,
         absurd_speed=ABSURD_SPEED * plan.speed_limit,
-        cell_correction=plan.find("cell.correction"),
     )
 
 
@@ -81,7 +78,7 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
         )
 
     @wp.func
-    def correction(cells: wp.array(dtype=vec4), cell: int, across: real, up: real) -> vec2:
+    def correction(cells: wp.array[vec4], cell: int, across: real, up: real) -> vec2:
         # What a cell gives to one of its nodes, see `correction_of_cell`; the signs say to which.
         if wp.static(not corrected):
             return vec2()
@@ -91,17 +88,17 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
     @kernel
     def momentum(
         offset: int,
-        node_momentum: wp.array2d(dtype=vec4),
-        cell_stress: wp.array(dtype=vec4),
-        cell_integrals: wp.array2d(dtype=vec3),
+        node_momentum: wp.array2d[vec4],
+        cell_stress: wp.array[vec4],
+        cell_integrals: wp.array2d[vec3],
         column_count: int,
         row_count: int,
         time_step: real,
-        node_least_mass: wp.array(dtype=real),
+        node_least_mass: wp.array[real],
         absurd_speed: real,
-        cell_correction: wp.array(dtype=vec4),
-        node_mass: wp.array(dtype=real),
-        node_velocities: wp.array(dtype=vec4),
+        cell_correction: maybe(vec4),
+        node_mass: wp.array[real],
+        node_velocities: wp.array[vec4],
     ):
         row, i = wp.tid()
         j = offset + row

@@ -23,8 +23,7 @@ from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
-from mpm_warp.plan.launch import ShareRow, share_bounds
-from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.plan import Plan, ShareRow, share_bounds
 from mpm_warp.scene import Scene
 
 
@@ -68,7 +67,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
 
 
 def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
-    """Seed the grid with particles at rest.
+    """Seed the grid with particles at rest, and give kernels their properties.
 
     `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
@@ -101,6 +100,8 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     if material.state:
         state = material.state_at(stress, position)
         plan.add_array("particle.state", f"vec{len(material.state)}", state)
+    common = material.law().properties_type(*material.properties)
+    plan.given["properties"] = common if material.variation is None else PROPERTIES
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:
@@ -118,8 +119,6 @@ def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> N
     plan.add_launch(
         _make_particles_to_grid(grid.polar, has_empty_slots),
         plan.arrays["particle.mass"].shape,
-        fitted_radius=grid.fitted_radius,
-        column_count=grid.column_count,
         node_momentum=ShareRow("node.momentum"),
         cell_stress_sum=ShareRow("cell.stress_sum"),
         cell_mass=ShareRow("cell.mass"),
@@ -139,18 +138,18 @@ def _make_particles_to_grid(polar: bool, has_empty_slots: bool) -> Any:
     @kernel
     def particles_to_grid(
         offset: int,
-        particle_position: wp.array(dtype=vec2),
-        particle_velocity: wp.array(dtype=vec2),
-        particle_stress: wp.array(dtype=vec4),
-        particle_mass: wp.array(dtype=real),
-        particle_cell: wp.array(dtype=wp.vec2i),
-        grid_columns: wp.array(dtype=vec3),
-        grid_rows: wp.array(dtype=vec5),
+        particle_position: wp.array[vec2],
+        particle_velocity: wp.array[vec2],
+        particle_stress: wp.array[vec4],
+        particle_mass: wp.array[real],
+        particle_cell: wp.array[wp.vec2i],
+        grid_columns: wp.array[vec3],
+        grid_rows: wp.array[vec5],
         fitted_radius: real,
         column_count: int,
-        node_momentum: wp.array(dtype=vec4),
-        cell_stress_sum: wp.array(dtype=vec4),
-        cell_mass: wp.array(dtype=real),
+        node_momentum: wp.array[vec4],
+        cell_stress_sum: wp.array[vec4],
+        cell_mass: wp.array[real],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]

@@ -3,28 +3,34 @@
 import dataclasses
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid, Integers, graded
 from mpm_warp.grid.polar import PolarGrid
+from mpm_warp.kernel_types import one, real, vec2, vec4, vector
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
+from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField, Fixed
 from mpm_warp.parts.contact import SurfaceContact, nodal_areas
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.window import Window
+from mpm_warp.sampling import soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
 
+vec6 = vector(6)
 SMALL_WINDOW: dict[str, Any] = {"domain_radius": 8, "domain_above": 3, "domain_below": 3}
 """Costs next to nothing; a resistance in it is no good cone factor."""
 MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
@@ -35,6 +41,24 @@ MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
     "steady_tolerance": 0,
 }
 """A short cone test to which its further runs belong."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Recording(LinearElastic):
+    """Remembers what its law is told: the strain of the last step, how many steps, how long [s]."""
+
+    @property
+    def state(self) -> tuple[str, ...]:
+        return ("rr", "zz", "rz", "tt", "steps", "age")
+
+    def update(self) -> Any:
+        return recording
+
+
+@wp.func
+def recording(stress: vec4, e: vec4, time_step: real, properties: vec2, state: vec6):
+    trial = stress + elastic_increment(e, properties[0], properties[1])
+    return trial, vec6(e[0], e[1], e[2], e[3], state[4] + one, state[5] + time_step)
 
 
 def changing_clay(criterion: type[PerfectlyPlastic] = Tresca, **given: Any) -> EinavRandolph:
@@ -48,12 +72,34 @@ def changing_clay(criterion: type[PerfectlyPlastic] = Tresca, **given: Any) -> E
     return EinavRandolph(criterion=criterion, **{**unchanging, **given})
 
 
+def layers(*rows: tuple[float, float, float], **given: Any) -> Variation:
+    """Ground of rows of (depth, strength ratio, stiffness ratio)."""
+    depth, strength, stiffness = np.array(rows, dtype=float).T
+    return Variation(depth=depth, strength_ratio=strength, stiffness_ratio=stiffness, **given)
+
+
 def greatest_shear(stress: Floats) -> Floats:
     """Half the difference of the extreme principal stresses, of (rr, zz, rz, tt), shape [n]."""
     centre = 0.5 * (stress[:, 0] + stress[:, 1])
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
     extremes = np.stack([centre - radius, centre + radius, stress[:, 3]])
     return np.asarray(0.5 * np.ptp(extremes, axis=0))
+
+
+def cells_of(simulation: Simulation) -> Integers:
+    """Numbers of the cells that the points of a run are in."""
+    column, row = simulation.array("particle.cell").T
+    return np.asarray(column + row * soil_scene(simulation).grid.column_count)
+
+
+def nodal_forces(grid: Grid, stress: Floats) -> Floats:
+    """Minus the divergence of stresses of cells, (rr, zz, rz, tt), at the nodes [N], [n, 2]."""
+    rr, zz, rz, tt = stress.T[..., None]
+    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
+    force = np.zeros((grid.node_count, 2))
+    pull = np.stack([rr * r + rz * z + tt * hoop, rz * r + zz * z], axis=-1)
+    np.add.at(force, grid.cell_nodes, -pull)
+    return force
 
 
 def axis_and_ends(grid: Grid) -> Fixed:
@@ -213,6 +259,18 @@ def crash(request: pytest.FixtureRequest) -> str:
     )
     last = tried.stdout.splitlines()[-1:]
     return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
+
+
+Misuse = tuple[Callable[[], object], type[Exception], str]
+"""What is done, the exception that it ends in, and the word that tells the argument."""
+
+
+def try_all(misuses: Mapping[str, Misuse]) -> None:
+    """What a file of misuses does as a script: the last name that it prints is what ended it."""
+    for name, (attempt, *_) in misuses.items():
+        print(name, flush=True)
+        with suppress(Exception):
+            attempt()
 
 
 def refused(do: Callable[[], object], error: type[Exception], word: str) -> None:

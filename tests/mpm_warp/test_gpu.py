@@ -1,26 +1,28 @@
-"""Every kernel compiles for a GPU."""
+"""Every kernel compiles for a GPU; on one, where there is one, runs give a processor's results."""
 
 import itertools
 import re
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp import Batch, Execution, History, ParameterError, Scene, SceneError
 from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
 from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 pytestmark = pytest.mark.slow
 
+GPU = "cuda:0"
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 KERNEL = r"@(?:wp\.)?kernel\b.*\n *def (\w+)"
@@ -79,3 +81,15 @@ def test_every_kernel_compiles_for_a_gpu(kernels: set[wp.Kernel], tmp_path: Path
             module, arch=HOPPER, module_dir=tmp_path / module.name, use_ptx=True
         )
         assert ".entry" in compiled.read_text()
+
+
+@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+def test_a_gpu_gives_the_cone_factors_of_the_processor_alone_and_in_a_batch() -> None:
+    given = {"cells_per_radius": 2, "penetration": 16}
+    cones = [ConePenetration(**given, adhesion_factor=factor) for factor in (0.0, 0.5, 1.0)]
+    batch = Batch(GPU)
+    expected = [float(it.run().cone_factor) for it in cones]
+    alone = [float(it.run(execution=Execution(GPU)).cone_factor) for it in cones]
+    together = batch.run([partial(it.run, execution=batch) for it in cones])
+    np.testing.assert_allclose(alone, expected, rtol=0.001)
+    np.testing.assert_allclose([float(it.cone_factor) for it in together], expected, rtol=0.001)

@@ -3,10 +3,9 @@
 They are tried in a process of their own first, as those of `test_refused_values.py`.
 """
 
-import functools
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,20 +13,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mpm_warp import Execution, NodalLoad, SceneError, Simulation, Snapshots, SurfaceContact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.errors import SceneError
-from mpm_warp.execution.execution import Execution
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.forces import NodalLoad
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.simulation import Simulation
-from mpm_warp.snapshots import Snapshots
-from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.conftest import Misuse, refused, try_all
 
 NAN, INF = float("nan"), float("inf")
 CONE = ConePenetration(cells_per_radius=1.5, domain_radius=8, domain_above=3, domain_below=3)
@@ -60,11 +54,8 @@ CALLS: Mapping[str, tuple[str, list[Any]]] = {
 }
 """Ways to advance a run, their argument, and what it must not be."""
 
-Misuse = tuple[Callable[[], object], type[Exception], str]
-"""What is done, the exception that it ends in, and the word that tells the argument."""
 
-
-@functools.cache
+@cache
 def soil() -> Simulation:
     """A run with a window, a contact and a far field."""
     return Simulation(SCENE)
@@ -94,37 +85,30 @@ def load_twice() -> None:
     Simulation(replace(SCENE, parts=tuple(loads))).advance(3)
 
 
-def compute_with(threads: Any) -> None:
-    Simulation(SCENE, Execution(threads=threads)).advance(3)
-
-
 def misuses() -> Iterator[tuple[str, Misuse]]:
     for name, values in ASSIGNED.items():
         for number, value in enumerate(values):
-            yield f"{name} {number}", (functools.partial(assign, name, value), ValueError, name)
+            yield f"{name} {number}", (partial(assign, name, value), ValueError, name)
     for method, (argument, values) in CALLS.items():
         for number, value in enumerate(values):
-            do = functools.partial(lambda call, it: getattr(soil(), call)(it), method, value)
+            do = partial(lambda call, it: getattr(soil(), call)(it), method, value)
             yield f"{method} {number}", (do, ValueError, argument)
     for body in (2, -1, 0.5):
-        yield f"particle.body {body}", (functools.partial(assign_body, body), ValueError, "body")
+        yield f"particle.body {body}", (partial(assign_body, body), ValueError, "body")
     for scene in (SCENE, SlidingBlock().build(), MaterialPoint().build()):
         kind = type(scene).__name__
         for step in (0.0, -1.0, NAN, INF):
-            do = functools.partial(make_plan, scene, time_step=step)
+            do = partial(make_plan, scene, time_step=step)
             yield f"{kind} time_step {step}", (do, SceneError, "time_step")
         for count in (0, -1, 1.5):
-            do = functools.partial(make_plan, scene, share_count=count)
+            do = partial(make_plan, scene, share_count=count)
             yield f"{kind} share_count {count}", (do, SceneError, "share_count")
     for threads in (0, -1, 1.5, "all", 3, 2**70):
-        yield (
-            f"threads {threads}",
-            (functools.partial(compute_with, threads), ValueError, "threads"),
-        )
+        yield f"threads {threads}", (partial(Execution, threads=threads), ValueError, "threads")
     yield "take", (take_twice, ValueError, "contact forces")
     yield "two loads", (load_twice, SceneError, "load.nodes")
     for number, called in enumerate((Simulation.array, Simulation.assign)):
-        do = functools.partial(
+        do = partial(
             lambda it, *given: it(soil(), "particle.stres", *given), called, *number * [0.0]
         )
         yield f"unknown {number}", (do, KeyError, "did you mean 'particle.stress'")
@@ -159,8 +143,7 @@ TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
 @pytest.mark.parametrize("name", MISUSES)
 def test_a_misuse_ends_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
     assert not crash
-    do, error, word = MISUSES[name]
-    refused(do, error, word)
+    refused(*MISUSES[name])
 
 
 @pytest.mark.parametrize("word", TAKES_ONE)
@@ -187,7 +170,4 @@ def test_values_of_a_run_may_be_given_back_to_it() -> None:
 
 
 if __name__ == "__main__":
-    for known, (attempt, *_) in MISUSES.items():
-        print(known, flush=True)
-        with suppress(Exception):
-            attempt()
+    try_all(MISUSES)

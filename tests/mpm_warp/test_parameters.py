@@ -4,14 +4,13 @@ import dataclasses
 
 import pytest
 
-from mpm_warp.errors import ParameterError
+from mpm_warp import ParameterError, parameter
 from mpm_warp.parameters import (
     Derived,
     check_parameters,
     did_you_mean,
     known_names,
     nearest_name,
-    parameter,
     parameters_of,
 )
 from mpm_warp.scenes import scene_class, scene_names

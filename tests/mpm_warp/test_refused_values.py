@@ -5,17 +5,15 @@ process. So every misuse goes as far as steps are taken, and all of them are tri
 their own first: ``python tests/mpm_warp/test_refused_values.py`` tells which one ends it.
 """
 
-import functools
 from collections.abc import Callable, Iterator
-from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import Body, Load
+from mpm_warp.bodies.body import Body, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid, GroundGrid, graded
@@ -35,7 +33,7 @@ from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.conftest import Misuse, refused, try_all
 
 NAN, INF = float("nan"), float("inf")
 SIDE = np.array([4, 9, 14, 19])
@@ -274,8 +272,6 @@ IN_A_SCENE: list[tuple[str, Callable[..., object], Values]] = [
     ("NodalLoad", NodalLoad, {"forces": np.ones((4, 2))}),
 ]
 """Parts with nodes, which are checked when a scene is made of them, and their word for them."""
-Misuse = tuple[Callable[[], object], str]
-"""What is done, and the word of the message that tells the argument."""
 
 
 def run(made: object) -> None:
@@ -292,13 +288,13 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
     for make, given, wrong in MADE:
         for argument, values in wrong.items():
             for number, value in enumerate(values):
-                changed_so = given | {argument: value}
-                do = functools.partial(lambda make, given: run(make(**given)), make, changed_so)
-                yield f"{make.__name__}.{argument} {number}", (do, argument.removesuffix("s"))
+                name, misused = f"{make.__name__}.{argument} {number}", given | {argument: value}
+                do = partial(lambda make, given: run(make(**given)), make, misused)
+                yield name, (do, SceneError, argument.removesuffix("s"))
     for word, make, given in IN_A_SCENE:
         for number, nodes in enumerate(NODES):
-            do = functools.partial(with_part, make, given | {"nodes": nodes})
-            yield f"Scene, {word} {number}", (do, word)
+            do = partial(with_part, make, given | {"nodes": nodes})
+            yield f"Scene, {word} {number}", (do, SceneError, word)
 
 
 MISUSES = dict(misuses())
@@ -307,8 +303,7 @@ MISUSES = dict(misuses())
 @pytest.mark.parametrize("name", MISUSES)
 def test_a_value_is_refused_in_one_line_that_names_the_argument(name: str, crash: str) -> None:
     assert not crash
-    do, word = MISUSES[name]
-    refused(do, SceneError, word)
+    refused(*MISUSES[name])
 
 
 def test_what_is_allowed_is_not_refused() -> None:
@@ -321,7 +316,4 @@ def test_what_is_allowed_is_not_refused() -> None:
 
 
 if __name__ == "__main__":
-    for known, (attempt, _) in MISUSES.items():
-        print(known, flush=True)
-        with suppress(Exception):
-            attempt()
+    try_all(MISUSES)

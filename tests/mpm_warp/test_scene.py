@@ -11,7 +11,6 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import one, real, vec4
-from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
@@ -26,7 +25,7 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import has_mass_matrix_correction, make_plan
 from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.conftest import layers, refused
 
 WALL = MovingWall(speed=1.0, ramp_travel=1.0)
 WINDOW = Window(speed=1.0, ramp_travel=1.0, spare_fraction=0.1)
@@ -47,7 +46,7 @@ def plane(rectilinear: Grid) -> Grid:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bulk_viscosity": -0.2}, "bulk_viscosity = -0.2 must be > 0$"),
+        ({"bulk_viscosity": -0.2}, "Scene: bulk_viscosity = -0.2 must be > 0$"),
         ({"parts": (WALL, WINDOW)}, "MovingWall: not together with a MovingGrid$"),
         (
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
@@ -57,7 +56,7 @@ def plane(rectilinear: Grid) -> Grid:
             {"parts": (RadialMotion(),)},
             "radial motion: the grid is a Grid, must be a PolarGrid$",
         ),
-        ({"parts": (Fixed.on, WALL)}, r"parts\[0\] = <.*> must be of type Part$"),
+        ({"parts": (Fixed.on, WALL)}, r"Scene: parts\[0\] = <.*> must be of type Part$"),
     ],
 )
 def test_what_does_not_go_together_is_refused_in_one_line(
@@ -87,12 +86,7 @@ def test_parts_need_others_and_are_not_beside_some(cone: Scene) -> None:
     for part in parts:
         name = f"{type(part).__name__}: not together with a FarField"
         refused(functools.partial(cone.with_parts, part), SceneError, name)
-    varied = dataclasses.replace(
-        cone.material,
-        variation=Variation(
-            depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.ones(1)
-        ),
-    )
+    varied = dataclasses.replace(cone.material, variation=layers((0, 1, 1)))
     name = "FarField: not together with a material that varies"
     refused(lambda: dataclasses.replace(cone, material=varied), SceneError, name)
 

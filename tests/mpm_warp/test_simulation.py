@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged, WindowOverfull
+from mpm_warp import Samples, Scene, Simulation, SimulationDiverged, WindowOverfull, follow
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
-from mpm_warp.sampling import ContactForces, even_steps, follow
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import CHECK_INTERVAL, Simulation
+from mpm_warp.sampling import ContactForces, even_steps
+from mpm_warp.simulation import CHECK_INTERVAL
 
 
 def test_steps_time_and_updates_are_counted(floating: Scene) -> None:
@@ -47,27 +47,18 @@ def test_the_watch_looks_every_so_many_steps_however_they_are_parted(
     assert looked_at[3:] == [3 * CHECK_INTERVAL + 3, 4 * CHECK_INTERVAL + 3]
 
 
-class Steps:
+def steps_of(simulation: Simulation, name: str = "steps") -> Samples:
     """Takes down the steps taken by then."""
 
-    def __init__(self, simulation: Simulation, name: str = "steps") -> None:
-        self._simulation = simulation
-        self._name = name
-        self.taken: list[int] = []
+    def curve(steps: Floats) -> xr.Dataset:
+        return xr.Dataset({name: variable(steps, meaning="steps taken", dims=("sample",))})
 
-    def sample(self) -> None:
-        self.taken.append(self._simulation.step_count)
-
-    def dataset(self) -> xr.Dataset:
-        meaning = "steps taken"
-        return xr.Dataset(
-            {self._name: variable(self.taken, unit="1", meaning=meaning, dims=("sample",))}
-        )
+    return Samples(lambda: [simulation.step_count], curve)
 
 
 def test_every_sampler_takes_a_sample_at_every_moment(floating: Scene) -> None:
     simulation = Simulation(floating)
-    samplers = [Steps(simulation, name) for name in ("first", "second")]
+    samplers = [steps_of(simulation, name) for name in ("first", "second")]
     told = list[float]()
     result = follow(simulation, [5, 7, 7, 20], simulation.advance_to_step, samplers, told.append)
     assert told == [0.25, 0.5, 0.75, 1.0]
@@ -77,7 +68,7 @@ def test_every_sampler_takes_a_sample_at_every_moment(floating: Scene) -> None:
 
 def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None:
     simulation, told = Simulation(floating), list[float]()
-    sampler = Steps(simulation)
+    sampler = steps_of(simulation)
     follow(
         simulation,
         [5, 10, 15, 20],
@@ -86,7 +77,7 @@ def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None
         told.append,
         is_over=lambda: simulation.step_count >= 10,
     )
-    assert sampler.taken == [5, 10]
+    assert sampler.dataset().steps.values.tolist() == [5, 10]
     assert told == [0.25, 0.5, 1.0]
 
 
@@ -100,7 +91,7 @@ def test_a_run_that_diverges_leaves_its_curves_up_to_there(floating: Scene) -> N
             simulation.check()
 
     with pytest.raises(SimulationDiverged, match="stress of particle 3") as end:
-        follow(simulation, [5, 10, 15, 20], reach, [Steps(simulation)], told.append)
+        follow(simulation, [5, 10, 15, 20], reach, [steps_of(simulation)], told.append)
     assert end.value.curves.steps.values.tolist() == [5, 10]
     assert told == [0.25, 0.5]
 
@@ -114,7 +105,7 @@ def test_a_run_is_looked_at_before_its_results_are_given(floating: Scene) -> Non
         simulation.array("particle.mass")[3] = np.nan if step == 20 else 1.0
 
     with pytest.raises(SimulationDiverged, match="mass of particle 3") as end:
-        follow(simulation, [5, 20], reach, [Steps(simulation)], told.append)
+        follow(simulation, [5, 20], reach, [steps_of(simulation)], told.append)
     assert end.value.curves.steps.values.tolist() == [5, 20]
     assert 1.0 not in told
 
@@ -125,14 +116,14 @@ def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves(cone: Scene) -> N
     for name in ("cell", "position", "mass"):  # as if every slot were taken
         values = simulation.array(f"particle.{name}")
         values[spare] = values[~spare][: spare.sum()]
-    sampler = Steps(simulation)
+    sampler = steps_of(simulation)
     with pytest.raises(WindowOverfull, match="more soil has stayed in the window") as end:
         follow(simulation, np.linspace(0.01, 5.0, 500).tolist(), simulation.travel_to, [sampler])
     assert end.value.status == "diverged"
     assert "more spare slots" in simulation.plan.remedy
     assert str(end.value).endswith(simulation.plan.remedy)
     assert "\n" not in str(end.value)
-    assert end.value.curves.sizes["sample"] == len(sampler.taken) > 0
+    assert end.value.curves.sizes["sample"] == sampler.dataset().sizes["sample"] > 0
 
 
 def test_contact_forces_are_means_since_they_were_last_taken(cone: Scene) -> None:

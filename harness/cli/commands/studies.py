@@ -27,8 +27,7 @@ from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.plan.launch import Launch
-from mpm_warp.plan.plan import Plan
+from mpm_warp.plan.plan import Launch, Plan
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body, Load
-from mpm_warp.bodies.grid import UniformGrid
+from mpm_warp.bodies.body import Body, Load, UniformGrid
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic

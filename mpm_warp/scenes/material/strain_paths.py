@@ -24,7 +24,7 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import kernel, one, real, vec4, vec5
+from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import make_stress_update, motion_of
 from mpm_warp.materials.material import Law, Material
@@ -93,8 +93,6 @@ def plan_strain_paths(
         _make_strain_path(law),
         count,
         properties=law.properties_type(*material.properties),
-        particle_state=plan.find("particle.state"),
-        particle_yield_excess=plan.find("particle.yield_excess"),
     )
     return plan
 
@@ -130,19 +128,15 @@ def _make_strain_path(law: Law) -> Any:
         offset: int,
         time_step: real,
         properties: law.properties_type,
-        particle_velocity_gradient: wp.array(dtype=vec5),
-        particle_stress: wp.array(dtype=vec4),
-        particle_state: wp.array(dtype=law.state_type),
-        particle_yield_excess: wp.array(dtype=real),
+        particle_velocity_gradient: wp.array[vec5],
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
+        particle_yield_excess: maybe(real),
     ):
         p = offset + wp.tid()
-        sigma, remembered = stress_update(
-            particle_stress[p],
-            motion_of(particle_velocity_gradient[p], time_step),
-            time_step,
-            properties,
-            law.state_of(particle_state, p),
-        )
+        own, remembered = law.of_point(properties, particle_state, p)
+        motion = motion_of(particle_velocity_gradient[p], time_step)
+        sigma, remembered = stress_update(particle_stress[p], motion, time_step, own, remembered)
         particle_stress[p] = sigma
         if wp.static(law.remembers):
             particle_state[p] = remembered

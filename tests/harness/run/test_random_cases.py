@@ -40,18 +40,16 @@ def drawn(source: random.Random, definition: Parameter) -> Value | None:
     if definition.choices is not None:
         return source.choice(definition.choices)
     default = definition.default
-    low = next((it for it in (definition.minimum, definition.above) if it is not None), None)
-    high = next((it for it in (definition.maximum, definition.below) if it is not None), None)
-    if definition.kind is str or (default is None and (low is None or high is None)):
+    bounds = definition.bounds
+    low, high = max(bounds.minimum, bounds.above), min(bounds.maximum, bounds.below)
+    is_bounded = math.isfinite(low) and math.isfinite(high)
+    if definition.kind is str or (default is None and not is_bounded):
         return default
     size = abs(float(default or 1.0))
-    low = size / WIDE if low is None else low
-    high = max(size, low) * WIDE if high is None else high
+    low = low if math.isfinite(low) else size / WIDE
+    high = high if math.isfinite(high) else max(size, low) * WIDE
     inside = 1e-6 * (high - low)
-    low, high = (
-        low + inside * (definition.above is not None),
-        high - inside * (definition.below is not None),
-    )
+    low, high = low + inside * (low == bounds.above), high - inside * (high == bounds.below)
     if low > 0.0 and high / low > 100.0:
         number = low * math.exp(source.uniform(0.0, math.log(high / low)))
     else:

@@ -7,15 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.bodies.body import Body, InterfaceFrame, Load
+from mpm_warp import LinearElastic, SceneError, Simulation, SimulationDiverged
+from mpm_warp.bodies.body import Body, InterfaceFrame, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.planning import make_plan
-from mpm_warp.simulation import Simulation
 
 CELL = 0.1
 LENGTH, HEIGHT = 1.0, 0.3

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp import Batch, Execution, Simulation, SimulationDiverged
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 
@@ -43,10 +41,6 @@ DIFFERENT: list[CatalogueScene] = [
 """Several kinds of scenes; cones of their own materials, contact, time steps and lengths."""
 
 
-def run_together(scenes: list[CatalogueScene], execution: Batch) -> list[xr.Dataset]:
-    return execution.run([partial(scene.run, execution=execution) for scene in scenes])
-
-
 def assert_same(one: xr.Dataset, other: xr.Dataset) -> None:
     for name in one.variables:
         if not str(name).endswith("_time") or name == "time_step":
@@ -61,7 +55,8 @@ def alone() -> list[xr.Dataset]:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_batch_does_not_change_a_bit(threads: int, alone: list[xr.Dataset]) -> None:
-    results = run_together(DIFFERENT, Batch(threads=threads))
+    batch = Batch(threads=threads)
+    results = batch.run([partial(scene.run, execution=batch) for scene in DIFFERENT])
     for expected, result in zip(alone, results, strict=True):
         assert_same(expected, result)
 

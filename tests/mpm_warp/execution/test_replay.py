@@ -11,23 +11,16 @@ import pytest
 import warp as wp
 
 import mpm_warp.execution.replay
-from mpm_warp.execution.execution import Execution
+from mpm_warp import Execution, Simulation
 from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, DeviceRun, ThreadChoice
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import assert_same_bits
+from tests.mpm_warp.execution.conftest import CONE, FEW_ROWS
 
 pytestmark = pytest.mark.slow
-
-CONE = ConePenetration(
-    cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5
-)
-FEW_ROWS = ThickCylinder(cell_count=120)
 
 
 def wait_until(happened: Callable[[], bool]) -> None:

@@ -6,14 +6,10 @@ import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.threads import WorkerThreads, share_of
-from mpm_warp.plan.launch import OFFSET
+from mpm_warp.plan.plan import OFFSET
 from mpm_warp.planning import SHARE_COUNT
 from mpm_warp.scenes import CatalogueScene
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
-
-CONE = ConePenetration(cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4)
-FEW_ROWS = ThickCylinder(cell_count=120)
+from tests.mpm_warp.execution.conftest import CONE, FEW_ROWS
 
 
 @pytest.mark.usefixtures("all_take_part")

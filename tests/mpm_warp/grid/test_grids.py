@@ -16,15 +16,17 @@ from mpm_warp.step.points import seed_rows
 ROUNDING = 1e-12
 
 
-def _cone_volume(radius: float, height: float) -> float:
-    return radius**2 * height / 6.0  # per radian
+@pytest.fixture(params=["fitted", "partly_upright", "rectilinear"])
+def grid(request: pytest.FixtureRequest) -> Grid:
+    """Each of the grids with horizontal rows."""
+    return request.getfixturevalue(request.param)
 
 
 def test_cells_fill_the_space_around_the_penetrometer(fitted: Grid) -> None:
     height = float(np.ptp(fitted.rows))
     cone_height = 1.0 / np.tan(np.radians(30.0))
     shaft = 0.5 * (fitted.rows[-1] - cone_height)
-    expected = 0.5 * fitted.outer_radius**2 * height - _cone_volume(1.0, cone_height) - shaft
+    expected = 0.5 * fitted.outer_radius**2 * height - cone_height / 6.0 - shaft  # per radian
     assert fitted.cell_volumes.sum() == pytest.approx(expected, rel=ROUNDING)
 
 
@@ -164,26 +166,6 @@ def dilation_error(rows: int, *, planar: bool) -> float:
 def test_uniform_dilation_is_of_second_order_in_the_angle(planar: bool) -> None:
     coarse, fine = (dilation_error(rows, planar=planar) for rows in (8, 16))
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
-
-
-def test_integrals_after_the_wall_has_moved_are_those_of_a_grid_made_there() -> None:
-    """The closed form, product by product, against quadrature."""
-    grid = polar(planar=False)
-    angular, caps = grid.angular_integrals
-    distance = INNER + (OUTER - INNER) * grid.columns
-    a, w = distance[:-1], np.diff(distance)
-    squares = a**2 + a * w + w**2 / 3.0
-    firsts = {0: w * (a / 2 + w / 6), 1: w * (a / 2 + w / 3)}
-    expected = grid.gradient_integrals.reshape(grid.row_count, grid.column_count, 4, 3)
-    for ray in (0, 1):
-        for side, sign in ((0, -1.0), (1, 1.0)):
-            t = angular[:, ray, :, None]
-            r = sign * squares * t[:, 0] + firsts[side] * t[:, 1]
-            z = sign * squares * t[:, 2] - firsts[side] * t[:, 3]
-            parts = np.stack([r, z, firsts[side] * t[:, 4]], axis=-1)
-            np.testing.assert_allclose(expected[:, :, 2 * ray + side], parts, atol=1e-12)
-    volumes = grid.cell_volumes.reshape(grid.row_count, -1)
-    np.testing.assert_allclose(volumes, np.outer(caps, squares * w), rtol=ROUNDING)
 
 
 def test_wall_vectors_add_up_to_the_projected_wall() -> None:

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
-from mpm_warp.parameters import parameter
+from mpm_warp import ModifiedCamClay, parameter
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,15 +12,14 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
 from mpm_warp.parts.boundaries import RadialMotion
 from mpm_warp.scenes.catalogue import scene_class
 from mpm_warp.scenes.cavity.exact import cavity_pressure
-from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import changing_clay
-from tests.mpm_warp.materials.anisotropic_rates import Softening, stress_after, stress_along
+from tests.mpm_warp.conftest import changing_clay, layers
+from tests.mpm_warp.materials.conftest import points_on
+from tests.mpm_warp.materials.rates import Softening, stress_after, stress_along
 
 ELASTIC = {"shear_modulus": 200.0, "poissons_ratio": 0.3, "density": 4.0}
 STRENGTHS = {
@@ -51,13 +51,9 @@ PATHS = {
 }
 
 
-def after(material: Material, gradients: list[Floats], steps: int, start: Floats) -> Simulation:
-    """Points on strain paths of a second each."""
-    stress = np.tile(start, (len(gradients), 1))
-    paths = StrainPaths(
-        material=material, gradient=np.array(gradients), stress=stress, step_count=steps
-    )
-    simulation = Simulation(paths)
+def after(material: Material, gradients: Any, steps: int, start: Any = (0, 0, 0, 0)) -> Simulation:
+    """Points at the ends of strain paths."""
+    simulation = points_on(gradients, material, steps, start)
     simulation.advance(steps)
     return simulation
 
@@ -78,7 +74,7 @@ def test_stress_on_strain_paths_is_that_of_the_rate_equations(start: tuple[float
     exact = np.array([stress_after(CLAY, small(name), start=start) for name in PATHS])
     errors = []
     for steps in (10_000, 100_000):
-        simulation = after(CLAY, [np.array(small(name)) for name in PATHS], steps, np.array(start))
+        simulation = after(CLAY, [small(name) for name in PATHS], steps, start)
         errors.append(np.abs(simulation.array("particle.stress") - exact).max(axis=1))
         assert simulation.array("particle.yield_excess").max() < 1e-13
     coarse, fine = np.array(errors) / CLAY.strength
@@ -92,7 +88,7 @@ def test_stress_of_clay_that_softens_and_has_a_rate_effect_is_that_of_the_rate_e
     softens = changing(remoulded_strength_ratio=soft.remoulded, ductility=soft.ductility)
     names = ("compression", "extension", "simple shear", "pressuremeter", "mixed, turned one way")
     exact = np.array([stress_after(CLAY, small(name), softening=soft) for name in names])
-    simulation = after(softens, [np.array(small(name)) for name in names], 100_000, np.zeros(4))
+    simulation = after(softens, [small(name) for name in names], 100_000)
     error = np.abs(simulation.array("particle.stress") - exact) / CLAY.strength
     np.testing.assert_array_less(error, 1e-6)
 
@@ -102,7 +98,7 @@ def test_softening_in_large_steps_is_that_of_the_plastic_strain() -> None:
     softens = changing(remoulded_strength_ratio=0.25, ductility=2.0)
     for sign, su in ((1.0, 2.0), (-1.0, 1.0)):
         path = sign * np.array([0.5, 0.0, 0.0, -1.0, 0.5]) / math.sqrt(3.0)
-        rr, zz, _, _ = after(softens, [path], 50, np.zeros(4)).array("particle.stress")[0]
+        rr, zz, _, _ = after(softens, [path], 50).array("particle.stress")[0]
         half = 0.5 * abs(zz - rr)
         # A second at shear strain rate 1: sqrt(J2) / G of it is elastic.
         plastic = 1.0 - 2.0 / math.sqrt(3.0) * half / 200.0
@@ -115,7 +111,7 @@ def test_rate_raises_all_strengths_alike() -> None:
     # Uniaxial strain rate a: shear strain rate sqrt(3) a, three log cycles above the reference.
     rate = 10.0 / math.sqrt(3.0)
     paths = [np.array([0.5, 0, 0, -1, 0.5]) * it * rate for it in (1.0, -1.0)]
-    stress = after(hurried, paths, 100, np.zeros(4)).array("particle.stress")
+    stress = after(hurried, paths, 100).array("particle.stress")
     np.testing.assert_allclose(0.5 * np.ptp(stress[:, [0, 1]], axis=1), [2.6, 1.3], rtol=1e-12)
 
 
@@ -129,9 +125,9 @@ def test_equal_strengths_are_those_of_von_mises() -> None:
         strength_simple_shear=k,
     )
     assert equal.strength_horizontal == pytest.approx(k, rel=1e-15)
-    gradients = [*np.random.default_rng(1).uniform(-1.0, 1.0, (200, 5))]
+    gradients = np.random.default_rng(1).uniform(-1.0, 1.0, (200, 5))
     found, expected = (
-        after(it, gradients, 1000, np.zeros(4)).array("particle.stress")
+        after(it, gradients, 1000).array("particle.stress")
         for it in (equal, VonMises(**ELASTIC, strength=k))
     )
     # Rounding of mean stresses of up to 1e3, in a thousand steps.
@@ -162,8 +158,8 @@ def test_plane_strain_is_as_strong_as_the_law_says() -> None:
 
 def test_the_axis_turns_with_the_soil() -> None:
     """A turn by 90 degrees makes compression along z what extension was: the stress turns too."""
-    turn = np.array([0.0, math.pi / 2, -math.pi / 2, 0.0, 0.0])
-    simulation = after(CLAY, [turn], 1000, np.array([0.6, -0.9, 0.1, 0.5]))
+    turn = (0.0, math.pi / 2, -math.pi / 2, 0.0, 0.0)
+    simulation = after(CLAY, [turn], 1000, (0.6, -0.9, 0.1, 0.5))
     cayley = (math.pi / 2) ** 3 / (12 * 1000**2)
     axis = simulation.array("particle.state")[0]
     np.testing.assert_allclose(axis, [-1.0, 0.0], atol=2 * cayley)
@@ -178,16 +174,8 @@ def test_the_axis_turns_with_the_soil() -> None:
 
 def test_ground_that_varies_has_the_shape_of_its_place() -> None:
     weaker = Anisotropic(**ELASTIC, **{**STRENGTHS, "strength_extension": 0.8})
-    varied = Anisotropic(
-        **ELASTIC,
-        **STRENGTHS,
-        variation=Variation(
-            depth=np.array([0.0, 1.0]),
-            strength_ratio=np.array([0.5, 1.0]),
-            stiffness_ratio=np.ones(2),
-            rows=(CLAY, weaker),
-        ),
-    )
+    ground = layers((0, 0.5, 1), (1, 1, 1), rows=(CLAY, weaker))
+    varied = Anisotropic(**ELASTIC, **STRENGTHS, variation=ground)
     G, K, su, *_ = CLAY.properties
     at = varied.properties_at(np.array([[0.0, 0.0], [0.0, -1.0]]))
     np.testing.assert_allclose(at, [[G, K, 0.5 * su, *CLAY.shape], [G, K, su, *weaker.shape]])

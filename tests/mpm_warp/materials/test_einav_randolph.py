@@ -6,15 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mpm_warp import EinavRandolph, LinearElastic, Simulation, Tresca
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
-from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, UndrainedClay
-from mpm_warp.materials.tresca import Tresca
-from mpm_warp.materials.variation import Variation
-from mpm_warp.scenes.material.strain_paths import StrainPaths
-from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import changing_clay
+from tests.mpm_warp.conftest import changing_clay, layers
+from tests.mpm_warp.materials.conftest import points_on
 
 ELASTIC = {"shear_modulus": 200.0, "poissons_ratio": 0.3, "density": 4.0, "strength": 2.0}
 SLOW_AND_DUCTILE = {"reference_strain_rate": 0.01, "ductility": 2.0}
@@ -29,10 +26,7 @@ def clay(criterion: type[PerfectlyPlastic] = Tresca, **changed: float) -> EinavR
 
 def pulled(material: UndrainedClay, *rates: float, steps: int = 50) -> Simulation:
     """A point in pure shear at rates gamma [1/s], one after the other, for a second each."""
-    paths = StrainPaths(
-        material=material, gradient=np.zeros((1, 5)), stress=np.zeros((1, 4)), step_count=steps
-    )
-    simulation = Simulation(paths)
+    simulation = points_on(np.zeros((1, 5)), material, steps)
     for rate in rates:
         gradient = [[0.5 * rate, 0.0, 0.0, -0.5 * rate, 0.0]]
         simulation.assign("particle.velocity_gradient", np.array(gradient))
@@ -106,21 +100,21 @@ def test_points_remember_only_what_changes_their_strength() -> None:
     assert clay(**SOFT, **HURRIED).state == ("lost_share", "rate_effect")
 
 
-def test_each_kind_of_strength_law_has_a_key_of_its_own() -> None:
+def test_each_material_has_one_law_of_its_own() -> None:
     kinds = [{}, SOFT, HURRIED, SOFT | HURRIED]
     clays = [clay(criterion, **kind) for criterion in CRITERIA.values() for kind in kinds]
-    assert len({it.law() for it in clays}) == len(clays)
-    assert clay(**SOFT).law() == clay(**SOFT).law()  # no kernel is built twice
+    without_memory = [material(**ELASTIC) for material in CRITERIA.values()]
+    elastic = LinearElastic(shear_modulus=200.0, poissons_ratio=0.3, density=4.0)
+    materials = [elastic, *without_memory, *clays]
+    laws = [it.law() for it in materials]
+    assert len(set(laws)) == len(laws)
+    assert laws == [it.law() for it in materials]  # no kernel is built twice
+    assert not any(law.remembers for law in laws[: 1 + len(without_memory)])
 
 
 def test_where_clay_varies_it_is_clay_of_that_strength_and_stiffness() -> None:
     """It has the properties that uniform clay of the place has."""
-    varied = Variation(
-        depth=np.array([0.0, 1.0]),
-        strength_ratio=np.array([1.0, 0.5]),
-        stiffness_ratio=np.array([1.0, 0.25]),
-    )
-    material = replace(clay(**SOFT | HURRIED), variation=varied)
+    material = replace(clay(**SOFT | HURRIED), variation=layers((0, 1, 1), (1, 0.5, 0.25)))
     own = material.properties_at(np.array([[1.0, -1.0]]))[0]
     weak = replace(
         clay(**SOFT | HURRIED), strength=0.5 * material.strength, shear_modulus=0.25 * 200.0

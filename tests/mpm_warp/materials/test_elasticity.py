@@ -1,67 +1,35 @@
 """The stress of a step along strain paths."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import real, vec2, vec4, vec5
-from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
-from mpm_warp.scenes.material.strain_paths import StrainPaths
-from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import Recording
+from tests.mpm_warp.materials.conftest import points_on
 
 TIME_STEP = 1e-3
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recording(LinearElastic):
-    """It remembers what its law is told in a step: the strain (rr, zz, rz, tt) and dt."""
-
-    @property
-    def state(self) -> tuple[str, ...]:
-        return ("rr", "zz", "rz", "tt", "time_step")
-
-    def update(self) -> Any:
-        return recording
-
-
-@wp.func
-def recording(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec5):
-    increment = elastic_increment(strain, properties[0], properties[1])
-    return stress + increment, vec5(strain[0], strain[1], strain[2], strain[3], time_step)
 
 
 SOIL = Recording(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
 
 
-def deformed(gradient: Floats, stress: Floats) -> tuple[Floats, Floats]:
+def deformed(gradients: Any, start: Any = (0, 0, 0, 0)) -> tuple[Floats, Floats]:
     """Stress after a step at velocity gradients (rr, rz, zr, zz, tt), and what the law was told."""
-    step_count = round(1.0 / TIME_STEP)
-    paths = StrainPaths(material=SOIL, gradient=gradient, stress=stress, step_count=step_count)
-    simulation = Simulation(paths)
+    simulation = points_on(gradients, SOIL, round(1.0 / TIME_STEP), start)
     simulation.advance(1)
     return simulation.array("particle.stress"), simulation.array("particle.state")
 
 
-@pytest.fixture
-def gradients() -> Floats:
-    """Any velocity gradients."""
-    return np.random.default_rng(4).normal(size=(100, 5))
-
-
-def strain_of(gradient: Floats) -> Floats:
-    """Strain of a step (rr, zz, rz, tt), shape [n, 4]."""
-    rr, rz, zr, zz, tt = gradient.T
-    return TIME_STEP * np.stack([rr, zz, 0.5 * (rz + zr), tt], axis=-1)
-
-
-def test_stress_of_a_step_from_rest_is_hookes(gradients: Floats) -> None:
-    """dt (K tr D + 2 G dev D)."""
-    stress, _ = deformed(gradients, np.zeros((100, 4)))
-    strain = strain_of(gradients)
+def test_stress_of_a_step_from_rest_is_hookes_of_the_strain_that_the_law_is_told() -> None:
+    """dt (K tr D + 2 G dev D), and the law is told the length of the step."""
+    gradients = np.random.default_rng(4).normal(size=(100, 5))
+    rr, rz, zr, zz, tt = gradients.T
+    strain = TIME_STEP * np.stack([rr, zz, 0.5 * (rz + zr), tt], axis=-1)
+    stress, told = deformed(gradients)
+    np.testing.assert_allclose(told[:, :4], strain, rtol=1e-12)
+    np.testing.assert_array_equal(told[:, 4:], [[1.0, TIME_STEP]] * 100)
     volume = strain[:, [0, 1, 3]].sum(axis=1)
     expected = 2.0 * SOIL.shear_modulus * strain
     mean = SOIL.bulk_modulus - 2.0 / 3.0 * SOIL.shear_modulus
@@ -69,19 +37,11 @@ def test_stress_of_a_step_from_rest_is_hookes(gradients: Floats) -> None:
     np.testing.assert_allclose(stress, expected, rtol=1e-12, atol=1e-15)
 
 
-def test_a_law_is_told_the_strain_and_the_length_of_the_step(gradients: Floats) -> None:
-    _, told = deformed(gradients, np.zeros((100, 4)))
-    np.testing.assert_allclose(told[:, :4], strain_of(gradients), rtol=1e-12)
-    np.testing.assert_array_equal(told[:, 4], TIME_STEP)
-
-
 def test_spin_turns_the_stress_and_nothing_else() -> None:
     """However far: its invariants stay, and a quarter turn exchanges r and z."""
-    stress = np.tile([3.0, -1.0, 0.5, 2.0], (2, 1))
     quarter = 2.0 * np.tan(0.25 * np.pi) / TIME_STEP  # Cayley: tan of half the angle
-    after, told = deformed(
-        np.array([[0.0, -quarter, quarter, 0.0, 0.0], [0.0, 300.0, -300.0, 0.0, 0.0]]), stress
-    )
+    turns = [(0.0, -quarter, quarter, 0.0, 0.0), (0.0, 300.0, -300.0, 0.0, 0.0)]
+    after, told = deformed(turns, (3.0, -1.0, 0.5, 2.0))
     np.testing.assert_allclose(after[0], [-1.0, 3.0, -0.5, 2.0], atol=1e-12)
     rr, zz, rz, tt = after[1]
     assert rr + zz == pytest.approx(2.0)

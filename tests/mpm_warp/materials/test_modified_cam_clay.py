@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,9 @@ from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, Modified
 from mpm_warp.scenes.material.material_point import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import greatest_shear
-from tests.mpm_warp.materials.cam_clay_rates import cavity_wall, integrated
+from tests.mpm_warp.conftest import greatest_shear, refused
+from tests.mpm_warp.materials.conftest import points_on
+from tests.mpm_warp.materials.rates import cavity_wall, integrated
 
 STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
 """The defaults of p0', lambda, kappa and v."""
@@ -36,10 +38,7 @@ def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
 
 def ends(material: ModifiedCamClay, gradient: Floats, steps: int) -> tuple[Floats, Floats, Floats]:
     """Stress, state and excess over the yield surface at the ends of paths, [path_count, ...]."""
-    rest = np.zeros((len(gradient), 4))
-    simulation = Simulation(
-        StrainPaths(material=material, gradient=gradient, stress=rest, step_count=steps)
-    )
+    simulation = points_on(gradient, material, steps)
     simulation.advance(steps)
     names = ("stress", "state", "yield_excess")
     stress, state, excess = (simulation.array(f"particle.{it}").copy() for it in names)
@@ -249,9 +248,7 @@ def test_no_strain_takes_it_out_of_its_yield_surface(ratio: float) -> None:
     ],
 )
 def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> None:
-    with pytest.raises(ParameterError, match=message) as refusal:
-        ElementTest(material="modified_cam_clay", **changed)
-    assert len(str(refusal.value).splitlines()) == 1
+    refused(partial(ElementTest, material="modified_cam_clay", **changed), ParameterError, message)
 
 
 @pytest.mark.parametrize(
@@ -265,9 +262,8 @@ def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> 
     ],
 )
 def test_a_law_made_by_hand_is_checked_too(changed: dict[str, Any], message: str) -> None:
-    with pytest.raises(SceneError, match=f"^ModifiedCamClay: .*{message}") as refusal:
-        clay(**changed)
-    assert len(str(refusal.value).splitlines()) == 1
+    refused(partial(clay, **changed), SceneError, message)
+    refused(partial(clay, **changed), SceneError, "ModifiedCamClay: ")
 
 
 @pytest.mark.parametrize(("ratio", "at_rest"), [(1.0, None), (4.0, None), (4.0, 0.8)])
@@ -345,8 +341,7 @@ def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, start: 
     scene = kind.offered()(material="modified_cam_clay", expansion=2.0, **given)
     result = scene.run()
     m, k, material = scene.exponent, scene.factor, scene.clay
-    direction = np.array([0.5, -0.5, 0.0] if cylinder else [2.0, -1.0, -1.0])
-    direction /= 1.0 if cylinder else 3.0
+    direction = np.array([1.5, -1.5, 0.0] if cylinder else [2.0, -1.0, -1.0]) / 3.0
     q = material.deviator_at_rest or 0.0
     deviator = np.array([-q / 3.0, -q / 3.0, 2.0 * q / 3.0])
     path = integrated(material, direction, 1.1 * m * math.log(2.0), deviator=deviator)

@@ -7,15 +7,14 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp import Variation
 from mpm_warp.errors import SceneError
+from tests.mpm_warp.conftest import layers
 from tests.mpm_warp.materials import bonded_clay
 from tests.mpm_warp.materials.bonded_clay import BondedClay
 
@@ -23,9 +22,8 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_law_that_does_not_vary_by_place_is_not_given_a_variation() -> None:
-    varied = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.ones(1))
     with pytest.raises(SceneError, match="has no properties that vary by place"):
-        replace(BondedClay(density=1700.0, poissons_ratio=0.49), variation=varied)
+        BondedClay(density=1700.0, poissons_ratio=0.49, variation=layers((0, 1, 1)))
 
 
 STUDY = """

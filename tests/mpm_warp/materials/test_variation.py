@@ -5,22 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
+from mpm_warp import FarField, Scene, SceneError, Simulation, Variation
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries import FarField
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import assert_same_bits, greatest_shear
+from tests.mpm_warp.conftest import assert_same_bits, greatest_shear, layers
 
-TWO_LAYERS = Variation(
-    depth=np.array([0.0, 2.0, 2.0, 5.0]),
-    strength_ratio=np.array([1.0, 2.0, 0.5, 0.5]),
-    stiffness_ratio=np.array([0.25, 0.25, 1.0, 1.0]),
-    origin_depth=3.0,
-)
+TWO_LAYERS = layers((0, 1, 0.25), (2, 2, 0.25), (2, 0.5, 1), (5, 0.5, 1), origin_depth=3.0)
 
 
 def varied(scene: Scene, variation: Variation | None) -> Scene:
@@ -52,9 +43,8 @@ def test_ratios_of_one_give_the_bits_of_uniform_clay(cone: Scene, criterion: typ
     """In every array: what varies goes by the same arithmetic."""
     elastic = {name: getattr(cone.material, name) for name in ("shear_modulus", "poissons_ratio")}
     clay = criterion(density=1700.0, strength=20e3, **elastic)
-    same = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.ones(1))
     scene = dataclasses.replace(cone, material=clay)
-    uniform, variable = (Simulation(varied(scene, it)) for it in (None, same))
+    uniform, variable = (Simulation(varied(scene, it)) for it in (None, layers((0, 1, 1))))
     for simulation in (uniform, variable):
         simulation.travel_to(1.0)
     assert_same_bits(uniform, variable)

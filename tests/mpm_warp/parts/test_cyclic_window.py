@@ -6,12 +6,7 @@ import functools
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parts.cyclic_window import CyclicWindow
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
+from mpm_warp import CyclicWindow, Grid, LinearElastic, Scene, SceneError, Simulation
 from tests.mpm_warp.conftest import refused
 
 WINDOW = CyclicWindow(speed=2.0, ramp_travel=0.25, stroke=1.1)

@@ -5,17 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS, EnergyBalance
+from mpm_warp import EnergyBalance, LinearElastic, Scene, SceneError, Simulation, SurfaceContact
+from mpm_warp.parts.energy import OF_CELLS, OF_NODES, OF_POINTS
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
 from mpm_warp.sampling import transferred_energy
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import assert_same_bits
+from tests.mpm_warp.conftest import nodal_forces
 
 ROUNDING = 1e-9
 """What sums over nodes and steps are exact to, generously."""
@@ -68,7 +63,7 @@ def works_by_hand(simulation: Simulation) -> dict[str, float]:
     along = np.stack([normals[:, 1], -normals[:, 0]], axis=-1)
     normal, shear = simulation.array("contact.impulse").T
     on_body = normal[:, None] * normals + shear[:, None] * along
-    by_stress = simulation.plan.time_step * nodal_forces(simulation)
+    by_stress = simulation.plan.time_step * nodal_forces(grid, simulation.array("cell.stress"))
     of_stress = float(np.sum(by_stress * middle))
     kept = float(np.sum((mass / least - 1.0)[:, None] * by_stress * middle))
     kinetic = 0.5 * float(mass @ np.sum(after**2 - before**2, axis=1))
@@ -82,22 +77,6 @@ def works_by_hand(simulation: Simulation) -> dict[str, float]:
         "viscous": float(viscous.sum()),
         "of_stress": of_stress,
     }
-
-
-def nodal_forces(simulation: Simulation) -> Floats:
-    """Minus the divergence of the stress of the cells, at the nodes [N], shape [node_count, 2]."""
-    scene = simulation.scene
-    assert isinstance(scene, Scene)
-    grid, stress = scene.grid, simulation.array("cell.stress")
-    force = np.zeros((grid.node_count, 2))
-    cell = np.arange(grid.cell_count)
-    first = cell + cell // grid.column_count
-    corners = (first, first + 1, first + grid.column_count + 1, first + grid.column_count + 2)
-    for corner, of_shape in zip(corners, np.moveaxis(grid.gradient_integrals, 1, 0), strict=True):
-        radial = np.sum(stress[:, [0, 2, 3]] * of_shape, axis=1)
-        vertical = np.sum(stress[:, [2, 1]] * of_shape[:, :2], axis=1)
-        np.add.at(force, corner, -np.stack([radial, vertical], axis=-1))
-    return force
 
 
 def test_works_at_nodes_and_in_cells_are_those_of_the_audited_steps(balanced: Scene) -> None:
@@ -145,23 +124,6 @@ def test_elastic_soil_has_no_plastic_work(balanced: Scene) -> None:
     assert elastic > 0.0
     assert abs(plastic) < ROUNDING * elastic
     assert abs(left_between_nodes_and_points(scene)) < 0.01
-
-
-def test_a_scene_without_balance_has_none_of_it_and_the_same_run(
-    cone: Scene, balanced: Scene
-) -> None:
-    plain, recorded = Simulation(cone), Simulation(balanced)
-    for simulation in (plain, recorded):
-        simulation.advance(100)
-    assert_same_bits(plain, recorded)
-    own = set(recorded.plan.arrays) - set(plain.plan.arrays)
-    assert {OF_NODES, OF_CELLS, OF_POINTS} < own
-    step, audited = (
-        [it.name for it in part]
-        for part in (make_plan(balanced).step, make_plan(balanced).audited_step)
-    )
-    assert step == [it.name for it in make_plan(cone).step]
-    assert len(audited) == len(make_plan(cone).audited_step) + 5
 
 
 def test_a_balance_needs_a_bulk_viscosity(balanced: Scene) -> None:

@@ -5,12 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp import ConservativeInterpolation, PassingSurface, Scene, Simulation, Window
 from mpm_warp.grid.fitted import GroundGrid
-from mpm_warp.parts.free_surface import PassingSurface
-from mpm_warp.parts.interpolation import ConservativeInterpolation
-from mpm_warp.parts.window import Window
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 
 LEVEL_ROW = 5
 """Number of the row of nodes at the surface."""

@@ -1,49 +1,46 @@
-"""What soil has gone through since it entered: where it came from, its plastic shear strain."""
+"""What soil has gone through since it entered; what the records of audited steps add to a run."""
 
 import numpy as np
 import pytest
 
+from mpm_warp import EnergyBalance, History, Isotropic, Part, Scene, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.elasticity import Isotropic
-from mpm_warp.parts.history import PLASTIC_STRAIN, History, displacement
+from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.plan.plan import AUDIT_INTERVAL
-from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import assert_same_bits
+from tests.mpm_warp.conftest import assert_same_bits, cells_of
 
-ADDED = {"particle.origin", "particle.plastic_strain", "layer.origin", "layer.plastic_strain"}
-"""Arrays of a history in a window; with `yield.share`, which a snapshot works out."""
-
-
-def with_history(scene: Scene) -> Scene:
-    return scene.with_parts(History())
+OF_HISTORY = {
+    *(f"{owner}.{it}" for owner in ("particle", "layer") for it in ("origin", "plastic_strain")),
+    "yield.share",  # which a snapshot works out
+}
+OVER = ("nodes", "cells", "points")
+OF_BALANCE = {f"balance.{it}" for it in (*OVER, "by_stress", "by_ground", "specific_volume")}
 
 
-def test_a_scene_without_history_has_none_of_its_arrays_and_launches(cone: Scene) -> None:
-    plan, kept = make_plan(cone), make_plan(with_history(cone))
-    assert kept.arrays.keys() - plan.arrays.keys() == {*ADDED, "yield.share"}
-    assert plan.arrays.keys() <= kept.arrays.keys()
-    names = [launch.name for launch in plan.launches]
-    kept_names = [launch.name for launch in kept.launches]
-    assert "record_plastic_strain" not in names
-    assert sorted(kept_names) == sorted(
-        [*names, "enter", "enter", "record_plastic_strain", "yield_share"]
-    )
-    # An ordinary step is the same, kernel by kernel: it has nothing to do for a history.
-    assert [launch.kernel for launch in kept.step] == [launch.kernel for launch in plan.step]
-
-
-def test_a_history_changes_no_bit_of_a_run(cone: Scene) -> None:
-    bare, kept = Simulation(cone), Simulation(with_history(cone))
+@pytest.mark.parametrize(
+    ("part", "arrays", "launches"),
+    [
+        (History(), OF_HISTORY, ["enter", "enter", "record_plastic_strain", "yield_share"]),
+        (EnergyBalance(), OF_BALANCE, [*2 * ["keep_velocity"], *(f"work_of_{it}" for it in OVER)]),
+    ],
+)
+def test_a_record_adds_its_own_and_changes_no_bit_of_a_run(
+    cone: Scene, part: Part, arrays: set[str], launches: list[str]
+) -> None:
+    bare, kept = Simulation(cone), Simulation(cone.with_parts(part))
     for simulation in (bare, kept):
         simulation.advance(700)
     assert kept.travel > 0.2  # soil has entered
     assert_same_bits(bare, kept)
+    assert kept.plan.arrays.keys() - bare.plan.arrays.keys() == arrays
+    names, kept_names = ([it.name for it in run.plan.launches] for run in (bare, kept))
+    assert sorted(kept_names) == sorted([*names, *launches])
+    # An ordinary step is the same, kernel by kernel: it has nothing to do for a record.
+    assert [it.kernel for it in kept.plan.step] == [it.kernel for it in bare.plan.step]
 
 
 def test_soil_enters_without_displacement_and_plastic_strain(cone: Scene) -> None:
-    simulation = Simulation(with_history(cone))
+    simulation = Simulation(cone.with_parts(History()))
     simulation.assign(PLASTIC_STRAIN, 1.0)
     before = simulation.array("layer.position").copy()
     while np.array_equal(simulation.array("layer.position"), before):
@@ -77,17 +74,17 @@ def test_plastic_strain_is_a_sample_of_what_the_law_takes_from_the_trial_stress(
     cone: Scene,
 ) -> None:
     """Of every 16th step from the first, as many times over: by hand, in soil that stays."""
-    simulation = Simulation(with_history(cone))
-    clay, count = cone.material, cone.grid.column_count
+    simulation = Simulation(cone.with_parts(History()))
+    clay = cone.material
     assert isinstance(clay, Isotropic)
     simulation.advance(480)  # so that soil yields
     expected = simulation.array(PLASTIC_STRAIN).copy()
     here = np.flatnonzero(simulation.array("particle.cell")[:, 1] > 2)
     for step in range(480, 480 + 2 * AUDIT_INTERVAL):
-        stress, cell = (simulation.array(f"particle.{it}").copy() for it in ("stress", "cell"))
+        stress, cell = simulation.array("particle.stress").copy(), cells_of(simulation)
         simulation.advance(1)
         if step % AUDIT_INTERVAL == 0:
-            motion = simulation.array("cell.motion")[cell[here] @ [1, count]]
+            motion = simulation.array("cell.motion")[cell[here]]
             trial = elastic_trial(stress[here], motion, clay)
             change = trial - simulation.array("particle.stress")[here]
             normal = change[:, [0, 1, 3]] - change[:, [0, 1, 3]].mean(axis=1, keepdims=True)
@@ -107,7 +104,7 @@ def test_a_cavity_has_the_plastic_strain_of_its_expansion(cavity: Scene) -> None
     1 / r, linear between nodes w apart, is too large by (w / 2 r)^2 at most, a strain of one cell
     off by a third of that: here w = r / 2 at the wall.
     """
-    simulation = Simulation(with_history(cavity))
+    simulation = Simulation(cavity.with_parts(History()))
     simulation.advance_to(40.0)
     moved = displacement(simulation, 0.0)[:, 0]
     radius = simulation.array("particle.position")[:, 0]

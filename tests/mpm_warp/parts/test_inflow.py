@@ -1,41 +1,14 @@
 """Soil that enters below the window: layer by layer, with all that particles carry."""
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 
-from mpm_warp import ConePenetration
-from mpm_warp.kernel_types import one, real, vec2, vec4
-from mpm_warp.materials.elasticity import LinearElastic, elastic_increment
+from mpm_warp import Approach, ConePenetration, FarField, Scene, Simulation, Window
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.materials.variation import Variation
-from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.window import Approach, Window
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import assert_same_bits, greatest_shear
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Ageing(LinearElastic):
-    """Elastic soil that remembers how many steps it has been simulated for, and how long [s]."""
-
-    @property
-    def state(self) -> tuple[str, ...]:
-        return ("steps", "age")
-
-    def update(self) -> Any:
-        return ages
-
-
-@wp.func
-def ages(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec2):
-    trial = stress + elastic_increment(strain, properties[0], properties[1])
-    return trial, vec2(state[0] + one, state[1] + time_step)
+from tests.mpm_warp.conftest import Recording, assert_same_bits, greatest_shear, layers
 
 
 def test_undisturbed_soil_in_the_window_stays_exactly_at_rest(empty: Scene) -> None:
@@ -57,7 +30,7 @@ def test_undisturbed_soil_in_the_window_stays_exactly_at_rest(empty: Scene) -> N
 
 def test_a_layer_brings_every_array_of_the_particles_along(cone: Scene) -> None:
     """Whatever a material or a part adds: a launch for each, and the values of the first layer."""
-    soil = Ageing(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
+    soil = Recording(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
     plan = make_plan(dataclasses.replace(cone, material=soil))
     of_particles = {name for name in plan.arrays if name.startswith("particle.")}
     assert "particle.state" in of_particles
@@ -75,7 +48,7 @@ def test_a_layer_brings_every_array_of_the_particles_along(cone: Scene) -> None:
 
 def test_what_enters_has_no_memory(cone: Scene) -> None:
     """Nor velocity nor stress, in slots whose particles had all of them when they left above."""
-    soil = Ageing(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
+    soil = Recording(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
     simulation = Simulation(dataclasses.replace(cone, material=soil))
     height = float(np.diff(cone.grid.rows)[0])
     # Three rows have left; the last layer has entered in this very step.
@@ -88,11 +61,11 @@ def test_what_enters_has_no_memory(cone: Scene) -> None:
     np.testing.assert_array_equal(simulation.array("particle.cell")[entered, 1], 0)
     # Others have aged since they entered, and those that were there from the first step on.
     inside = simulation.array("particle.cell")[:, 0] >= 0
-    ages = np.unique(state[inside, 0])
+    ages = np.unique(state[inside, 4])
     assert ages[0] == 0.0
     assert ages[-1] == simulation.step_count
     assert len(ages) == 7  # of six layers, and of what was there
-    np.testing.assert_allclose(state[:, 1], state[:, 0] * simulation.plan.time_step, rtol=1e-9)
+    np.testing.assert_allclose(state[:, 5], state[:, 4] * simulation.plan.time_step, rtol=1e-9)
 
 
 @pytest.mark.parametrize("approach", [None, Approach(speed=3.0, travel=1.2, slowing_travel=0.4)])
@@ -131,11 +104,7 @@ def test_the_window_stays_as_full_as_it_was(cone: Scene) -> None:
 def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
     """Strength that grows linearly: at rest each point has that of where it is in the ground."""
     rows = empty.grid.rows
-    growing = Variation(
-        depth=np.array([-rows[-1], 10.0]),
-        strength_ratio=np.array([1.0, 3.0]),
-        stiffness_ratio=np.array([0.2, 1.0]),
-    )
+    growing = layers((-rows[-1], 1, 0.2), (10, 3, 1))
     soil = dataclasses.replace(empty.material, variation=growing)
     simulation = Simulation(dataclasses.replace(empty.without(FarField), material=soil))
     simulation.travel_to(2.0 * float(rows[1] - rows[0]))

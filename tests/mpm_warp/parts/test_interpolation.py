@@ -5,13 +5,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, bilinear
-from mpm_warp.parts.interpolation import ConservativeInterpolation, interpolation_weights
+from mpm_warp import ConservativeInterpolation, Grid, Scene, Simulation
+from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, bilinear
+from mpm_warp.parts.interpolation import interpolation_weights
 from mpm_warp.sampling import ContactForces
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import cells_of
 
 DIFFERENCE = 1e-4
 """Of natural coordinates, in a difference quotient; the field is a quartic at most."""
@@ -130,11 +130,10 @@ def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
     scene = dataclasses.replace(floating, grid=fitted, particles_per_side=3, parts=parts)
     simulation = Simulation(scene)
     position = simulation.array("particle.position").copy()
-    column, row = simulation.array("particle.cell").copy().T
+    cell = cells_of(simulation)
     random = np.random.default_rng(5).normal(size=position.shape)
     simulation.assign("particle.velocity", random)
     simulation.advance(1)
-    cell = row * fitted.column_count + column
     corners = fitted.node_positions[fitted.cell_nodes[cell]]
     eta = (position[:, 1] - corners[:, 0, 1]) / (corners[:, 2, 1] - corners[:, 0, 1])
     left = (1 - eta) * corners[:, 0, 0] + eta * corners[:, 2, 0]
@@ -143,7 +142,8 @@ def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
     moved = simulation.plan.time_step * velocity(
         fitted, simulation.array("node.velocities")[:, :2], cell, xi, eta
     )
-    free = ~((column == 0) & (xi < 0.2))  # elsewhere a surface may push them back
+    # Elsewhere a surface may push them back.
+    free = ~((cell % fitted.column_count == 0) & (xi < 0.2))
     expected = position + moved
     found = simulation.array("particle.position")
     np.testing.assert_allclose(found[free], expected[free], atol=1e-12)
@@ -181,9 +181,8 @@ def test_no_soil_piles_up_beside_a_rough_shaft() -> None:
         forces = scene[PenetrometerContact].forces(contact_forces.take())
         resistance.append(forces.face_normal + forces.face_shear)
     present = simulation.array("particle.cell")[:, 0] >= 0
-    column, row = simulation.array("particle.cell")[present].T
     mass = np.bincount(
-        row * grid.column_count + column,
+        cells_of(simulation)[present],
         weights=simulation.array("particle.mass")[present],
         minlength=grid.cell_count,
     )

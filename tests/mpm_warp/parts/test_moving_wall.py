@@ -5,11 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp.parts.boundaries import Fixed
-from mpm_warp.parts.moving_wall import MovingWall
+from mpm_warp import Fixed, MovingWall, Scene, Simulation
 from mpm_warp.plan.plan import SLACK
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
 
 
 @pytest.fixture(params=["cavity", "spherical"])

@@ -7,13 +7,13 @@ import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import layers
 
 SOURCE = TravellingSource(radius=0.5, height=0.2, shear_modulus=3.0)
 PLACES = np.array([[4.0, -6.0], [5.0, 0.2], [3.0, 7.0], [0.0, -5.0]])
@@ -31,10 +31,6 @@ def scene() -> Scene:
     return SHORT.build()
 
 
-def ground_of(scene: Scene) -> SurroundingGround:
-    return scene[SurroundingGround]
-
-
 def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
     """At the top only along z: the shaft is there."""
     simulation = Simulation(scene)
@@ -43,7 +39,7 @@ def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
     simulation.advance(1)
     velocity = simulation.array("node.velocities")[:, :2]
     places = scene.grid.node_positions
-    flow = speed * ground_of(scene).source.velocity(places)
+    flow = speed * scene[SurroundingGround].source.velocity(places)
     bottom, top = (places[:, 1] == scene.grid.rows[row] for row in (0, -1))
     np.testing.assert_allclose(velocity[bottom], flow[bottom], rtol=ROUNDING)
     off_the_shaft = top & (places[:, 0] > SHORT.cone_radius)
@@ -52,7 +48,7 @@ def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
 
 def test_a_step_of_the_side_is_that_of_its_equation(scene: Scene) -> None:
     """From rest, springs displaced: m dv = -k w dt with the dashpots implicit, to rounding."""
-    ground = ground_of(scene)
+    ground = scene[SurroundingGround]
     simulation = Simulation(scene)
     side = ground.far.nodes
     pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], len(side))
@@ -71,7 +67,7 @@ def test_side_nodes_that_move_with_the_source_are_pulled_by_its_traction_alone(
     scene: Scene,
 ) -> None:
     """Then dw/dt = -V A t / k: the spring comes to pull as the elastic ground does."""
-    ground = ground_of(scene)
+    ground = scene[SurroundingGround]
     flow = ground.source.velocity(ground.side_positions)
     plan = Simulation(scene).plan
     drawn, shown = (plan.arrays[f"far_field.{name}"].initial for name in ("drawn", "flow"))
@@ -84,7 +80,7 @@ def test_side_nodes_that_move_with_the_source_are_pulled_by_its_traction_alone(
 
 
 def test_a_spring_that_enters_holds_the_stress_of_the_soil_beside_it(scene: Scene) -> None:
-    ground, travel = ground_of(scene), 2.0 * SHORT.cone_radius
+    ground, travel = scene[SurroundingGround], 2.0 * SHORT.cone_radius
     stressed = dataclasses.replace(scene, stress_at_rest=np.array([4e3, 0.0, 0.0, 4e3]))
     stress = ground.stress(stressed, ground.side_positions[:1], travel)[0]
     force = -ground.spring[0] * ground.entering_spring(stressed, travel)
@@ -115,7 +111,7 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
     simulation = Simulation(scene)
     row = float(scene.grid.rows[1] - scene.grid.rows[0])
     simulation.travel_to(0.25 * row)  # where the first layer enters
-    ground, (_, speed, travel) = ground_of(scene), simulation.array("window.motion")
+    ground, (_, speed, travel) = scene[SurroundingGround], simulation.array("window.motion")
     position = simulation.array("layer.position")
     np.testing.assert_allclose(
         simulation.array("layer.stress"), ground.stress(scene, position, travel), rtol=ROUNDING
@@ -128,23 +124,19 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
 def test_it_is_around_the_grid_of_the_scene(scene: Scene) -> None:
     other = dataclasses.replace(SHORT, domain_radius=11.0).build()
     with pytest.raises(SceneError, match="SurroundingGround: grid has other nodes"):
-        scene.with_parts(ground_of(other))
+        scene.with_parts(other[SurroundingGround])
     with pytest.raises(SceneError, match="SurroundingGround: source = 1 must be of type"):
-        dataclasses.replace(ground_of(scene), source=1)
+        dataclasses.replace(scene[SurroundingGround], source=1)
 
 
 def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them(
     scene: Scene,
 ) -> None:
     """Soil four times as stiff from a depth on: four times the spring, twice the dashpot."""
-    rows, ground = scene.grid.rows, ground_of(scene)
+    rows, ground = scene.grid.rows, scene[SurroundingGround]
     border = float(rows[0] - 0.5 * (rows[1] - rows[0]))  # half a row below the grid
-    layers = Variation(
-        depth=np.array([-border, -border]),
-        strength_ratio=np.ones(2),
-        stiffness_ratio=np.array([0.25, 1.0]),
-    )
-    material = dataclasses.replace(scene.material, variation=layers)
+    stiffer = layers((-border, 1, 0.25), (-border, 1, 1))
+    material = dataclasses.replace(scene.material, variation=stiffer)
     simulation = Simulation(dataclasses.replace(scene, material=material))
     spring = simulation.array("far_field.spring") / ground.spring
     np.testing.assert_allclose(spring, 0.25, rtol=ROUNDING)
@@ -162,9 +154,9 @@ def test_springs_and_dashpots_are_as_stiff_as_the_soil_that_comes_up_beside_them
 
 
 def test_stress_that_enters_is_that_of_the_soil_s_own_stiffness(scene: Scene) -> None:
-    half = Variation(depth=np.zeros(1), strength_ratio=np.ones(1), stiffness_ratio=np.full(1, 0.5))
-    soft = dataclasses.replace(scene, material=dataclasses.replace(scene.material, variation=half))
-    ground, travel = ground_of(scene), 2.0 * SHORT.cone_radius
+    half = dataclasses.replace(scene.material, variation=layers((0, 1, 0.5)))
+    soft = dataclasses.replace(scene, material=half)
+    ground, travel = scene[SurroundingGround], 2.0 * SHORT.cone_radius
     position = ground.side_positions[:1]
     np.testing.assert_allclose(
         ground.stress(soft, position, travel),

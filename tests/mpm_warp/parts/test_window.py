@@ -5,11 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp import Approach, Scene, Simulation, Window
 from mpm_warp.parts.inflow import OVER_WINDOW, VELOCITY_BOUND
-from mpm_warp.parts.window import Approach, Window
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.simulation import Simulation
 
 HURRIED = Window(
     speed=1.0,

@@ -1,4 +1,4 @@
-"""A plan: its arrays by kind, and its launches in their order."""
+"""A plan: its arrays by kind, its launches in their order, and their shares."""
 
 from typing import Any
 
@@ -8,17 +8,36 @@ import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SceneError
-from mpm_warp.plan.launch import OFFSET
-from mpm_warp.plan.plan import Plan, TimeStepControl
+from mpm_warp.kernel_types import maybe
+from mpm_warp.plan.plan import (
+    OFFSET,
+    WORTH_SHARING,
+    Launch,
+    Plan,
+    ShareRow,
+    TimeStepControl,
+    share_bounds,
+)
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation
 
 
 @wp.kernel(enable_backward=False)
-def scale(offset: int, time_step: float, factor: float, cell_volume: wp.array(dtype=float)):
+def scale(
+    offset: int,
+    time_step: float,
+    factor: float,
+    cell_volume: wp.array(dtype=float),
+    cell_power: maybe(float),
+):
     k = offset + wp.tid()
     cell_volume[k] = time_step * factor * cell_volume[k]
+
+
+@wp.kernel(enable_backward=False)
+def add_up(offset: int, values: wp.array(dtype=wp.float64), total: wp.array(dtype=wp.float64)):
+    wp.atomic_add(total, 0, values[offset + wp.tid()])
 
 
 @wp.kernel(enable_backward=False)
@@ -65,28 +84,22 @@ def test_an_array_has_the_type_of_its_kind_and_the_values_that_it_is_given(
     assert given.byte_count == on_device.nbytes
 
 
-def test_only_arrays_that_were_added_are_found(plan: Plan) -> None:
-    plan.add_zeros("cell.correction", "vec4", (4, 3))
-    assert plan.find("cell.correction") == "cell.correction"
-    assert plan.find("cell.dilation_rate") is None
-    assert plan.arrays["cell.correction"].shape == (4, 3)
-
-
 def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> None:
-    """An array by its own name, the length of a step, and what is given, in any order."""
+    """An array by its own name, the length of a step; what is given in any order comes first."""
     plan.add_zeros("cell.volume", "real", 10)
     launch = plan.launch(scale, 10, factor=3.0)
-    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume")
+    assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume", None)
     assert launch.dim == (10,)
     assert launch.kernel is scale
+    plan.given["factor"] = 4.0
+    plan.add_zeros("cell.power", "real", (4, 3))
+    launch = plan.launch(scale, 10)
+    assert launch.arguments == (OFFSET, plan.time_step, 4.0, "cell.volume", "cell.power")
+    assert plan.arrays["cell.power"].shape == (4, 3)
+    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
+    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume", "cell.power")
     assert plan.launch(clear, (2, 3), values=None).arguments == (None,)
     assert plan.launch(clear, (2, 3), values=None).dim == (2, 3)
-
-
-def test_what_is_given_comes_before_what_goes_by_its_name(plan: Plan) -> None:
-    plan.add_zeros("cell.volume", "real", 10)
-    launch = plan.launch(scale, 10, cell_volume="other.volume", time_step=7.0, factor=3.0)
-    assert launch.arguments == (OFFSET, 7.0, 3.0, "other.volume")
 
 
 @pytest.mark.parametrize(
@@ -105,7 +118,7 @@ def test_what_is_missing_and_what_is_unknown_is_named_beside_what_the_kernel_tak
         plan.add_launch(scale, 10, **arguments)
     message = str(refused.value)
     assert f"arguments missing: {missing}, unknown: {unknown};" in message
-    assert message.endswith("it takes offset, time_step, factor, cell_volume")
+    assert message.endswith("it takes offset, time_step, factor, cell_volume, cell_power")
     assert scale.key in message
     assert plan.step == []
 
@@ -177,11 +190,6 @@ def test_a_time_step_beyond_the_critical_one_is_a_fault() -> None:
     assert following(0.8, critical=0.75, fraction=1.0) == pytest.approx(0.75**2 / 0.8)
 
 
-def test_only_what_can_change_is_looked_at(cone: Scene, cavity: Scene) -> None:
-    assert make_plan(cone).control is None
-    assert make_plan(cavity).control is not None
-
-
 def test_a_plan_with_another_time_step_is_the_same_but_for_numbers(cavity: Scene) -> None:
     plan = make_plan(cavity)
     assert plan.control is not None
@@ -205,3 +213,58 @@ def test_time_is_the_sum_of_the_steps(cavity: Scene, monkeypatch: pytest.MonkeyP
     assert simulation.array("wall.motion")[0, 0] == pytest.approx(simulation.time)
     simulation.advance_to(2.5 * CHECK_INTERVAL * first)
     assert simulation.time == pytest.approx(2.5 * CHECK_INTERVAL * first, abs=0.26 * first)
+
+
+def test_a_launch_has_the_name_of_its_kernel_and_knows_its_arrays() -> None:
+    launch = Launch(kernel=scale, dim=(10,), arguments=(OFFSET, 0.1, 3.0, "cell.volume"))
+    assert launch.name == "scale"
+    assert launch.arrays == ("cell.volume",)
+    assert launch.item_count == 10
+
+
+@pytest.mark.parametrize(("length", "count"), [(10, 4), (3, 4), (0, 4), (1001, 1), (7, 7)])
+def test_shares_make_up_the_whole_and_are_as_even_as_can_be(length: int, count: int) -> None:
+    bounds = share_bounds(length, count)
+    assert bounds[0] == 0
+    assert bounds[-1] == length
+    assert len(bounds) == count + 1
+    assert np.ptp(np.diff(bounds)) <= 1
+
+
+def test_a_share_begins_where_the_one_before_it_ends_and_has_a_row_of_its_own() -> None:
+    launch = Launch(
+        kernel=add_up, dim=(10, 3), arguments=(OFFSET, "cell.volume", ShareRow("cell.total"))
+    )
+    shares = [launch.share(number, 4) for number in range(4)]
+    assert [share.arguments[0] for share in shares] == [0, 2, 5, 7]
+    assert [share.dim for share in shares] == [(2, 3), (3, 3), (2, 3), (3, 3)]
+    assert [share.arguments[2] for share in shares] == [
+        ShareRow("cell.total", number) for number in range(4)
+    ]
+    assert launch.arrays == ("cell.volume", "cell.total")
+
+
+def test_a_share_is_called_with_its_row_of_an_array() -> None:
+    values, total = np.arange(10.0), np.zeros((4, 1))
+    launch = Launch(kernel=add_up, dim=(10,), arguments=(OFFSET, "values", ShareRow("total")))
+    arrays = {
+        "values": wp.array(values, dtype=wp.float64, device="cpu"),
+        "total": wp.array(total, dtype=wp.float64, device="cpu"),
+    }
+    for number in range(4):
+        dim, arguments = launch.share(number, 4).call(arrays)
+        wp.launch(add_up, dim, arguments, device="cpu")
+    sums = [part.sum() for part in np.split(values, share_bounds(10, 4)[1:-1])]
+    np.testing.assert_array_equal(arrays["total"].numpy()[:, 0], sums)
+
+
+def test_only_launches_worth_it_are_shared_and_all_that_add_up() -> None:
+    def scaled(count: int) -> bool:
+        return Launch(kernel=scale, dim=(count,), arguments=(OFFSET, 0.1, 1.0, "values")).is_shared
+
+    assert scaled(WORTH_SHARING)
+    assert not scaled(WORTH_SHARING - 1)
+    assert not Launch(kernel=clear, dim=(10 * WORTH_SHARING,), arguments=("values",)).is_shared
+    adding = Launch(kernel=add_up, dim=(10,), arguments=(OFFSET, "values", ShareRow("total")))
+    assert adding.is_shared
+    assert adding.adds_up

@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.materials.elasticity import LinearElastic
+from mpm_warp import Grid, LinearElastic, Scene, Simulation
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.sampling import soil_scene
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import cells_of
 
 ROUNDING = 1e-7
 """Of what is found from many random motions by least squares."""
@@ -31,16 +30,15 @@ def shifted(simulation: Simulation, up: float) -> tuple[Floats, Floats]:
     """
     grid = soil_scene(simulation).grid
     position = simulation.array("particle.position")
-    column, row = simulation.array("particle.cell").T
-    corner = grid.node_positions[grid.cell_nodes[row * grid.column_count + column]]
+    nodes = grid.cell_nodes[cells_of(simulation)]
+    corner = grid.node_positions[nodes]
     size = corner[:, 3] - corner[:, 0]
     xi, eta = ((position - corner[:, 0]) / size).T
     eta = (eta + up) % 1.0
     position[:, 1] = corner[:, 0, 1] + eta * size[:, 1]
     shape = np.zeros((len(position), grid.node_count))
     weights = [(1 - xi) * (1 - eta), xi * (1 - eta), (1 - xi) * eta, xi * eta]
-    for corner_number, weight in enumerate(weights):
-        node = grid.cell_nodes[row * grid.column_count + column, corner_number]
+    for node, weight in zip(nodes.T, weights, strict=True):
         shape[np.arange(len(position)), node] = weight
     return shape, simulation.array("particle.mass")
 

@@ -6,15 +6,12 @@ import itertools
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid, GroundGrid
-from mpm_warp.materials.elasticity import Isotropic
+from mpm_warp import FreeSurface, Grid, Scene, Simulation, Window
+from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.parts.contact import nodal_areas
-from mpm_warp.parts.free_surface import FreeSurface
-from mpm_warp.parts.window import Window
-from mpm_warp.plan.launch import share_bounds
+from mpm_warp.plan.plan import share_bounds
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
-from mpm_warp.simulation import Simulation
+from tests.mpm_warp.conftest import cells_of, nodal_forces
 
 
 def test_every_share_has_as_many_particles_and_as_many_empty_slots(cone: Scene) -> None:
@@ -66,10 +63,8 @@ def test_the_stress_of_a_cell_is_the_mean_of_its_particles_by_mass(floating: Sce
     stress, mass = simulation.array("particle.stress"), simulation.array("particle.mass")
     stress[:] = random.normal(size=stress.shape)
     mass[:] *= random.uniform(0.5, 2.0, size=mass.shape)
-    given, (column, row) = stress.copy(), simulation.array("particle.cell").T.copy()
+    given, cell = stress.copy(), cells_of(simulation)
     simulation.advance(1)
-    grid = floating.grid
-    cell = row * grid.column_count + column
     expected = np.stack([np.bincount(cell, mass * part) for part in given.T], axis=-1)
     expected /= np.bincount(cell, mass)[:, None]
     np.testing.assert_allclose(simulation.array("cell.stress"), expected, rtol=1e-12, atol=1e-15)
@@ -128,32 +123,23 @@ def test_a_cell_that_is_empty_for_a_moment_keeps_its_stress(floating: Scene) -> 
     np.testing.assert_array_equal(stress[1, 2], 0.0)
 
 
-def test_a_step_from_rest_has_hookes_stress(floating: Scene) -> None:
-    """sigma = dt (K tr D + 2 G dev D), D the mean over the cell of the nodes' velocity."""
+def test_the_motion_of_a_cell_is_that_of_its_mean_velocity_gradient(floating: Scene) -> None:
+    """Strain dt D, and the spin's rotation after Cayley: tan(angle / 2) = dt (L_rz - L_zr) / 4."""
     simulation = Simulation(floating)
     random = np.random.default_rng(1)
     velocity = random.normal(size=simulation.array("particle.velocity").shape)
     simulation.assign("particle.velocity", velocity)
-    column, row = simulation.array("particle.cell").copy().T
     simulation.advance(1)
-    grid, soil = floating.grid, floating.material
-    assert isinstance(soil, Isotropic)
-    nodal = simulation.array("node.velocities")[grid.cell_nodes, :2]
+    grid, step = floating.grid, simulation.plan.time_step
+    v_r, v_z = np.moveaxis(simulation.array("node.velocities")[grid.cell_nodes, :2], -1, 0)
     r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
-    integrals = (
-        nodal[..., 0] * r,
-        nodal[..., 1] * z,
-        0.5 * (nodal[..., 0] * z + nodal[..., 1] * r),
-        nodal[..., 0] * hoop,
-    )
-    strain = np.stack([it.sum(axis=1) / grid.cell_volumes for it in integrals], axis=-1)
-    strain *= simulation.plan.time_step
-    expected = 2.0 * soil.shear_modulus * strain
-    mean = soil.bulk_modulus - 2.0 / 3.0 * soil.shear_modulus
-    expected[:, [0, 1, 3]] += mean * strain[:, [0, 1, 3]].sum(axis=1)[:, None]
-    stress = simulation.array("particle.stress")
-    cell = row * grid.column_count + column
-    np.testing.assert_allclose(stress, expected[cell], rtol=1e-9, atol=1e-9 * np.abs(stress).max())
+    parts = (v_r * r, v_r * z, v_z * r, v_z * z, v_r * hoop)
+    rr, rz, zr, zz, tt = (step * it.sum(axis=1) / grid.cell_volumes for it in parts)
+    angle = 2.0 * np.arctan(0.25 * (rz - zr))
+    rotation = [np.sin(angle) ** 2, np.sin(2.0 * angle), np.cos(2.0 * angle)]
+    expected = np.stack([rr, zz, 0.5 * (rz + zr), tt, *rotation], axis=-1)
+    assert np.abs(angle).max() > 1e-3
+    np.testing.assert_allclose(simulation.array("cell.motion"), expected, rtol=1e-9, atol=1e-15)
 
 
 def test_a_node_with_hardly_any_mass_is_accelerated_as_if_half_full(floating: Scene) -> None:
@@ -188,16 +174,10 @@ def test_the_force_on_a_node_is_minus_the_divergence_of_the_stress_around_it(
     simulation = Simulation(floating)
     grid = floating.grid
     of_cells = 1e3 * np.random.default_rng(7).normal(size=(grid.cell_count, 4))
-    column, row = simulation.array("particle.cell").T
-    simulation.array("particle.stress")[:] = of_cells[row * grid.column_count + column]
+    simulation.array("particle.stress")[:] = of_cells[cells_of(simulation)]
     simulation.advance(1)
-    rr, zz, rz, tt = of_cells.T[..., None]
-    r, z, hoop = np.moveaxis(grid.gradient_integrals, -1, 0)
-    force = np.zeros((grid.node_count, 2))
-    pull = np.stack([rr * r + rz * z + tt * hoop, rz * r + zz * z], axis=-1)
-    np.add.at(force, grid.cell_nodes, -pull)
     impulse = simulation.array("node.mass")[:, None] * simulation.array("node.velocities")[:, :2]
-    expected = simulation.plan.time_step * force
+    expected = simulation.plan.time_step * nodal_forces(grid, of_cells)
     np.testing.assert_allclose(impulse, expected, atol=1e-12 * np.abs(expected).max())
 
 
@@ -220,30 +200,3 @@ def test_a_rigid_motion_along_the_axis_leaves_no_stress_and_keeps_momentum(float
     np.testing.assert_allclose(risen[:, 0], 0.0, atol=1e-12)
     np.testing.assert_allclose(risen[:, 1], 0.7 * simulation.time, rtol=1e-9)
     np.testing.assert_allclose(simulation.array("particle.stress"), 0.0, atol=1e-7)
-
-
-def test_spin_turns_the_stress_by_its_angle(floating: Scene) -> None:
-    """A rotation of the grid's velocity in the (r, z) plane, far from the axis: no hoop strain."""
-    far = dataclasses.replace(
-        floating.grid,
-        columns=np.linspace(0.0, 1.0, 7),
-        rows=np.linspace(0.0, 1.4, 7),
-        surface_radius=np.full(7, 1e6),
-        fitted_radius=1e6 + 1.0,
-    )
-    # A step so short that the stress does not accelerate the soil by much beside its spin.
-    simulation = Simulation(dataclasses.replace(floating, grid=far, time_step_fraction=1e-4))
-    simulation.array("particle.stress")[:] = [3e4, -1e4, 5e3, 2e3]
-    spin = 1e-3 / simulation.plan.time_step
-    centre = np.array([1e6 + 0.5, 0.7])
-    velocity = (simulation.array("particle.position") - centre) @ np.array([[0, -spin], [spin, 0]])
-    simulation.assign("particle.velocity", velocity)
-    simulation.advance(1)
-    cell = simulation.array("particle.cell")
-    amid = ((cell > 0) & (cell < 5)).all(axis=1)  # a linear field arrives where soil is all around
-    after = simulation.array("particle.stress")[amid].mean(axis=0)
-    # d sigma_rr = 2 W_rz sigma_rz dt, d sigma_rz = W_rz (sigma_zz - sigma_rr) dt
-    angle = 1e-3
-    assert after[0] - 3e4 == pytest.approx(2.0 * angle * 5e3, rel=1e-2)
-    assert after[1] + 1e4 == pytest.approx(-2.0 * angle * 5e3, rel=1e-2)
-    assert after[2] - 5e3 == pytest.approx(angle * (-1e4 - 3e4), rel=1e-2)
