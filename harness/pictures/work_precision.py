@@ -1,7 +1,7 @@
 """Work-precision pictures: error against run time."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,6 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
     COMPLETED,
-    is_there,
     over_cases,
     scenes_of,
     spoken,
@@ -46,8 +45,7 @@ from harness.pictures.studied import method_of
 from harness.study.designs import ONE_AT_A_TIME
 
 
-@dataclass(frozen=True)
-class _Problem:
+class _Problem(NamedTuple):
     """Cases that ask the same question: they differ in settings of the method alone.
 
     The soil is what else the study varies within the scene, in words.
@@ -71,31 +69,25 @@ def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     found = []
     for (scene, *_), cases in groups.items():
         method, of_scene = method_of(dataset, str(scene)), scenes == scene
-        settings, words = {}, []
+        settings, soil = {}, []
         for name, values in varied.items():
-            given = over_cases(dataset, name)[of_scene].tolist()
-            if not any(map(is_there, given)):  # it is a parameter of other scenes
-                continue
-            if name in method and np.unique(values.numbers[cases]).size > 1:
+            if name in method and np.ptp(values.numbers[cases]) > 0.0:
                 settings[name] = values
-            if name not in method and np.unique(values.numbers[of_scene]).size > 1:
-                words.append(assigned(dataset, name, values.of_case(cases[0])))
-        if settings:
-            found.append(_Problem(np.array(cases), str(scene), words, settings))
-    return found
+            if name not in method and np.ptp(values.numbers[of_scene]) > 0.0:
+                soil.append(assigned(dataset, name, values.of_case(cases[0])))
+        found.append(_Problem(np.array(cases), str(scene), soil, settings))
+    return [problem for problem in found if problem.settings]
 
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     """The settings of a case that vary; of one at a time those that differ from the start."""
-    is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
-    if len(problem.settings) > 1 and not is_one_at_a_time:
-        return " / ".join(quantity(setting.of_case(case)) for setting in problem.settings.values())
-    texts = [
-        assigned(dataset, name, setting.of_case(case))
-        for name, setting in problem.settings.items()
-        if not is_one_at_a_time or setting.numbers[case] != setting.numbers[problem.cases[0]]
-    ]
-    return ", ".join(texts) or "start"
+    settings = {name: setting.of_case(case) for name, setting in problem.settings.items()}
+    if dataset.attrs.get("design") == ONE_AT_A_TIME:
+        start = {name: it.of_case(problem.cases[0]) for name, it in problem.settings.items()}
+        settings = {name: value for name, value in settings.items() if value != start[name]}
+    elif len(settings) > 1:
+        return " / ".join(map(quantity, settings.values()))
+    return ", ".join(assigned(dataset, *setting) for setting in settings.items()) or "start"
 
 
 def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
@@ -166,10 +158,9 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
-    timed = np.isfinite(measured) & np.isfinite(seconds)
     figure, (axes,) = panels()
     axes.set(xscale="log", yscale="log")
-    drawn = timed & (measured > 0.0)
+    drawn = np.isfinite(measured) & np.isfinite(seconds) & (measured > 0.0)
     errors = np.where(drawn, errors, np.nan)
     _draw_fronts(axes, dataset, problems, seconds, measured, errors)
     silent = drawn & ~states_its_error(dataset)
@@ -180,8 +171,8 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
         label = "uncertainty of the reference"
         axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
-    failed = over_cases(dataset, "status") != COMPLETED
-    if "case_time" in dataset and failed.any():
+    if "case_time" in dataset:
+        failed = over_cases(dataset, "status") != COMPLETED
         mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
     several = len(set(scenes_of(dataset))) > 1
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
@@ -256,8 +247,6 @@ def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
 
 def _pareto(seconds: Floats, errors: Floats, cases: np.ndarray) -> np.ndarray:
     """The cases that no other is both faster and better than, the fastest first."""
-    front: list[int] = []
-    for case in cases[np.lexsort((errors[cases], seconds[cases]))]:
-        if not front or errors[case] < errors[front[-1]]:
-            front.append(int(case))
-    return np.array(front, dtype=int)
+    ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
+    best = np.minimum.accumulate([np.inf, *errors[ordered]])
+    return ordered[errors[ordered] < best[:-1]]

@@ -156,6 +156,13 @@ class CurveEnd(NamedTuple):
     colour: str
 
 
+def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
+    """The end of a curve that has a value; else none."""
+    return [
+        CurveEnd(x[last], y[last], label, colour) for last in np.flatnonzero(np.isfinite(y))[-1:]
+    ]
+
+
 LABEL_GAP = 0.06
 """Least distance of two labels beside curves, of the height of the axes."""
 

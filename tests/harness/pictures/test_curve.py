@@ -14,9 +14,8 @@ from matplotlib.patches import Rectangle
 
 from harness.compare.compared import with_experience
 from harness.pictures.case_curves import resistance_figure
-from harness.pictures.curve import curve_figure
+from harness.pictures.curve import curve_figure, draw_experience
 from harness.pictures.drawing.plot_parts import panels
-from harness.pictures.literature import draw_experience
 
 from .conftest import MADE, REFERENCES, legend, one_at_a_time, result
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.pictures.interpretation import interpretation_figure, soundings_figure
+from harness.pictures.sounding import interpretation_figure, soundings_figure
 
 
 def made_up(title: str = "A site") -> xr.Dataset:
