@@ -116,7 +116,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)
     beside = np.linspace(-0.5, 0.5, len(soils)) * SPREAD
-    for (kind, cases), line in zip(soils.items(), series(len(soils), len(soils)), strict=True):
+    for (kind, cases), line in series(soils.items(), None):
         axes.errorbar(
             values[cases],
             np.arange(len(cases)) + beside[line.place],

@@ -113,14 +113,11 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
     figure, (axes,) = panels()
-    groups = studied.groups(name, h)
-    for place, colour, marker, _ in series(len(groups)):
-        cases, label = groups[place]
+    for (cases, label), line in series(studied.groups(name, h)):
         x, y = h[cases], studied.computed[cases]
-        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
-        label = f"{label or 'computed'}: {observed}"
-        line = "-" if is_error else ""
-        studied.draw(axes, h, cases, color=colour, ls=line, marker=marker, label=label)
+        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
+        told, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
+        studied.draw(axes, h, cases, **line.style, ls=dashes, label=told)
     if is_error:
         axes.set(xscale="log", yscale="log")
     _dress(axes, studied, name, is_error)

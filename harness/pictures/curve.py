@@ -37,16 +37,8 @@ from harness.pictures.drawing.plot_parts import (
 from harness.pictures.drawing.quantities import Floats, Values, axis_label, plain
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import (
-    COMPARED,
-    CONE_FACTORS,
-    NEEDED,
-    Conditions,
-    ConeFactor,
-    Quantity,
-    envelope,
-    envelope_applies,
-)
+from harness.references import cone_factors as literature
+from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
 from harness.references.experience import Factor
 from harness.study.compared import OwnReference
 
@@ -97,24 +89,15 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     if has_literature:
         draw_experience(axes, dataset)
     groups = studied.groups(name, along.numbers)
-    shown = series(len(groups))
+    shown = series(groups)
     ends: list[CurveEnd] = []
     shared = not any(_depends_on(dataset, other) for other in studied.varied if other != name)
-    for line in shown:
-        cases, label = groups[line.place]
+    for (cases, label), line in shown:
         x = along.numbers[cases]
-        if has_literature and (line is shown[0] or not shared):
+        if has_literature and (line.place == 0 or not shared):
             ends += _draw_literature(axes, studied, along, cases, None if shared else line.colour)
-        studied.draw(
-            axes,
-            along.numbers,
-            cases,
-            color=line.colour,
-            label=label or "computed",
-            ls="" if along.categories else "-",
-            marker=line.marker,
-            zorder=4,
-        )
+        style = {**line.style, "ls": "" if along.categories else "-", "zorder": 4}
+        studied.draw(axes, along.numbers, cases, label=label or "computed", **style)
         _draw_exact(axes, studied, cases, x)
         _draw_by_strength_of_bands(axes, studied, cases, x, line.colour)
     along.dress(axes, room=10)
@@ -217,13 +200,11 @@ def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values, table: Fl
 
 
 def _draw_curves(axes: Axes, studied: Studied, x: Values) -> None:
-    groups = studied.groups(x.name, x.numbers)
     ends: list[CurveEnd] = []
-    for place, colour, marker, _ in series(len(groups), MOST_CURVES):
-        cases, label = groups[place]
+    for (cases, label), line in series(studied.groups(x.name, x.numbers), MOST_CURVES):
         along, computed = x.numbers[cases], studied.computed[cases]
-        axes.errorbar(along, computed, studied.widths(cases), color=colour, marker=marker, ms=4)
-        ends += end_of(along, computed, label, colour)
+        axes.errorbar(along, computed, studied.widths(cases), **line.style, ms=4)
+        ends += end_of(along, computed, label, line.colour)
     x.dress(axes, room=5)
     label, headline = (axis_label(studied.dataset, it) for it in (x.name, studied.headline))
     axes.set(xlabel=label, ylabel=headline)
@@ -266,8 +247,8 @@ def _draw_literature(
     def over(value: Quantity) -> np.ndarray:
         return np.broadcast_to(np.asarray(value), x.shape)
 
-    lower, upper = (over(bound) for bound in envelope(conditions))
-    inside = over(envelope_applies(conditions))
+    lower, upper = (over(bound) for bound in literature.envelope(conditions))
+    inside = over(literature.envelope_applies(conditions))
     if inside.any():
         own = colour or "0.6"
         band = axes.fill_between(x, lower, upper, inside, color=own, alpha=0.2, lw=0)
@@ -324,9 +305,8 @@ def _fine(values: Values) -> Floats:
 
 def _colours(references: Sequence[ConeFactor]) -> list[str]:
     """Those that ship have the same colour in all pictures; a study's own have what is left."""
-    shipped = {
-        reference.id: COLOURS[place % len(COLOURS)] for place, reference in enumerate(CONE_FACTORS)
-    }
+    ids = [reference.id for reference in literature.CONE_FACTORS]
+    shipped = dict(zip(ids, itertools.cycle(COLOURS), strict=False))
     taken = {shipped.get(reference.id) for reference in references}
     left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
     return [shipped.get(reference.id) or next(left) for reference in references]

@@ -272,7 +272,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     parts = [fields.surface_part.values == part for part in ("face", "shaft")]
     shoulder, last = float(distance[parts[0]].max()), fields.sizes["penetration"] - 1
     for axes, kind in ((normal, "normal"), (shear, "shear")):
-        for number, colour, *_ in series(last + 1, MOST_CURVES):
+        for number, line in series(range(last + 1), MOST_CURVES):
             snapshot = fields.isel(penetration=number)
             traction = snapshot[f"{kind}_traction"].values / fields.undrained_shear_strength.item()
             if kind == "shear":
@@ -281,7 +281,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
                 traction[:2] = np.average(traction[:2], weights=around_tip)
             width, label = 1.6 if number == last else 0.8, f"{snapshot.penetration.item():g} R"
             for part, named in zip(parts, (label, None), strict=True):
-                axes.plot(distance[part], traction[part], color=colour, lw=width, label=named)
+                axes.plot(distance[part], traction[part], color=line.colour, lw=width, label=named)
         axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
         axes.axhline(0.0, color="0.5", lw=0.5)
         axes.set_ylabel(f"{kind} traction / su [-]")

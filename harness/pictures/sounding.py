@@ -44,17 +44,13 @@ def joined(dataset: xr.Dataset) -> xr.Dataset:
     """
     # A collected file leaves out what no case has, a half width say.
     cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
-    groups = [cases.drop_vars("status").isel(case=group) for group in _groups(dataset)]
-    return xr.concat([_as_one(group) for group in groups], dim="sounding")
-
-
-def _groups(dataset: xr.Dataset) -> list[np.ndarray]:
-    """The numbers of the cases that are stretches of one sounding, for each sounding."""
     numbers, dims = np.arange(dataset["status"].size), case_dims(dataset)
+    groups = numbers[:, None]
     if STRETCH in dims:
-        by_dim = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
-        return list(by_dim.reshape(-1, by_dim.shape[-1]))
-    return list(numbers[:, None])
+        groups = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
+        groups = groups.reshape(-1, groups.shape[-1])
+    soundings = [_as_one(cases.drop_vars("status").isel(case=group)) for group in groups]
+    return xr.concat(soundings, dim="sounding")
 
 
 def _as_one(stretches: xr.Dataset) -> xr.Dataset:
@@ -86,10 +82,10 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     soundings = joined(dataset)
     figure, (strength, resistance, factor) = panels(3, HEIGHT, sharey=True)
     count = soundings.sizes["sounding"]
-    shown = series(count)
+    shown = series(range(count))
     names = [name for name in (studied.varied if studied else ()) if name not in LEFT_TO_ONE]
-    for place, colour, _, _ in shown:
-        sounding = soundings.isel(sounding=place)
+    for place, line in shown:
+        sounding, colour = soundings.isel(sounding=place), line.colour
         label = studied.label(int(sounding["case"]), names) if studied else ""
         depth = sounding[DEPTH]
         net, half_width = sounding[RESISTANCE] / KILO, sounding[UNCERTAINTY] / KILO
@@ -153,7 +149,7 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     found = _broken(found)
     figure, (test, factor, strength, shares) = panels(4, TALL, sharey=True)
     depth = found.depth.values
-    for (name, label), line in zip(MEASURED.items(), series(len(MEASURED)), strict=True):
+    for (name, label), line in series(MEASURED.items()):
         scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
         test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=text)
     if "sharpened_resistance" in found:
@@ -276,9 +272,8 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
         names.append("others")
         columns.append(shares.values.T[small].sum(axis=0))
     ends = 100.0 * np.cumsum([np.zeros(found.sizes["depth"]), *columns], axis=0)
-    for name, begin, end, line in zip(
-        names, ends, ends[1:], series(len(names), len(names)), strict=False
-    ):
+    for name, line in series(names, None):
+        begin, end = ends[line.place : line.place + 2]
         axes.fill_betweenx(found.depth, begin, end, color=line.colour, lw=0, label=name)
     axes.set(xlim=(0.0, 100.0), xlabel="share of the error [%]")
     if names:

@@ -137,10 +137,7 @@ def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
     The curves have the shape [case, :].
     """
     drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
-    shown = [
-        line._replace(place=drawn[line.place], label=labels[drawn[line.place]])
-        for line in series(len(drawn))
-    ]
+    shown = [line._replace(place=case, label=labels[case]) for case, line in series(drawn)]
     return shown, left_out(len(drawn) - len(shown), "cases")
 
 

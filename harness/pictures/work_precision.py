@@ -123,17 +123,15 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
 def _checks_figure(dataset: xr.Dataset) -> Figure:
     """Errors of checks against their run times, alike in a scene; failed runs are left out."""
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
-    own = list(dict.fromkeys(scenes))
-    lines = dict(zip(own, series(len(own), len(own)), strict=True))
+    lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(own) / 2)
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(lines) / 2)
     for number, scene in enumerate(scenes):
         curve = dataset.isel(check=number)
         axes.loglog(
             curve["run_time"],
             curve["error"].where(curve["error"] > 0.0),
-            marker=lines[scene].marker,
-            color=lines[scene].colour,
+            **lines[scene].style,
             label=once(axes, plain(scene)),
         )
     _dress(figure, axes, "error against the exact solution")
@@ -197,10 +195,12 @@ def _draw_fronts(
     """Draw the cases of each problem that have an error; `errors` are those that rank them."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
-    for problem, line in zip(problems, series(len(problems), len(problems)), strict=True):
+    for problem, line in series(problems, None):
         own = problem.cases[np.isfinite(errors[problem.cases])]
-        front = _pareto(seconds, errors, own)
-        beaten = np.setdiff1d(own, front)
+        own = own[np.lexsort((errors[own], seconds[own]))]
+        # On the front is what no other is both faster and better than.
+        is_best = errors[own] < np.minimum.accumulate([np.inf, *errors[own]])[:-1]
+        front, beaten = own[is_best], own[~is_best]
         if beaten.size:
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
@@ -243,10 +243,3 @@ def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
     legend_above(figure, axes)
-
-
-def _pareto(seconds: Floats, errors: Floats, cases: np.ndarray) -> np.ndarray:
-    """The cases that no other is both faster and better than, the fastest first."""
-    ordered = cases[np.lexsort((errors[cases], seconds[cases]))]
-    best = np.minimum.accumulate([np.inf, *errors[ordered]])
-    return ordered[errors[ordered] < best[:-1]]

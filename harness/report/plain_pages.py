@@ -139,14 +139,14 @@ def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     panels = figure.subplots(1, len(PHASES), sharex=True, sharey=True)
     for phase, (axes, title) in enumerate(zip(panels, PHASES, strict=True), start=1):
         axes.axvspan(*NO_TIME, color="0.95")
-        for place, colour, marker, _ in series(len(names), len(names)):
-            axes.plot([], [], marker, color=colour, ms=4, label=names[place])
+        for (name, without), line in series(zip(names, untimed, strict=True), None):
+            axes.plot([], [], **line.style, ls="", ms=4, label=name)
             for scored in judged:
-                if scored.submission == names[place] and scored.case.phase == phase:
+                if scored.submission == name and scored.case.phase == phase:
                     result, error = scored.result, max(abs(scored.error), LEAST_ERROR)
-                    seconds = result.seconds if math.isfinite(result.seconds) else untimed[place]
-                    fill = colour if math.isfinite(result.uncertainty) else "white"
-                    axes.plot(seconds, error, marker, color=colour, ms=4, mfc=fill)
+                    seconds = result.seconds if math.isfinite(result.seconds) else without
+                    fill = line.colour if math.isfinite(result.uncertainty) else "white"
+                    axes.plot(seconds, error, **line.style, ls="", ms=4, mfc=fill)
         axes.set(title=title, xscale="log", yscale="log")
     panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
     panels[0].set_ylabel("|E| over the yardstick [-]")

@@ -15,7 +15,7 @@ from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability import short_reason, stability_figure, stability_rows
 from tests.harness.conftest import as_collected
-from tests.harness.pictures.conftest import figures, legend
+from tests.harness.pictures.conftest import figures, legend, texts
 
 BAD_VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
@@ -217,14 +217,14 @@ def test_bars_of_the_shares_add_up_to_one() -> None:
     np.testing.assert_allclose(heights.sum(axis=0), 1.0)
     bottoms = np.array([bar.get_y() for bar in bars]).reshape(2, 5)
     np.testing.assert_allclose(bottoms, [np.zeros(5), heights[0]])
-    ticks = [text.get_text() for text in axes.get_xticklabels()]
+    ticks = texts(axes.get_xticklabels())
     assert ticks == ["1", "5", "9", "13", "17", "20"]
 
 
 def test_where_all_complete_no_least_share_is_told() -> None:
     sound = made("latin_hypercube", ["completed"] * 6, stress=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
     (axes,) = stability_figure(sound).axes
-    assert [text.get_text() for text in axes.texts] == ["all 6 complete"]
+    assert texts(axes.texts) == ["all 6 complete"]
 
 
 SOUND = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
