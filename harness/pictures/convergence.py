@@ -54,7 +54,8 @@ class Approach(NamedTuple):
 
     def at(self, h: Floats) -> Floats:
         """The value at a refinement."""
-        return np.asarray(self.limit + self.factor * h**self.order)
+        value: Floats = self.limit + self.factor * h**self.order
+        return value
 
 
 def approach(h: Floats, values: Floats) -> Approach | None:

@@ -45,6 +45,7 @@ def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
     assert computed.get_ydata().tolist() == pytest.approx([11.1, 11.2, 11.0])
     assert legend(figure) == [ENVELOPE, "computed"]
     assert set(written(figure)) == LABELS
+    assert len({line.get_color() for line in curves(figure)}) == len(REFERENCES)
     lu = curves(figure)[0]
     # check values of the formula, given to two decimals
     assert lu.get_ydata()[[0, -1]] == pytest.approx([10.77, 12.07], abs=0.005)
@@ -60,11 +61,6 @@ def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
     ((begin, end),) = bar.get_segments()
     assert begin[0] == end[0] == 60.0
     assert begin[1] < end[1]
-
-
-def test_each_reference_has_a_colour_of_its_own() -> None:
-    colours = [line.get_color() for line in curves(curve_figure(result({})))]
-    assert len(set(colours)) == len(REFERENCES)
 
 
 def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity() -> None:
@@ -190,25 +186,25 @@ def test_the_curve_of_a_single_case_has_no_label() -> None:
     assert written(resistance_figure(result({"adhesion_factor": [0.3]}, [11.0]))) == []
 
 
+def twelve(design: str) -> xr.Dataset:
+    """Cases of more and more stiffness and resistance."""
+    columns = {"rigidity_index": [100.0 + case for case in range(12)]}
+    return result(columns, [11.0 + 0.1 * case for case in range(12)], design)
+
+
 def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled() -> None:
-    count = 12
-    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
-    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "one_at_a_time")
-    labels = written(resistance_figure(many))
+    labels = written(resistance_figure(twelve("one_at_a_time")))
     assert labels[0] == "start"
     assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
     assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")
 
 
 def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:
-    count = 12
-    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
-    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "random")
-    scenes = ["cone_penetration", "ball_penetration"] * (count // 2)
-    figure = resistance_figure(many.assign_coords(scene=(many["status"].dims, scenes)))
+    scenes = ["cone_penetration", "ball_penetration"] * 6
+    figure = resistance_figure(twelve("random").assign_coords(scene=("case", scenes)))
     assert legend(figure) == ["cone penetration", "ball penetration"]
-    colours = [line.get_color() for line in figure.axes[0].lines[:count]]
-    assert colours == colours[:2] * (count // 2)
+    colours = [line.get_color() for line in figure.axes[0].lines[:12]]
+    assert colours == colours[:2] * 6
     assert colours[0] != colours[1]
 
 
