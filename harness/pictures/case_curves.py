@@ -193,10 +193,9 @@ def _draw(axes: Axes, x: Floats, curves: Floats, line: Series) -> None:
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
     """Where the strain axis ends: beyond it nothing is to be seen."""
-    last = np.array([row[np.isfinite(row)][-1] for row in stress])
-    near = np.abs(stress - last[:, None]) <= (1.0 - SHOWN_STRENGTH) * np.abs(last)[:, None]
-    far = [np.flatnonzero(row) for row in ~near & np.isfinite(stress)]
-    reached = max((strain[places[-1]] for places in far if places.size), default=strain[-1])
+    last = np.array([[row[np.isfinite(row)][-1]] for row in stress])
+    far = (np.abs(stress - last) > (1.0 - SHOWN_STRENGTH) * np.abs(last)).any(axis=0)
+    reached = strain[far][-1] if far.any() else strain[-1]
     return float(min(strain[-1], 2.0 * reached))
 
 

@@ -4,8 +4,8 @@ The rows are of one scene, or of several scenes in the same soils. Beside the hi
 the spread comes from.
 """
 
-from collections import Counter
 from collections.abc import Sequence
+from statistics import mode
 
 import numpy as np
 import xarray as xr
@@ -47,10 +47,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     if studied is None or not has_few_cases(studied):
         return None
     count, varied = studied.computed.size, studied.varied
-    usual = {
-        name: Counter(parameter.numbers.tolist()).most_common(1)[0][0]
-        for name, parameter in varied.items()
-    }
+    usual = {name: mode(parameter.numbers.tolist()) for name, parameter in varied.items()}
     labels = [
         studied.label(case, [name for name in varied if varied[name].numbers[case] != usual[name]])
         for case in range(count)
