@@ -279,7 +279,9 @@ def _over(studied: Studied, along: Values, cases: np.ndarray) -> tuple[Floats, C
         for parameter in with_role(dataset, Role.PARAMETER)
         if parameter in dataset.data_vars and dataset[parameter].ndim
     ]
-    one = studied.case(int(cases[0])).drop_vars([*follows, name])
+    places = np.unravel_index(cases[0], dataset["status"].shape)
+    first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
+    one = dataset.isel(first).drop_vars([*follows, name])
     if along.categories:
         # A text says nothing to the literature: its values stand side by side.
         x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}

@@ -106,12 +106,6 @@ class Studied:
             assigned(self.dataset, name, self.varied[name].of_case(case)) for name in names
         )
 
-    def case(self, index: int) -> xr.Dataset:
-        """One case, without dims of cases."""
-        dims = self.dataset["status"].dims
-        places = np.unravel_index(index, self.dataset["status"].shape)
-        return self.dataset.isel(dict(zip(dims, map(int, places), strict=True)))
-
     def groups(self, name: str, along: Floats) -> list[tuple[np.ndarray, str]]:
         """The cases that agree in all that varies but `name`, each group by `along`; its label.
 
