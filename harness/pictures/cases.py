@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from harness.archive.conventions import (
     COMPLETED,
     DISTRIBUTION,
+    alike,
     headline_values,
     headlines_of,
     over_cases,
@@ -79,21 +80,16 @@ def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
 
     There are none where the scenes do not share them.
     """
-    scenes, names = np.array(scenes_of(dataset)), varied_within(dataset)
-    columns = [over_cases(dataset, name).tolist() for name in names]
-    values = list(zip(*columns, strict=True)) or [()] * scenes.size
-    found = {
-        kind: {values[case]: int(case) for case in np.flatnonzero(scenes == kind)}
-        for kind in dict.fromkeys(scenes.tolist())
-    }
-    rows = next(iter(found.values()))
-    is_each_once = sum(map(len, found.values())) == scenes.size
-    if not is_each_once or any(own.keys() != rows.keys() for own in found.values()):
+    scenes, names = scenes_of(dataset), varied_within(dataset)
+    kinds, soils = list(dict.fromkeys(scenes)), alike(dataset, names)
+    own = [sorted(cases, key=lambda case: kinds.index(scenes[case])) for cases in soils.values()]
+    if any([scenes[case] for case in cases] != kinds for cases in own):
         return [], {}
     labels = [
-        ", ".join(assigned(dataset, *pair) for pair in zip(names, row, strict=True)) for row in rows
+        ", ".join(assigned(dataset, *pair) for pair in zip(names, soil, strict=True))
+        for soil in soils
     ]
-    return labels, {kind: [own[row] for row in rows] for kind, own in found.items()}
+    return labels, dict(zip(kinds, map(list, zip(*own, strict=True)), strict=True))
 
 
 @STYLED
