@@ -43,18 +43,13 @@ value; seconds are those of the wall clock."""
 
 @dataclass(frozen=True, kw_only=True)
 class BenchmarkCase:
-    """One case.
+    """One case, and the scene of this program that computes it.
 
     Attributes:
-        name: of the case.
         phase: 1 exact anchors, 2 cone factors, 3 layers and gradients.
-        title: what is computed.
-        unit: of the value.
         exact: between which values the exact one is known to be; none where it is not known.
-        scene: the scene of this program that computes it.
-        result: the variable of its dataset, "NAME" or "NAME @ COORDINATE=NUMBER".
-        fixed: parameters of the scene.
-        accuracy: further ones by accuracy: quick, standard and fine.
+        result: the variable of the scene's dataset, "NAME" or "NAME @ COORDINATE=NUMBER".
+        fixed, accuracy: parameters of the scene, and further ones for each of `ACCURACIES`.
     """
 
     name: str
@@ -121,7 +116,7 @@ def read_submissions(folder: Path) -> list[Submission]:
     """
     if (folder / "meta.toml").exists() or (folder / "results.csv").exists():
         return [read_submission(folder)]
-    found = [path for path in sorted(folder.glob("*")) if path.is_dir()] if folder.is_dir() else []
+    found = [path for path in sorted(folder.glob("*")) if path.is_dir()]
     if not found:
         raise StudyError(f"{folder}: has no submission: a folder with meta.toml and results.csv")
     return [read_submission(path) for path in found]

@@ -19,16 +19,12 @@ from harness.study.tables import StudyError
 from mpm_warp.parameters import nearest_name
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Score:
-    """One result beside its yardstick.
+    """One result of a submission beside its yardstick.
 
-    Attributes:
-        submission: its name.
-        case: what was computed.
-        result: what it found.
-        error: E over the yardstick; not a number where there is none.
-        distance: d; not a number where the submission states no uncertainty.
+    The error is E over the yardstick, not a number where there is none; the distance is d, not a
+    number where the submission states no uncertainty.
     """
 
     submission: str
@@ -70,20 +66,24 @@ def _score(submission: Submission, case: BenchmarkCase, yardstick: Submission) -
         difference = result.value - beside.value
         error = difference / beside.value
         distance = abs(difference) / math.hypot(result.uncertainty, beside.uncertainty)
-    return Score(
-        submission=submission.name, case=case, result=result, error=error, distance=distance
-    )
+    return Score(submission.name, case, result, error, distance)
 
 
 def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
     """The cone factors of the literature as submissions without uncertainty, where they hold."""
+    cones = [it for it in cases if (it.scene, it.result) == ("cone_penetration", "cone_factor")]
     found = []
     for reference in CONE_FACTORS:
         results = {}
-        for case in cases:
-            if case.result != "cone_factor" or case.scene != "cone_penetration":
-                continue
-            conditions = _conditions(case)
+        for case in cones:
+            adhesion = float(case.fixed.get("adhesion_factor", 0.0))
+            conditions = Conditions(
+                rigidity_index=float(case.fixed.get("rigidity_index", 100.0)),
+                face_adhesion=adhesion,
+                shaft_adhesion=adhesion,
+                stress_anisotropy=float(case.fixed.get("stress_anisotropy", 0.0)),
+                strength_stays=not {"rate_factor", "remoulded_strength_ratio"} & case.fixed.keys(),
+            )
             of_other_soil = "material" in case.fixed and "von Mises" not in reference.criterion
             if bool(reference.applies(conditions)) and not of_other_soil:
                 value = float(np.asarray(reference.evaluate(conditions)))
@@ -92,20 +92,6 @@ def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
             meta = {"code": reference.label, "method": reference.method}
             found.append(Submission(reference.id, meta, results))
     return found
-
-
-def _conditions(case: BenchmarkCase) -> Conditions:
-    def number(name: str, default: float) -> float:
-        return float(case.fixed.get(name, default))
-
-    adhesion = number("adhesion_factor", 0.0)
-    return Conditions(
-        rigidity_index=number("rigidity_index", 100.0),
-        face_adhesion=adhesion,
-        shaft_adhesion=adhesion,
-        stress_anisotropy=number("stress_anisotropy", 0.0),
-        strength_stays=not {"rate_factor", "remoulded_strength_ratio"} & case.fixed.keys(),
-    )
 
 
 def summary_rows(found: Sequence[Score]) -> list[list[str]]:
@@ -133,16 +119,12 @@ def summary_rows(found: Sequence[Score]) -> list[list[str]]:
 
 def case_rows(found: Sequence[Score]) -> list[list[str]]:
     """A row a result; a heading first."""
-    rows = [["case", "submission", "value", "U", "E", "d", "seconds"]]
+    forms = {"value": ".5g", "U": ".2g", "E": "+.1%", "d": ".2f", "seconds": ".3g"}
+    rows = [["case", "submission", *forms]]
     for scored in found:
-        result = scored.result
-        numbers = (
-            (result.value, ".5g"),
-            (result.uncertainty, ".2g"),
-            (scored.error, "+.1%"),
-            (scored.distance, ".2f"),
-            (result.seconds, ".3g"),
-        )
-        told = [format(value, form) if math.isfinite(value) else "" for value, form in numbers]
+        own = scored.result
+        numbers = own.value, own.uncertainty, scored.error, scored.distance, own.seconds
+        pairs = zip(numbers, forms.values(), strict=True)
+        told = [format(number, form) if math.isfinite(number) else "" for number, form in pairs]
         rows.append([scored.case.name, scored.submission, *told])
     return rows

@@ -65,9 +65,7 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
     near = np.zeros(len(depth), dtype=bool)
     there = np.isfinite(net)
     first, last = depth[there][[0, -1]] if there.any() else (0.0, 0.0)
-    for border in (
-        depth_of_border for depth_of_border in borders if first < depth_of_border < last
-    ):
+    for border in [it for it in borders if first < it < last]:
         around = border + radius * np.array([-BEFORE[False], BEHIND[True]])
         above, below = np.interp(around, depth[there], net[there])
         stronger = bool(below > above)
@@ -98,11 +96,7 @@ def sharpened(depth: Floats, net: Floats, borders: Sequence[float], radius: floa
     """
     there = net > 0.0
     way, logarithm = depth[there] / radius, np.log(net[there])
-    inside = [
-        depth_of_border / radius
-        for depth_of_border in borders
-        if (way[:1] < depth_of_border / radius < way[-1:]).any()
-    ]
+    inside = [it / radius for it in borders if (way[:1] < it / radius < way[-1:]).any()]
     for number, border in enumerate(inside):
         inside[number] = _place(way, logarithm, inside, border)
     sharp = net.copy()
@@ -114,11 +108,7 @@ def _place(way: Floats, logarithm: Floats, borders: Sequence[float], border: flo
     """Where a border lies by the resistance; as told where another is within `SMOOTH`."""
     near = np.abs(way - border) < LOOK + REACH
     ends = way[near][[0, -1]]
-    others = [
-        depth_of_border
-        for depth_of_border in borders
-        if depth_of_border != border and ends[0] < depth_of_border < ends[1]
-    ]
+    others = [it for it in borders if it != border and ends[0] < it < ends[1]]
     if min(np.abs([*ends, *others] - np.array(border))) < SMOOTH:
         return border
     places = border + np.arange(-LOOK, LOOK + STEP, STEP)

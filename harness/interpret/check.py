@@ -60,13 +60,8 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
         medians = found.input_after.isel(layer=number).sel(percentile=50.0)
         inputs = {name: medians.sel(cause=name).values for name in layer.inputs}
         inputs["remoulded_strength_ratio"] = 1.0 / inputs["sensitivity"]
-        soil, _ = at_table_rate(
-            {
-                name: inputs[name]
-                for name in ("rate_factor", "remoulded_strength_ratio", "ductility")
-            },
-            layer.laboratory_rate,
-        )
+        wanted = ("rate_factor", "remoulded_strength_ratio", "ductility")
+        soil, _ = at_table_rate({name: inputs[name] for name in wanted}, layer.laboratory_rate)
         soils.append([float(value) for value in soil.values()])
         ways.append(layer.bottom - layer.top)
     if not rows:
@@ -101,9 +96,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
 
 def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
     """Values at knots whose straight lines are nearest to those at depths; none beyond these."""
-    lines = np.stack(
-        [np.interp(depth, knots, unit_vector) for unit_vector in np.eye(len(knots))], axis=-1
-    )
+    lines = np.stack([np.interp(depth, knots, unit) for unit in np.eye(len(knots))], axis=-1)
     bends = STEADY * np.diff(np.eye(len(knots)), n=2, axis=0)
     right = np.concatenate([values, np.zeros(len(bends))])
     at, *_ = np.linalg.lstsq(np.concatenate([lines, bends]), right, rcond=None)
@@ -113,26 +106,21 @@ def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
 
 def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
     """What `interpret` found, with the simulated sounding at the test's depths, and the misfit."""
-    depth, at = found.depth.values, simulated.depth.values
-    net, friction, pressure = (
-        np.interp(depth, at, simulated[name].values, left=np.nan, right=np.nan)
-        for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure")
+    net, friction, excess, ground = (
+        np.interp(found.depth, simulated.depth, simulated[name], left=np.nan, right=np.nan)
+        for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure", "strength")
     )
-    ground = np.interp(depth, at, simulated.strength.values, left=np.nan, right=np.nan)
-    expected = found.net_resistance * found.ground_resistance_ratio
+    pressure = excess + found.water_pressure.values
+    expected = (found.net_resistance * found.ground_resistance_ratio).values
     misfit = np.where(found.reason == 0, net / expected - 1.0, np.nan)
     return found.assign(
         labelled(
             dims=("depth",),
             simulated_net_resistance=(net, "Pa", "net resistance, simulated"),
             simulated_sleeve_friction=(friction, "Pa", "sleeve friction, simulated"),
-            simulated_pore_pressure=(
-                pressure + found.water_pressure.values,
-                "Pa",
-                "pore pressure u2, simulated",
-            ),
+            simulated_pore_pressure=(pressure, "Pa", "pore pressure u2, simulated"),
             simulated_strength=(ground, "Pa", "strength of the ground that was simulated"),
-            expected_resistance=(expected.values, "Pa", "net resistance taken for the ground's"),
+            expected_resistance=(expected, "Pa", "net resistance taken for the ground's"),
             misfit=(misfit, "1", "simulated over expected net resistance, less 1"),
         )
     )

@@ -22,6 +22,7 @@ from harness.interpret.files import Heading, TestFile, read_file
 from harness.interpret.keys import AXES, TEST_KEYS
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
+from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import nearest_name
 
@@ -58,10 +59,12 @@ UNITS = {"depth": LENGTHS} | dict.fromkeys(AXES, ANGLES)
 """Of columns that hold no pressures."""
 MOST_INCLINED = math.radians(45.0)
 """No cone is pushed so far; what is more is in another unit."""
-LARGEST: Mapping[str, float] = {"qc": 200e6, "fs": 5e6, "u2": 100e6}
-"""What no cone bears, no sleeve, no filter [Pa]."""
-LOWEST_QC = -0.2e6
-"""Below a shifted zero; less is a code for no value [Pa]."""
+POSSIBLE: Mapping[str, Range] = {
+    "qc": Range(minimum=-0.2e6, maximum=200e6),
+    "fs": Range(minimum=-5e6, maximum=5e6),
+    "u2": Range(minimum=-100e6, maximum=100e6),
+}
+"""What a cone, a sleeve, a filter bears; a zero may be shifted [Pa]."""
 REBOUND = 0.05
 """By so much the tip may go back where rods are changed [m]."""
 GAP = 0.25
@@ -107,10 +110,8 @@ def read_columns(test: MeasuredTest) -> Columns:
         raise StudyError(f"{path}: {places[np.isnan(values['depth'])][0]}: depth is missing")
     if test.ground_level is not None:
         values["depth"] = test.ground_level - values["depth"]
-    if not file.in_order:
-        order = np.argsort(values["depth"], kind="stable")
-        places, values = places[order], {name: value[order] for name, value in values.items()}
-    kept = _downward(path, values["depth"], places, notes)
+    order = np.arange(len(places)) if file.in_order else np.argsort(values["depth"], kind="stable")
+    kept = order[_downward(path, values["depth"][order], places[order], notes)]
     places, values = places[kept], {name: value[kept] for name, value in values.items()}
     values.setdefault("u2", np.full_like(values["depth"], np.nan))
     if area_ratio < 1.0 and np.isnan(values["u2"]).all():
@@ -119,7 +120,14 @@ def read_columns(test: MeasuredTest) -> Columns:
             "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
             '{ u2 = "..." }'
         )
-    _refuse_impossible(path, values, places)
+    for name, possible in POSSIBLE.items():
+        for place, value in zip(places, values[name].tolist(), strict=True):
+            if not (math.isnan(value) or possible.holds(value, value)):
+                raise StudyError(
+                    f"{path}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; look at "
+                    "its unit; a code for no value belongs under `missing` of the site file, as "
+                    "missing = [-9999]"
+                )
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = _joined(file.headings[found["depth"]].name) in RODS
     if of_rods and not angles:
@@ -278,21 +286,3 @@ def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.
     cosine = 1.0 / np.sqrt(1.0 + slope)
     depth: Floats = length[0] + cumulative_trapezoid(cosine, length, initial=0.0)
     return depth
-
-
-def _refuse_impossible(path: Path, values: Mapping[str, Floats], places: np.ndarray) -> None:
-    """Refuse what no cone test measures."""
-    for name, largest in LARGEST.items():
-        wrong = np.abs(values[name]) > largest
-        if wrong.any():
-            raise StudyError(
-                f"{path}: {places[wrong][0]}: {name} = {values[name][wrong][0]:g} Pa, must be "
-                f"within +-{largest:g}; look at its unit; a code for no value belongs under "
-                "`missing` of the site file, as missing = [-9999]"
-            )
-    below = values["qc"] < LOWEST_QC
-    if below.any():
-        raise StudyError(
-            f"{path}: {places[below][0]}: qc = {values['qc'][below][0]:g} Pa, must be "
-            f">= {LOWEST_QC:g}; a code for no value belongs under `missing` of the site file"
-        )

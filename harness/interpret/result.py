@@ -1,7 +1,6 @@
 """The result of an interpretation: a dataset, and sentences to be quoted."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,48 +20,39 @@ GROUND: Mapping[str, tuple[str, str]] = {
 """What a simulation of the ground needs by depth, all at the strain rate of the table; and which
 resistance is taken for that of the ground, without the errors of test, table and model that the
 draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
+FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str, str]]] = {
+    ("depth", "percentile"): {
+        "strength": ("Pa", "undrained shear strength su"),
+        "resistance_factor": ("1", "resistance factor Nkt = qnet / su"),
+    },
+    ("depth", "cause"): {"error_share": ("1", "share of the variance of ln su")},
+    ("layer", "cause", "percentile"): {
+        "input_before": ("1", "inputs as given"),
+        "input_after": ("1", "inputs by what the test tells of them"),
+    },
+    ("layer",): {"draws": ("1", "draws that count after weighing")},
+    ("depth",): GROUND,
+}
+"""What is found, by its dims: unit and meaning."""
 FEWEST_DRAWS = 50
 """Draws that count after weighing below which the measured values contradict the inputs."""
 
 
 def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Dataset:
-    """What was measured over depth, and what is to be found, not a number yet.
+    """What was measured over depth, and what is to be `FOUND`, not a number yet.
 
     That is over depth, layers, percentiles, and the `causes` of an error.
     """
-    places = {
-        "depth": test.depth.values,
-        "layer": [layer.title for layer in site.layers],
-        "cause": causes,
-        "percentile": PERCENTILES,
-    }
-
-    def unknown(*dims: str, **quantities: tuple[str, str]) -> dict[str, xr.Variable]:
-        shape = tuple(len(places[dim]) for dim in dims)
-        told: dict[str, Any] = {
-            name: (np.full(shape, np.nan), *said) for name, said in quantities.items()
-        }
-        return labelled(dims=dims, **told)
-
-    found = test.assign(
-        unknown(
-            *("depth", "percentile"),
-            strength=("Pa", "undrained shear strength su"),
-            resistance_factor=("1", "resistance factor Nkt = qnet / su"),
-        )
-        | unknown("depth", "cause", error_share=("1", "share of the variance of ln su"))
-        | unknown(
-            *("layer", "cause", "percentile"),
-            input_before=("1", "inputs as given"),
-            input_after=("1", "inputs by what the test tells of them"),
-        )
-        | unknown("layer", draws=("1", "draws that count after weighing"))
-        | unknown("depth", **GROUND)
-    )
+    layers = [layer.title for layer in site.layers]
+    found = test.assign_coords(percentile=list(PERCENTILES), cause=causes, layer=layers)
+    for dims, quantities in FOUND.items():
+        unknown = np.full([found.sizes[dim] for dim in dims], np.nan)
+        for name, told in quantities.items():
+            found = found.assign(labelled(dims=dims, **{name: (unknown.copy(), *told)}))
     modes = "; ".join(f"{layer.title}: {layer.strength}" for layer in site.layers)
-    return found.assign_coords(
-        percentile=list(PERCENTILES), cause=causes, layer=places["layer"]
-    ).assign_attrs(title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use))
+    return found.assign_attrs(
+        title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use)
+    )
 
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:

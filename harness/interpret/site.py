@@ -23,21 +23,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from harness.interpret.keys import (
-    ACCURACY,
-    AXES,
-    BY_SLEEVE,
-    COLUMNS,
-    INPUTS,
-    LARGEST_DEPTH,
-    LAYER_KEYS,
-    MEASURES,
-    MODES,
-    RATE,
-    SITE_KEYS,
-    TEST_KEYS,
-    Key,
-)
+from harness.interpret import keys
+from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS, Key
 from harness.study.distributions import Input, read_input
 from harness.study.files import read_toml
 from harness.study.tables import StudyError, Table, is_number
@@ -135,8 +122,8 @@ def load_site(path: Path) -> Site:
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
     whole = _filled(Table(f"{path}:", read_toml(path)), SITE_KEYS, "test", "layer")
     use = whole.list("use")
-    if use[:1] != [MEASURES[0]] or any(measure not in MEASURES for measure in use):
-        raise whole.refuse("use", f"must be a list of {', '.join(MEASURES)}, the tip first")
+    if use[:1] != [keys.MEASURES[0]] or any(measure not in keys.MEASURES for measure in use):
+        raise whole.refuse("use", f"must be a list of {', '.join(keys.MEASURES)}, the tip first")
     layers = whole.list("layer")
     if not layers or not all(isinstance(layer, dict) for layer in layers):
         raise StudyError(f"{path}: [[layer]] is missing: from, to and rigidity_index of the clay")
@@ -160,13 +147,13 @@ def load_site(path: Path) -> Site:
     )
 
 
-def _filled(table: Table, keys: Mapping[str, Key], *others: str) -> Table:
+def _filled(table: Table, known: Mapping[str, Key], *others: str) -> Table:
     """A table with the defaults of its keys; one that lacks a key, or has another, is refused."""
-    table.allow(*keys, *others)
-    for name, key in keys.items():
+    table.allow(*known, *others)
+    for name, key in known.items():
         if key.required and name not in table.values:
             raise StudyError(f"{table.where} {name}: is missing; {key.told}")
-    defaults = {name: key.default for name, key in keys.items() if key.default is not None}
+    defaults = {name: key.default for name, key in known.items() if key.default is not None}
     return Table(table.where, {**defaults, **table.values})
 
 
@@ -201,14 +188,16 @@ def _layer(given: Table) -> Layer:
     table = _filled(given, LAYER_KEYS)
     top, bottom = (_number(table, key, LAYER_KEYS) for key in ("from", "to"))
     if not top < bottom:
-        raise table.refuse("to", f"must be > {top:g}, where it begins, and <= {LARGEST_DEPTH:g}")
+        raise table.refuse(
+            "to", f"must be > {top:g}, where it begins, and <= {keys.LARGEST_DEPTH:g}"
+        )
     unused = "K0" if "stress_anisotropy" in table.values else "stress_anisotropy"
-    strength = table.word("strength", MODES)
-    names = [*INPUTS, "adhesion_factor", "K0", "stress_anisotropy"]
+    strength = table.word("strength", keys.MODES)
+    names = [*keys.INPUTS, "adhesion_factor", "K0", "stress_anisotropy"]
     names.remove(unused)
-    if table.values["adhesion_factor"] == BY_SLEEVE:
+    if table.values["adhesion_factor"] == keys.BY_SLEEVE:
         names.remove("adhesion_factor")
-    if strength != MODES[0]:
+    if strength != keys.MODES[0]:
         names += ["simple_shear_ratio", "extension_ratio"]
     return Layer(
         title=table.text("title") if "title" in table.values else f"{top:g} to {bottom:g} m",
@@ -238,10 +227,10 @@ def _finite(table: Table, key: str, value: object) -> float:
     return float(value)
 
 
-def _number(table: Table, key: str, keys: Mapping[str, Key]) -> float:
-    value, allowed = _finite(table, key, table.values[key]), keys[key].allowed
+def _number(table: Table, key: str, known: Mapping[str, Key]) -> float:
+    value, allowed = _finite(table, key, table.values[key]), known[key].allowed
     if not allowed.holds(value, value):
-        raise table.refuse(key, f"must be {allowed.allowed}; {keys[key].meaning}")
+        raise table.refuse(key, f"must be {allowed.allowed}; {known[key].meaning}")
     return value
 
 
@@ -256,7 +245,7 @@ def _integer(table: Table, key: str) -> int:
 
 def _texts(table: Table, key: str) -> dict[str, str]:
     own = table.table(key)
-    own.allow(*COLUMNS, *AXES)
+    own.allow(*keys.COLUMNS, *keys.AXES)
     return {name: own.text(name, "") for name in own.values}
 
 
@@ -280,9 +269,9 @@ def _in_kilo(given: Input) -> Input:
 
 def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
     if isinstance(table.values["accuracy"], str):
-        return ACCURACY[table.word("accuracy", tuple(ACCURACY))]
+        return keys.ACCURACY[table.word("accuracy", tuple(keys.ACCURACY))]
     own = table.table("accuracy")
-    own.allow(*COLUMNS[1:])
+    own.allow(*keys.COLUMNS[1:])
     numbers = {name: _finite(own, name, value) for name, value in own.values.items()}
     if len(numbers) < 3 or min(numbers.values()) < 0.0:
         raise table.refuse("accuracy", "must have qc, fs and u2, each a number >= 0 [kPa]")
@@ -292,7 +281,7 @@ def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
 def _rate(table: Table) -> float:
     """A strain rate [1/s]."""
     value, allowed = table.values["laboratory_rate"], LAYER_KEYS["laboratory_rate"].allowed
-    found = re.fullmatch(RATE, value) if isinstance(value, str) else None
+    found = re.fullmatch(keys.RATE, value) if isinstance(value, str) else None
     if found:
         value = 0.01 * float(found[1]) / {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
     if not is_number(value):

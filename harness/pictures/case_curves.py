@@ -175,7 +175,12 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     if has_path:
         axes[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
         if SLOPE in dataset:
-            _draw_critical_states(axes[1], over_cases(dataset, SLOPE)[shown])
+            high = axes[1].get_xlim()[1]
+            axes[1].set(xlim=(0.0, high), ylim=(0.0, None))
+            slopes = over_cases(dataset, SLOPE)[shown]
+            for slope in np.unique(slopes[np.isfinite(slopes)]):
+                line = [0.0, high], [0.0, slope * high]
+                axes[1].plot(*line, ls="--", lw=0.8, color="0.4", scaley=False)
     dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
     return captioned(figure, dataset, dashed, left_out, legend=axes[0])
 
@@ -188,18 +193,10 @@ def _draw(axes: Axes, x: Floats, curves: Floats, line: Series) -> None:
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
     """Where the strain axis ends: beyond it nothing is to be seen."""
-    last = np.array([row[np.isfinite(row)][-1] for row in stress])
-    near = np.abs(stress - last[:, None]) <= (1.0 - SHOWN_STRENGTH) * np.abs(last)[:, None]
-    far = [np.flatnonzero(row) for row in ~near & np.isfinite(stress)]
-    reached = max((strain[places[-1]] for places in far if places.size), default=strain[-1])
+    last = np.array([[row[np.isfinite(row)][-1]] for row in stress])
+    far = (np.abs(stress - last) > (1.0 - SHOWN_STRENGTH) * np.abs(last)).any(axis=0)
+    reached = strain[far][-1] if far.any() else strain[-1]
     return float(min(strain[-1], 2.0 * reached))
-
-
-def _draw_critical_states(axes: Axes, slopes: Floats) -> None:
-    high = axes.get_xlim()[1]
-    axes.set(xlim=(0.0, high), ylim=(0.0, None))
-    for slope in np.unique(slopes[np.isfinite(slopes)]):
-        axes.plot([0.0, high], [0.0, slope * high], ls="--", lw=0.8, color="0.4", scaley=False)
 
 
 LOOPS, FACTOR = "cyclic_resistance", "cyclic_resistance_factor"
@@ -248,12 +245,12 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> None:
-    cycle, factor, colour = case["cycle"].values, case[FACTOR].values, line.colour
-    axes.errorbar(cycle, factor, color=colour, label=line.label, ls="", marker=line.marker, ms=4)
+    cycle = case["cycle"].values
+    axes.errorbar(cycle, case[FACTOR].values, **line.style, label=line.label, ls="", ms=4)
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
     if np.isfinite(fit.cycles):
         along = np.linspace(0.0, float(cycle[-1]), FINE)
-        axes.plot(along, fit.resistance_factor(along), color=colour, lw=0.8)
+        axes.plot(along, fit.resistance_factor(along), color=line.colour, lw=0.8)
 
 
 def _draw_loops(axes: Axes, case: xr.Dataset) -> None:

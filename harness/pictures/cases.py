@@ -4,8 +4,8 @@ The rows are of one scene, or of several scenes in the same soils. Beside the hi
 the spread comes from.
 """
 
-from collections import Counter
 from collections.abc import Sequence
+from statistics import mode
 
 import numpy as np
 import xarray as xr
@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from harness.archive.conventions import (
     COMPLETED,
     DISTRIBUTION,
+    alike,
     headline_values,
     headlines_of,
     over_cases,
@@ -47,10 +48,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     if studied is None or not has_few_cases(studied):
         return None
     count, varied = studied.computed.size, studied.varied
-    usual = {
-        name: Counter(parameter.numbers.tolist()).most_common(1)[0][0]
-        for name, parameter in varied.items()
-    }
+    usual = {name: mode(parameter.numbers.tolist()) for name, parameter in varied.items()}
     labels = [
         studied.label(case, [name for name in varied if varied[name].numbers[case] != usual[name]])
         for case in range(count)
@@ -82,21 +80,16 @@ def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
 
     There are none where the scenes do not share them.
     """
-    scenes, names = np.array(scenes_of(dataset)), varied_within(dataset)
-    columns = [over_cases(dataset, name).tolist() for name in names]
-    values = list(zip(*columns, strict=True)) or [()] * scenes.size
-    found = {
-        kind: {values[case]: int(case) for case in np.flatnonzero(scenes == kind)}
-        for kind in dict.fromkeys(scenes.tolist())
-    }
-    rows = next(iter(found.values()))
-    is_each_once = sum(map(len, found.values())) == scenes.size
-    if not is_each_once or any(own.keys() != rows.keys() for own in found.values()):
+    scenes, names = scenes_of(dataset), varied_within(dataset)
+    kinds, soils = list(dict.fromkeys(scenes)), alike(dataset, names)
+    own = [sorted(cases, key=lambda case: kinds.index(scenes[case])) for cases in soils.values()]
+    if any([scenes[case] for case in cases] != kinds for cases in own):
         return [], {}
     labels = [
-        ", ".join(assigned(dataset, *pair) for pair in zip(names, row, strict=True)) for row in rows
+        ", ".join(assigned(dataset, *pair) for pair in zip(names, soil, strict=True))
+        for soil in soils
     ]
-    return labels, {kind: [own[row] for row in rows] for kind, own in found.items()}
+    return labels, dict(zip(kinds, map(list, zip(*own, strict=True)), strict=True))
 
 
 @STYLED
@@ -116,7 +109,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)
     beside = np.linspace(-0.5, 0.5, len(soils)) * SPREAD
-    for (kind, cases), line in zip(soils.items(), series(len(soils), len(soils)), strict=True):
+    for (kind, cases), line in series(soils.items(), None):
         axes.errorbar(
             values[cases],
             np.arange(len(cases)) + beside[line.place],

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, mark_failures, panels, series
+from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, panels, series
 from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
@@ -26,7 +26,7 @@ OF_LIMIT = (
 )
 
 Refinement = tuple[Callable[[Floats], Floats], str]
-"""What goes to zero, as a function of a parameter, and what that is called where it is zero."""
+"""What goes to zero, as a function of a parameter, and the value of the parameter there."""
 INVERSE: Refinement = (lambda value: 1.0 / value, "∞")
 ITSELF: Refinement = (lambda value: value, "0")
 COMPRESSIBILITY: Refinement = (lambda value: 1.0 - 2.0 * value, "0.5")
@@ -97,8 +97,8 @@ def refined(studied: Studied) -> str | None:
         and studied.varied[name].different.size >= LEAST_POINTS
     ]
     name = max(found, key=lambda it: studied.varied[it].different.size, default=None)
-    other = [parameter for parameter in studied.varied if parameter != name]
-    return name if len(studied.groups(other, studied.computed)) <= MOST_LABELS else None
+    few = name is not None and len(studied.groups(name, studied.computed)) <= MOST_LABELS
+    return name if few else None
 
 
 @STYLED
@@ -111,24 +111,19 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     name = None if studied is None else refined(studied)
     if studied is None or name is None:
         return None
-    other = [parameter for parameter in studied.varied if parameter != name]
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
     figure, (axes,) = panels()
-    groups = studied.groups(other, h)
-    for place, colour, marker, _ in series(len(groups)):
-        cases = groups[place]
+    for (cases, label), line in series(studied.groups(name, h)):
         x, y = h[cases], studied.computed[cases]
-        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, colour)
-        label = f"{studied.label(cases[0], other) or 'computed'}: {observed}"
-        width, line = studied.widths(cases), "-" if is_error else ""
-        axes.errorbar(x, y, width, color=colour, ls=line, marker=marker, label=label)
-        mark_failures(axes, x[~np.isfinite(y)])
+        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
+        told, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
+        studied.draw(axes, h, cases, **line.style, ls=dashes, label=told)
     if is_error:
         axes.set(xscale="log", yscale="log")
     _dress(axes, studied, name, is_error)
-    told = OF_ERROR if is_error else OF_LIMIT
-    return captioned(figure, dataset, told, studied.bars, legend=axes)
+    meaning = OF_ERROR if is_error else OF_LIMIT
+    return captioned(figure, dataset, meaning, studied.bars, legend=axes)
 
 
 def _order_of_error(h: Floats, error: Floats) -> str:

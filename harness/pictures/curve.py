@@ -1,5 +1,9 @@
-"""What was computed over one varied parameter, with bands and references; over two, a map."""
+"""What was computed over one varied parameter, with bands and references; over two, a map.
 
+Cone factors have the literature beside them: curves of references, and bands of experience.
+"""
+
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,8 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from harness.archive.conventions import Role, over_cases, with_role
-from harness.compare.compared import stored_experience
+from harness.archive.conventions import Role, over_cases, parameter_of, with_role
+from harness.compare.compared import (
+    NothingToCompareError,
+    conditions_of,
+    stored_experience,
+    stored_references,
+)
 from harness.pictures.convergence import refined
 from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.plot_parts import (
@@ -18,18 +27,20 @@ from harness.pictures.drawing.plot_parts import (
     SHADES,
     STYLED,
     CurveEnd,
+    end_of,
     label_ends,
     legend_above,
-    mark_failures,
     once,
     panels,
     series,
 )
-from harness.pictures.drawing.quantities import Floats, Values, axis_label
-from harness.pictures.literature import depends_on, draw_experience, draw_literature, ranges_of_own
+from harness.pictures.drawing.quantities import Floats, Values, axis_label, plain
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import COMPARED, NEEDED
+from harness.references import cone_factors as literature
+from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
+from harness.references.experience import Factor
+from harness.study.compared import OwnReference
 
 BY_COMPRESSION = f"{COMPARED}_by_compression"
 """Cone factors by su in triaxial compression."""
@@ -42,6 +53,14 @@ MAP_HEIGHT = 3.6
 """Of a map, in inches."""
 EDGE = 0.05
 """Of the axes: a contour's label that is nearer to their edge would be cut off, and is left out."""
+HATCHES = ("///", "\\\\\\", "...", "---")
+"""Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
+HATCH_COLOUR = "#8C8C8C"
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
+"""Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
+ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
+FINE = 400
+"""Points of a literature curve."""
 
 
 @STYLED
@@ -66,30 +85,19 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
         default=NEEDED[1],
     )
     along = studied.varied.get(name) or Values.of(dataset, name)
-    other = [parameter for parameter in studied.varied if parameter != name]
     figure, (axes,) = panels()
     if has_literature:
         draw_experience(axes, dataset)
-    groups = studied.groups(other, along.numbers)
-    shown = series(len(groups))
+    groups = studied.groups(name, along.numbers)
+    shown = series(groups)
     ends: list[CurveEnd] = []
-    shared = not any(depends_on(dataset, one) for one in other)
-    for line in shown:
-        cases = groups[line.place]
-        x, y = along.numbers[cases], studied.computed[cases]
-        if has_literature and (line is shown[0] or not shared):
-            ends += draw_literature(axes, studied, along, cases, None if shared else line.colour)
-        axes.errorbar(
-            x,
-            y,
-            studied.widths(cases),
-            color=line.colour,
-            label=studied.label(cases[0], other) or "computed",
-            ls="" if along.categories else "-",
-            marker=line.marker,
-            zorder=4,
-        )
-        mark_failures(axes, x[~np.isfinite(y)])
+    shared = not any(_depends_on(dataset, other) for other in studied.varied if other != name)
+    for (cases, label), line in shown:
+        x = along.numbers[cases]
+        if has_literature and (line.place == 0 or not shared):
+            ends += _draw_literature(axes, studied, along, cases, None if shared else line.colour)
+        style = {**line.style, "ls": "" if along.categories else "-", "zorder": 4}
+        studied.draw(axes, along.numbers, cases, label=label or "computed", **style)
         _draw_exact(axes, studied, cases, x)
         _draw_by_strength_of_bands(axes, studied, cases, x, line.colour)
     along.dress(axes, room=10)
@@ -99,7 +107,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
         figure,
         dataset,
         studied.bars,
-        ranges_of_own(dataset) if ends else "",
+        _ranges_of_own(dataset) if ends else "",
         left_out(len(groups) - len(shown), "series"),
         legend=axes,
     )
@@ -127,25 +135,20 @@ def _draw_by_strength_of_bands(
         axes.plot(x, factors[cases], ls=":", marker="o", mfc="white", color=colour, label=label)
 
 
-def _across_and_up(studied: Studied) -> list[Values]:
-    """The parameter along the horizontal axis of a map, the one with more values; the other."""
-    return sorted(studied.varied.values(), key=lambda it: it.different.size, reverse=True)
-
-
-def _table(studied: Studied) -> Floats:
-    """What was computed over both parameters of a map, shape [up, across]; else not a number."""
-    across, up = _across_and_up(studied)
-    table = np.full((up.different.size, across.different.size), np.nan)
-    row, column = (np.searchsorted(it.different, it.numbers) for it in (up, across))
+def _table(studied: Studied) -> tuple[Values, Values, Floats]:
+    """Both parameters of a map, that of more values first; what was computed, [second, first]."""
+    x, y = sorted(studied.varied.values(), key=lambda it: it.different.size, reverse=True)
+    table = np.full((y.different.size, x.different.size), np.nan)
+    row, column = (np.searchsorted(it.different, it.numbers) for it in (y, x))
     table[row, column] = studied.computed
-    return table
+    return x, y, table
 
 
 def _is_map(studied: Studied) -> bool:
     """Whether two numbers vary, in all combinations of their values."""
     if not studied.is_combined or len(studied.varied) != 2 or len(studied.numbers) != 2:
         return False
-    table = _table(studied)
+    table = _table(studied)[2]
     # Contours need neighbours: a map with holes says less than the curves.
     full = bool(np.isfinite(table).mean() > 0.5)
     return min(table.shape) >= LEAST_VALUES and studied.computed.size == table.size and full
@@ -158,12 +161,12 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
     if studied is None or refined(studied) or not _is_map(studied):
         return None
     figure, (left, right) = panels(2, MAP_HEIGHT, width_ratios=(1.25, 1))
-    x, y = _across_and_up(studied)
-    _draw_contours(left, studied, x, y)
+    x, y, table = _table(studied)
+    _draw_contours(left, studied, x, y, np.ma.masked_invalid(table))
     if studied.headline == COMPARED:
         draw_experience(right, dataset)
         legend_above(figure, right)
-    _draw_curves(right, studied, x, y)
+    _draw_curves(right, studied, x)
     sound = np.isfinite(studied.computed).all()
     crosses = "" if sound else ", crosses did not complete"
     return captioned(
@@ -174,8 +177,7 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
     )
 
 
-def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values) -> None:
-    table = np.ma.masked_invalid(_table(studied))
+def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values, table: Floats) -> None:
     levels: Sequence[float] = MaxNLocator(LEVELS).tick_values(table.min(), table.max())
     filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
     lines = axes.contour(filled, colors="white", linewidths=0.8)
@@ -191,26 +193,148 @@ def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values) -> None:
         axes.plot(x.numbers[~sound], y.numbers[~sound], "x", color=FAILED, clip_on=False)
     axes.grid(visible=False)
     axes.set(xlabel=axis_label(studied.dataset, x.name), ylabel=axis_label(studied.dataset, y.name))
-    place_of_bar = axes.inset_axes((0, 1.04, 1, 0.04))
-    bar = axes.figure.colorbar(
-        filled, cax=place_of_bar, orientation="horizontal", ticklocation="top"
-    )
+    above = axes.inset_axes((0, 1.04, 1, 0.04))
+    bar = axes.figure.colorbar(filled, cax=above, orientation="horizontal", ticklocation="top")
     bar.set_label(axis_label(studied.dataset, studied.headline), fontsize=8)
     bar.ax.tick_params(labelsize=7)
 
 
-def _draw_curves(axes: Axes, studied: Studied, x: Values, y: Values) -> None:
-    groups = studied.groups([y.name], x.numbers)
-    ends = []
-    for place, colour, marker, _ in series(len(groups), MOST_CURVES):
-        cases = groups[place]
+def _draw_curves(axes: Axes, studied: Studied, x: Values) -> None:
+    ends: list[CurveEnd] = []
+    for (cases, label), line in series(studied.groups(x.name, x.numbers), MOST_CURVES):
         along, computed = x.numbers[cases], studied.computed[cases]
-        axes.errorbar(along, computed, studied.widths(cases), color=colour, marker=marker, ms=4)
-        known = np.flatnonzero(np.isfinite(computed))
-        if known.size:
-            label = studied.label(cases[0], [y.name])
-            ends.append(CurveEnd(along[known[-1]], computed[known[-1]], label, colour))
+        axes.errorbar(along, computed, studied.widths(cases), **line.style, ms=4)
+        ends += end_of(along, computed, label, line.colour)
     x.dress(axes, room=5)
-    axes.set_xlabel(axis_label(studied.dataset, x.name))
-    axes.set_ylabel(axis_label(studied.dataset, studied.headline))
+    label, headline = (axis_label(studied.dataset, it) for it in (x.name, studied.headline))
+    axes.set(xlabel=label, ylabel=headline)
     label_ends(axes, ends, size=7)
+
+
+def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the bands of cone factors that a result is set beside.
+
+    They span the whole width, since the field has no value along the axis, and stand in the legend
+    with their bounds.
+    """
+    entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
+    for entry, hatch in zip(entries, itertools.cycle(HATCHES), strict=False):
+        axes.axhspan(
+            *entry.bounds,
+            facecolor="none",
+            edgecolor=HATCH_COLOUR,
+            hatch=hatch,
+            linewidth=0,
+            alpha=0.5,
+            zorder=0.5,
+            label=f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}",
+        )
+
+
+def _draw_literature(
+    axes: Axes, studied: Studied, along: Values, cases: np.ndarray, colour: str | None
+) -> list[CurveEnd]:
+    """Draw the envelope and the references of a series of cases over one of its parameters.
+
+    A curve is solid where its reference applies and dashed outside. Of one of several series in a
+    colour the envelope alone is drawn, in that colour.
+
+    Returns:
+        The ends of the references' curves, with their names.
+    """
+    x, conditions = _over(studied, along, cases)
+
+    def over(value: Quantity) -> np.ndarray:
+        return np.broadcast_to(np.asarray(value), x.shape)
+
+    lower, upper = (over(bound) for bound in literature.envelope(conditions))
+    inside = over(literature.envelope_applies(conditions))
+    if inside.any():
+        own = colour or "0.6"
+        band = axes.fill_between(x, lower, upper, inside, color=own, alpha=0.2, lw=0)
+        band.set_label(once(axes, ENVELOPE_LABEL))
+        # A band has no width where the references hold for one value alone, as of the apex angle.
+        beside = np.pad(inside, 1)
+        alone = inside & ~beside[:-2] & ~beside[2:]
+        if alone.any():
+            axes.vlines(x[alone], lower[alone], upper[alone], color=own, alpha=0.4, lw=5)
+    ends: list[CurveEnd] = []
+    references = stored_references(studied.dataset) if colour is None else ()
+    for reference, own in zip(references, _colours(references), strict=True):
+        value, applies = over(reference.evaluate(conditions)), over(reference.applies(conditions))
+        axes.plot(x, np.where(applies, value, np.nan), color=own)
+        if not applies[np.isfinite(value)].all():
+            label = once(axes, "outside its validity")
+            axes.plot(x, value, color=own, lw=0.9, ls=(0, (4, 3)), alpha=0.7, label=label)
+        ends += end_of(x, value, reference.label, own)
+    return ends
+
+
+def _over(studied: Studied, along: Values, cases: np.ndarray) -> tuple[Floats, Conditions]:
+    """Places along an axis, from its first value to its last, and the conditions there."""
+    name, dataset = along.name, studied.dataset
+    # What the scene derives from a varied parameter goes along with it: it is left to be derived.
+    follows = [
+        parameter
+        for parameter in with_role(dataset, Role.PARAMETER)
+        if parameter in dataset.data_vars and dataset[parameter].ndim
+    ]
+    places = np.unravel_index(cases[0], dataset["status"].shape)
+    first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
+    one = dataset.isel(first).drop_vars([*follows, name])
+    if along.categories:
+        # A text says nothing to the literature: its values stand side by side.
+        x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}
+    else:
+        x, attributes = _fine(along), dataset[name].attrs
+    one = one.assign_coords({name: xr.Variable(name, x, attributes)})
+    if "rigidity_index" not in one:  # a law has its own, which changes along the axis
+        place = np.log if along.scale == "log" else np.asarray
+        index = np.log(over_cases(dataset, "rigidity_index")[cases])
+        between = np.interp(place(x), place(along.numbers[cases]), index)
+        one = one.assign_coords(rigidity_index=(name, np.exp(between)))
+    return x, conditions_of(one)
+
+
+def _fine(values: Values) -> Floats:
+    """Where the literature's curves are drawn: from the first value to the last."""
+    low, high = values.different[[0, -1]].tolist()
+    if low == high:
+        low, high = (0.0, 1.0) if 0 <= low <= 1 else (low / 2, low * 2)
+    space = np.geomspace if values.scale == "log" else np.linspace
+    return np.union1d(space(low, high, FINE), values.different)
+
+
+def _colours(references: Sequence[ConeFactor]) -> list[str]:
+    """Those that ship have the same colour in all pictures; a study's own have what is left."""
+    ids = [reference.id for reference in literature.CONE_FACTORS]
+    shipped = dict(zip(ids, itertools.cycle(COLOURS), strict=False))
+    taken = {shipped.get(reference.id) for reference in references}
+    left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
+    return [shipped.get(reference.id) or next(left) for reference in references]
+
+
+def _depends_on(dataset: xr.Dataset, name: str) -> bool:
+    """Whether the references, the literature's or the study's own, depend on a parameter."""
+    try:
+        conditions = vars(conditions_of(dataset))
+    except NothingToCompareError:
+        return False
+    if any(parameter_of(name) in reference.names for reference in _own(dataset)):
+        return True
+    column = over_cases(dataset, name)
+    quantities = [condition for key, condition in conditions.items() if key != "parameters"]
+    return any(np.array_equal(over_cases(dataset, quantity), column) for quantity in quantities)
+
+
+def _own(dataset: xr.Dataset) -> list[OwnReference]:
+    return [it for it in stored_references(dataset) if isinstance(it, OwnReference)]
+
+
+def _ranges_of_own(dataset: xr.Dataset) -> str:
+    """Where the curves of the study's own references are drawn, in sentences."""
+    return " ".join(
+        f"{plain(reference.label)} is drawn within its range: {reference.validity}."
+        for reference in _own(dataset)
+        if reference.ranges
+    )

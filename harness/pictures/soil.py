@@ -49,7 +49,17 @@ class NodalValues:
             for axis in "rz"
         )
         self._present = np.isfinite(r)
-        self._nodes, self._weights = self._shape_functions(r[self._present], z[self._present])
+        r, z = r[self._present], z[self._present]
+        rows, surface, outer = self.z[:, 0], self.r[:, 0], self.r[0, -1]
+        inner = np.interp(z, rows, surface)
+        row, eta = _interval(rows, z)
+        columns = (self.r[0] - surface[0]) / (outer - surface[0])
+        column, xi = _interval(columns, (r - inner) / (outer - inner))
+        first = row * self.r.shape[1] + column
+        upper = first + self.r.shape[1]
+        # The four nodes around each point, and their shape functions there: [4, point_count].
+        self._nodes = np.stack([first, first + 1, upper, upper + 1])
+        self._weights = bilinear(xi, eta)[0]
 
     def of(self, values: Floats) -> Floats:
         """Values of the points at the nodes, [row, column]; not a number where no point is near."""
@@ -60,17 +70,6 @@ class NodalValues:
         weighted = (self._weights * values).ravel()
         sums = np.bincount(self._nodes.ravel(), weighted, self.r.size).astype(float)
         return sums.reshape(self.r.shape)
-
-    def _shape_functions(self, r: Floats, z: Floats) -> tuple[NDArray[np.integer], Floats]:
-        """The four nodes around each point, and their shape functions there: [4, point_count]."""
-        rows, surface, outer = self.z[:, 0], self.r[:, 0], self.r[0, -1]
-        inner = np.interp(z, rows, surface)
-        row, eta = _interval(rows, z)
-        columns = (self.r[0] - surface[0]) / (outer - surface[0])
-        column, xi = _interval(columns, (r - inner) / (outer - inner))
-        first = row * self.r.shape[1] + column
-        upper = first + self.r.shape[1]
-        return np.stack([first, first + 1, upper, upper + 1]), bilinear(xi, eta)[0]
 
 
 def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:
@@ -163,23 +162,20 @@ class _Sections:
     """
 
     def __init__(self, fields: xr.Dataset) -> None:
-        self._radius = radius = fields.cone_radius.item()
+        radius = fields.cone_radius.item()
         self._snapshots = [fields.isel(penetration=it) for it in range(fields.sizes["penetration"])]
-        self._nodal = [NodalValues(snapshot) for snapshot in self._snapshots]
-        self._values = [
-            [nodal.of(quantity.values(snapshot)) for quantity in QUANTITIES]
-            for snapshot, nodal in zip(self._snapshots, self._nodal, strict=True)
-        ]
-        # Of each quantity the colours, and how much more soil is shown than of the others.
-        self._scales = []
-        for quantity, own in zip(QUANTITIES, zip(*self._values, strict=True), strict=True):
-            reach = 1.0 / MARGIN
-            for values, nodal in zip(own, self._nodal, strict=True):
-                inside = values >= quantity.whole
-                r, z = nodal.r[inside] / radius, nodal.z[inside] / radius
-                reach = float(np.max([r / BESIDE, -z / BELOW, z / ABOVE], initial=reach))
-            greatest = max(float(np.nanmax(values)) for values in own)
-            self._scales.append((quantity.norm(greatest), MARGIN * reach))
+        nodal = [NodalValues(snapshot) for snapshot in self._snapshots]
+        self._r, self._z = (np.stack([getattr(it, axis) for it in nodal]) / radius for axis in "rz")
+        # Of each quantity the values, colours, and how much more soil is shown than of the others.
+        self._shown = []
+        for quantity in QUANTITIES:
+            pairs = zip(nodal, self._snapshots, strict=True)
+            values = np.stack([own.of(quantity.values(snapshot)) for own, snapshot in pairs])
+            inside = values >= quantity.whole
+            r, z = self._r[inside], self._z[inside]
+            reach = np.max([r / BESIDE, -z / BELOW, z / ABOVE], initial=1.0 / MARGIN)
+            norm = quantity.norm(float(np.nanmax(values)))
+            self._shown.append((values, norm, MARGIN * float(reach)))
         beside = min(BESIDE, float(fields.node_r.max()) / radius)
         below = min(BELOW, -float(fields.node_z.min()) / radius)
         above = min(ABOVE, float(fields.node_z.max()) / radius)
@@ -200,9 +196,9 @@ class _Sections:
         figure.suptitle(about, x=0.01, ha="left", fontsize=8)
 
     def _draw_one(self, axes: Axes, number: int, place: int) -> None:
-        quantity, (norm, wide) = QUANTITIES[place], self._scales[place]
-        values, nodal, radius = self._values[number][place], self._nodal[number], self._radius
-        r, z, shown = nodal.r / radius, nodal.z / radius, np.ma.masked_invalid(values)
+        quantity, (of_all, norm, wide) = QUANTITIES[place], self._shown[place]
+        r, z, values = self._r[number], self._z[number], of_all[number]
+        shown = np.ma.masked_invalid(values)
         for x in (-r, r):
             image = axes.pcolormesh(
                 x, z, shown, shading="gouraud", cmap=quantity.colours, norm=norm, rasterized=True
@@ -212,6 +208,7 @@ class _Sections:
         for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
             label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
         snapshot = self._snapshots[number]
+        radius = snapshot.cone_radius.item()
         right, height = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
         outline = np.stack([[*-right[::-1], *right], [*height[::-1], *height]], axis=-1)
         axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor="black", lw=0.8, zorder=3))
@@ -272,7 +269,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     parts = [fields.surface_part.values == part for part in ("face", "shaft")]
     shoulder, last = float(distance[parts[0]].max()), fields.sizes["penetration"] - 1
     for axes, kind in ((normal, "normal"), (shear, "shear")):
-        for number, colour, *_ in series(last + 1, MOST_CURVES):
+        for number, line in series(range(last + 1), MOST_CURVES):
             snapshot = fields.isel(penetration=number)
             traction = snapshot[f"{kind}_traction"].values / fields.undrained_shear_strength.item()
             if kind == "shear":
@@ -281,7 +278,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
                 traction[:2] = np.average(traction[:2], weights=around_tip)
             width, label = 1.6 if number == last else 0.8, f"{snapshot.penetration.item():g} R"
             for part, named in zip(parts, (label, None), strict=True):
-                axes.plot(distance[part], traction[part], color=colour, lw=width, label=named)
+                axes.plot(distance[part], traction[part], color=line.colour, lw=width, label=named)
         axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
         axes.axhline(0.0, color="0.5", lw=0.5)
         axes.set_ylabel(f"{kind} traction / su [-]")

@@ -1,17 +1,29 @@
-"""The picture of soundings: depth downward, strength, resistance and cone factor side by side.
+"""Pictures by depth, downward: soundings, and measured cone tests as they are interpreted.
 
 The stretches of a sounding, cut at depths and run side by side, are joined to one curve. Where two
 overlap the curve is their mean, and half of their difference, as a root mean square over the
 overlap, is a part of its half width.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import by_case, case_dims
 from harness.pictures.drawing.caption import captioned, left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import KILO, STYLED, panels, runs, series
+from harness.pictures.drawing.plot_parts import (
+    KILO,
+    STYLED,
+    panels,
+    runs,
+    series,
+    series_colour,
+    shade,
+)
+from harness.pictures.drawing.quantities import Floats
 from harness.pictures.studied import Studied
 
 RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
@@ -21,7 +33,7 @@ LEFT_TO_ONE = (STRETCH, "to_depth")
 CURVES = (RESISTANCE, UNCERTAINTY, "cone_factor_at_tip", "strength")
 JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
 HEIGHT = 5.0
-"""Of the figure [inch]: depth needs room."""
+"""Of the picture of soundings [inch]: depth needs room."""
 
 
 def joined(dataset: xr.Dataset) -> xr.Dataset:
@@ -32,17 +44,13 @@ def joined(dataset: xr.Dataset) -> xr.Dataset:
     """
     # A collected file leaves out what no case has, a half width say.
     cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
-    groups = [cases.drop_vars("status").isel(case=group) for group in _groups(dataset)]
-    return xr.concat([_as_one(group) for group in groups], dim="sounding")
-
-
-def _groups(dataset: xr.Dataset) -> list[np.ndarray]:
-    """The numbers of the cases that are stretches of one sounding, for each sounding."""
     numbers, dims = np.arange(dataset["status"].size), case_dims(dataset)
+    groups = numbers[:, None]
     if STRETCH in dims:
-        by_dim = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
-        return list(by_dim.reshape(-1, by_dim.shape[-1]))
-    return list(numbers[:, None])
+        groups = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
+        groups = groups.reshape(-1, groups.shape[-1])
+    soundings = [_as_one(cases.drop_vars("status").isel(case=group)) for group in groups]
+    return xr.concat(soundings, dim="sounding")
 
 
 def _as_one(stretches: xr.Dataset) -> xr.Dataset:
@@ -74,10 +82,10 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     soundings = joined(dataset)
     figure, (strength, resistance, factor) = panels(3, HEIGHT, sharey=True)
     count = soundings.sizes["sounding"]
-    shown = series(count)
+    shown = series(range(count))
     names = [name for name in (studied.varied if studied else ()) if name not in LEFT_TO_ONE]
-    for place, colour, _, _ in shown:
-        sounding = soundings.isel(sounding=place)
+    for place, line in shown:
+        sounding, colour = soundings.isel(sounding=place), line.colour
         label = studied.label(int(sounding["case"]), names) if studied else ""
         depth = sounding[DEPTH]
         net, half_width = sounding[RESISTANCE] / KILO, sounding[UNCERTAINTY] / KILO
@@ -86,12 +94,9 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         band = depth, net - half_width, net + half_width
         resistance.fill_betweenx(*band, color=colour, alpha=0.25, lw=0)
         factor.plot(sounding["cone_factor_at_tip"], depth, color=colour, lw=0.8)
-    for axes, label in (
-        (strength, "strength $s_{\\mathrm{u}}$ [kPa]"),
-        (resistance, "net resistance [kPa]"),
-        (factor, "net resistance over\nstrength at the tip [-]"),
-    ):
-        axes.set(xlabel=label, xlim=(0.0, None))
+    strength.set(xlabel="strength $s_{\\mathrm{u}}$ [kPa]", xlim=(0.0, None))
+    resistance.set(xlabel="net resistance [kPa]", xlim=(0.0, None))
+    factor.set(xlabel="net resistance over\nstrength at the tip [-]", xlim=(0.0, None))
     strength.set_ylabel("depth of the tip [m]")
     strength.invert_yaxis()
     has_band = bool(np.isfinite(soundings[UNCERTAINTY]).any())
@@ -103,3 +108,183 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         left_out(count - len(shown), "soundings"),
         legend=strength if count > 1 else None,
     )
+
+
+MEASURED = {
+    "net_resistance": "$q_{\\mathrm{net}}$",
+    "sleeve_friction": "$f_{\\mathrm{s}}$",
+    "pore_pressure": "$u_2$",
+}
+"""Symbols of what is measured."""
+WIDTH, TALL = 9.0, 6.0
+"""Of the pictures of tests [inch]."""
+NOT_READ = "0.92"
+"""Shade of depths that have no strength."""
+NEAR_BORDER = "#f6e6c8"
+"""Shade of depths that feel another layer."""
+SHADES_MEAN = "Grey: no strength, the table says why; brown: feels another layer."
+OF_CHECK = (
+    "Simulated: in the ground of the medians; misfit: over expected, less 1; band: test, 95 %."
+)
+LEAST_SHARE = 0.03
+"""Causes with less of the error on average are drawn as one."""
+BAND = shade(0.3)
+"""Colour of medians and bands."""
+GAP = 5.0
+"""Steps of depth that are a gap, over the usual one."""
+AROUND = 1.0
+"""Length above and below the layers that is shown [m]."""
+
+
+@STYLED
+def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float]] = ()) -> Figure:
+    """Four panels by depth: net resistance, sleeve and pore pressure; Nkt; su; shares of its error.
+
+    Bands hold 90 %. Depths without a strength are grey, those that feel another layer brown.
+
+    Args:
+        found: what `interpret` gives.
+        points: depth [m] and strength [Pa] of a laboratory, beside it.
+    """
+    found = _broken(found)
+    figure, (test, factor, strength, shares) = panels(4, TALL, sharey=True)
+    depth = found.depth.values
+    for (name, label), line in series(MEASURED.items()):
+        scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
+        test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=text)
+    if "sharpened_resistance" in found:
+        sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
+        test.plot(sharp, depth, "k--", lw=0.8, label=text)
+    test.set_xlabel("[kPa]")
+    here = found.reason.values == 0
+    shown = found.net_resistance.values[here if here.any() else ...]
+    test.set_xlim(0.0, 1.2 * float(np.nanmax(shown)) / KILO)
+    _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
+    _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
+    if points:
+        at, values = np.array(points).T
+        strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
+        _legend(strength, 1)
+    _shares(shares, found)
+    _shade(figure.axes, found)
+    _legend(test, 3)
+    return _finished(figure, [found], f"{found.attrs['title']}. Bands hold 90 %. {SHADES_MEAN}")
+
+
+@STYLED
+def check_figure(found: xr.Dataset) -> Figure:
+    """Net resistance, sleeve and pore pressure, measured and simulated; the misfit, by depth."""
+    figure, (*tests, misfit) = panels(4, TALL, sharey=True)
+    depth = found.depth.values
+    for axes, (name, label) in zip(tests, MEASURED.items(), strict=True):
+        axes.plot(found[name] / KILO, depth, "k", lw=1.0, label="measured")
+        simulated, colour = found[f"simulated_{name}"] / KILO, series_colour(0, 2)
+        axes.plot(simulated, depth, color=colour, lw=0.8, label="simulated")
+        axes.set_xlabel(f"{label} [kPa]")
+    net = tests[0]
+    net.plot(found.expected_resistance / KILO, depth, "k--", lw=0.8, label="expected")
+    net.legend(frameon=False, fontsize=7)
+    measured, error = found.net_resistance / KILO, found.total_resistance_error / KILO
+    net.fill_betweenx(depth, measured - error, measured + error, color="0.8", lw=0)
+    for axes in tests:
+        axes.set_xlim(left=0.0)
+    misfit.plot(100.0 * found.misfit, depth, "k", lw=0.8)
+    misfit.axvline(0.0, color="k", lw=0.4)
+    misfit.set_xlabel("misfit of $q_{\\mathrm{net}}$ [%]")
+    _shade(figure.axes, found)
+    return _finished(figure, [found], f"{found.attrs['title']}. {OF_CHECK} {SHADES_MEAN}")
+
+
+@STYLED
+def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
+    """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
+    figure, (test, strength) = panels(2, TALL, sharey=True)
+    for place, one in enumerate(map(_broken, found)):
+        colour = series_colour(place, max(len(found), 2))
+        own = one.net_resistance.where(one.reason == 0) / KILO
+        test.plot(own, one.depth, color=colour, lw=0.8, label=one.attrs["title"])
+        _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
+    test.set_xlabel(f"{MEASURED['net_resistance']} [kPa]")
+    strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")
+    for axes in (test, strength):
+        axes.autoscale(axis="x")
+        axes.set_xlim(left=0.0)
+    _legend(test, 3)
+    return _finished(figure, found, "Bands hold 90 % of each test by itself.")
+
+
+def _broken(found: xr.Dataset) -> xr.Dataset:
+    """With a depth without values at the top of each gap: no line is drawn across it."""
+    depth = found.depth.values
+    step = np.diff(depth, append=depth[-1])
+    tops = depth[step > GAP * float(np.median(step))]
+    return found.reindex(depth=np.union1d(depth, np.nextafter(tops, np.inf)))
+
+
+def _legend(axes: Axes, columns: int) -> None:
+    """Above the panel, where it hides nothing."""
+    axes.legend(
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        frameon=False,
+        fontsize=6,
+        ncols=columns,
+        columnspacing=1.0,
+    )
+
+
+def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure:
+    """With a caption; depth grows downward, around the layers that were asked for."""
+    asked = np.concatenate([_asked(sounding) for sounding in found])
+    deepest = max(float(sounding.depth.max()) for sounding in found)
+    axes = figure.axes[0]
+    axes.set_ylabel("depth of the tip [m]")
+    axes.set_ylim(min(deepest, asked.max() + AROUND), max(0.0, asked.min() - AROUND))
+    figure.set_figwidth(WIDTH)
+    figure.supxlabel(words, fontsize=7)
+    return figure
+
+
+def _asked(found: xr.Dataset) -> Floats:
+    """Depths that are in a layer; all where none is."""
+    meanings = found.reason.attrs["flag_meanings"].split()
+    inside = found.depth.values[found.reason.values != meanings.index("no_layer")]
+    return np.asarray(inside if len(inside) else found.depth.values)
+
+
+def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) -> None:
+    """The median of three percentiles, and a band between the outer ones."""
+    low, middle, high = values.T
+    axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
+    axes.plot(middle, depth, color=colour, lw=1.0)
+    axes.set(xlabel=label, xlim=(0.0, 1.1 * float(np.nanmax(high, initial=1e-9))))
+
+
+def _shares(axes: Axes, found: xr.Dataset) -> None:
+    """Shares of the error, side by side to 100 %, the largest first."""
+    shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
+    means = shares.mean("depth")
+    shares = shares.sortby(-means)
+    small = means.sortby(-means).values < LEAST_SHARE
+    names = [str(cause).replace("_", " ") for cause in shares.cause.values[~small]]
+    columns = list(shares.values.T[~small])
+    if small.any():
+        names.append("others")
+        columns.append(shares.values.T[small].sum(axis=0))
+    ends = 100.0 * np.cumsum([np.zeros(found.sizes["depth"]), *columns], axis=0)
+    for name, line in series(names, None):
+        begin, end = ends[line.place : line.place + 2]
+        axes.fill_betweenx(found.depth, begin, end, color=line.colour, lw=0, label=name)
+    axes.set(xlim=(0.0, 100.0), xlabel="share of the error [%]")
+    if names:
+        _legend(axes, 2)
+
+
+def _shade(all_axes: Sequence[Axes], found: xr.Dataset) -> None:
+    """Shades over depths that feel another layer, and over those without a strength."""
+    depth = found.depth.values
+    for where, colour in ((found.near_border, NEAR_BORDER), (found.reason, NOT_READ)):
+        for run in runs(where.values != 0):
+            for axes in all_axes:
+                bottom = depth[min(run.stop, len(depth) - 1)]
+                axes.axhspan(depth[run.start], bottom, color=colour, lw=0, zorder=0)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 
 from harness.archive.conventions import (
     headlines_of,
@@ -18,7 +20,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import Series, series
+from harness.pictures.drawing.plot_parts import Series, mark_failures, series
 from harness.pictures.drawing.quantities import Floats, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study import scene_part
@@ -59,6 +61,12 @@ class Studied:
         """The half widths of some cases; None where none is known."""
         return None if self.half_width is None else self.half_width[cases]
 
+    def draw(self, axes: Axes, x: Floats, cases: np.ndarray, **style: Any) -> None:
+        """Draw the headline of some cases over x of all, and marks of those without one."""
+        own, headline = x[cases], self.computed[cases]
+        axes.errorbar(own, headline, self.widths(cases), **style)
+        mark_failures(axes, own[~np.isfinite(headline)])
+
     @functools.cached_property
     def varied(self) -> dict[str, Values]:
         """The values of each parameter that has more than one, in the order of the study."""
@@ -98,18 +106,17 @@ class Studied:
             assigned(self.dataset, name, self.varied[name].of_case(case)) for name in names
         )
 
-    def case(self, index: int) -> xr.Dataset:
-        """One case, without dims of cases."""
-        dims = self.dataset["status"].dims
-        places = np.unravel_index(index, self.dataset["status"].shape)
-        return self.dataset.isel(dict(zip(dims, map(int, places), strict=True)))
+    def groups(self, name: str, along: Floats) -> list[tuple[np.ndarray, str]]:
+        """The cases that agree in all that varies but `name`, each group by `along`; its label.
 
-    def groups(self, names: Iterable[str], along: Floats) -> list[np.ndarray]:
-        """The cases that agree in these varied parameters, by ascending values; each by `along`."""
-        columns = [np.zeros(self.computed.size), *(self.varied[name].numbers for name in names)]
+        The groups are by ascending values.
+        """
+        others = [other for other in self.varied if other != name]
+        columns = [np.zeros(self.computed.size), *(self.varied[other].numbers for other in others)]
         found, member = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
         order = np.argsort(along, kind="stable")
-        return [order[member.ravel()[order] == place] for place in range(len(found))]
+        groups = [order[member.ravel()[order] == place] for place in range(len(found))]
+        return [(cases, self.label(cases[0], others)) for cases in groups]
 
 
 def case_labels(dataset: xr.Dataset) -> list[str]:
@@ -124,10 +131,7 @@ def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
     The curves have the shape [case, :].
     """
     drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
-    shown = [
-        line._replace(place=drawn[line.place], label=labels[drawn[line.place]])
-        for line in series(len(drawn))
-    ]
+    shown = [line._replace(place=case, label=labels[case]) for case, line in series(drawn)]
     return shown, left_out(len(drawn) - len(shown), "cases")
 
 

@@ -60,42 +60,40 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
         for name, variable in snapshot.data_vars.items()
         if variable.dims == ("point",)
     }
-    present = np.isfinite(snapshot.point_r.values)
-    nodal = NodalValues(snapshot)
-    r, z = (snapshot[f"point_{axis}"].values[present] for axis in "rz")
-    vertices = np.arange(len(r))[:, None]
-    points = pv.UnstructuredGrid({pv.CellType.VERTEX: vertices}, _in_space(r, z))
-    _carry(points, {name: values[present] for name, values in carried.items()})
 
+    def mesh(kind: Any, cells: np.ndarray, r: Floats, z: Floats, values: dict[str, Any]) -> Any:
+        """Cells between points that carry values; two components of a vector become one array."""
+        made = pv.UnstructuredGrid({kind: cells}, _in_space(r, z))
+        for vector in VECTORS:
+            if f"{vector}_r" in values:
+                components = (values.pop(f"{vector}_{axis}") for axis in "rz")
+                made.point_data[vector] = _in_space(*components)
+        made.point_data.update(values)
+        return made
+
+    present = np.isfinite(snapshot.point_r.values)
+    r, z = (snapshot[f"point_{axis}"].values[present] for axis in "rz")
+    of_points = {name: values[present] for name, values in carried.items()}
+    points = mesh(pv.CellType.VERTEX, np.arange(len(r))[:, None], r, z, of_points)
+
+    nodal = NodalValues(snapshot)
     node = np.arange(nodal.r.size).reshape(nodal.r.shape)
     corners = node[:-1, :-1], node[:-1, 1:], node[1:, 1:], node[1:, :-1]
     cells = np.stack([corner.ravel() for corner in corners], axis=-1)
-    grid = pv.UnstructuredGrid({pv.CellType.QUAD: cells}, _in_space(nodal.r, nodal.z))
     averages = {name: nodal.of(values).ravel() for name, values in carried.items()}
     own = {f"velocity_{axis}": snapshot[f"node_velocity_{axis}"].values.ravel() for axis in "rz"}
-    _carry(grid, averages | own)
+    grid = mesh(pv.CellType.QUAD, cells, nodal.r, nodal.z, averages | own)
 
     r, z = (snapshot[f"surface_{axis}"].values for axis in "rz")
     of_part = snapshot.surface_part.values
     # None leads from the shoulder of the face to that of the shaft, which are at one place.
     first = np.flatnonzero(of_part[1:] == of_part[:-1])
-    lines = np.stack([first, first + 1], axis=-1)
-    surface = pv.UnstructuredGrid({pv.CellType.LINE: lines}, _in_space(r, z))
     tractions = {name: snapshot[name].values for name in ("normal_traction", "shear_traction")}
-    _carry(surface, {**tractions, "on_shaft": (of_part == "shaft").astype(np.uint8)})
+    of_nodes = {**tractions, "on_shaft": (of_part == "shaft").astype(np.uint8)}
+    surface = mesh(pv.CellType.LINE, np.stack([first, first + 1], axis=-1), r, z, of_nodes)
     for name in OF_CASE:
         surface.field_data[name] = np.array([snapshot[name].item()])
     return points, grid, surface
-
-
-def _carry(mesh: Any, values: dict[str, Any]) -> None:
-    """Give the points of a mesh arrays; two components of a vector become one array."""
-    for vector in VECTORS:
-        components = [values.pop(f"{vector}_{axis}", None) for axis in "rz"]
-        if components[0] is not None:
-            mesh.point_data[vector] = _in_space(*components)
-    for name, array in values.items():
-        mesh.point_data[name] = array
 
 
 def _in_space(r: Floats, z: Floats) -> Floats:

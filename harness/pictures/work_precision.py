@@ -1,7 +1,7 @@
 """Work-precision pictures: error against run time."""
 
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,6 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
     COMPLETED,
-    is_there,
     over_cases,
     scenes_of,
     spoken,
@@ -46,8 +45,7 @@ from harness.pictures.studied import method_of
 from harness.study.designs import ONE_AT_A_TIME
 
 
-@dataclass(frozen=True)
-class _Problem:
+class _Problem(NamedTuple):
     """Cases that ask the same question: they differ in settings of the method alone.
 
     The soil is what else the study varies within the scene, in words.
@@ -71,31 +69,25 @@ def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     found = []
     for (scene, *_), cases in groups.items():
         method, of_scene = method_of(dataset, str(scene)), scenes == scene
-        settings, words = {}, []
+        settings, soil = {}, []
         for name, values in varied.items():
-            given = over_cases(dataset, name)[of_scene].tolist()
-            if not any(map(is_there, given)):  # it is a parameter of other scenes
-                continue
-            if name in method and np.unique(values.numbers[cases]).size > 1:
+            if name in method and np.ptp(values.numbers[cases]) > 0.0:
                 settings[name] = values
-            if name not in method and np.unique(values.numbers[of_scene]).size > 1:
-                words.append(assigned(dataset, name, values.of_case(cases[0])))
-        if settings:
-            found.append(_Problem(np.array(cases), str(scene), words, settings))
-    return found
+            if name not in method and np.ptp(values.numbers[of_scene]) > 0.0:
+                soil.append(assigned(dataset, name, values.of_case(cases[0])))
+        found.append(_Problem(np.array(cases), str(scene), soil, settings))
+    return [problem for problem in found if problem.settings]
 
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     """The settings of a case that vary; of one at a time those that differ from the start."""
-    is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
-    if len(problem.settings) > 1 and not is_one_at_a_time:
-        return " / ".join(quantity(setting.of_case(case)) for setting in problem.settings.values())
-    texts = [
-        assigned(dataset, name, setting.of_case(case))
-        for name, setting in problem.settings.items()
-        if not is_one_at_a_time or setting.numbers[case] != setting.numbers[problem.cases[0]]
-    ]
-    return ", ".join(texts) or "start"
+    settings = {name: setting.of_case(case) for name, setting in problem.settings.items()}
+    if dataset.attrs.get("design") == ONE_AT_A_TIME:
+        start = {name: it.of_case(problem.cases[0]) for name, it in problem.settings.items()}
+        settings = {name: value for name, value in settings.items() if value != start[name]}
+    elif len(settings) > 1:
+        return " / ".join(map(quantity, settings.values()))
+    return ", ".join(assigned(dataset, *setting) for setting in settings.items()) or "start"
 
 
 def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
@@ -131,17 +123,15 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
 def _checks_figure(dataset: xr.Dataset) -> Figure:
     """Errors of checks against their run times, alike in a scene; failed runs are left out."""
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
-    own = list(dict.fromkeys(scenes))
-    lines = dict(zip(own, series(len(own), len(own)), strict=True))
+    lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(own) / 2)
+    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(lines) / 2)
     for number, scene in enumerate(scenes):
         curve = dataset.isel(check=number)
         axes.loglog(
             curve["run_time"],
             curve["error"].where(curve["error"] > 0.0),
-            marker=lines[scene].marker,
-            color=lines[scene].colour,
+            **lines[scene].style,
             label=once(axes, plain(scene)),
         )
     _dress(figure, axes, "error against the exact solution")
@@ -166,10 +156,9 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
-    timed = np.isfinite(measured) & np.isfinite(seconds)
     figure, (axes,) = panels()
     axes.set(xscale="log", yscale="log")
-    drawn = timed & (measured > 0.0)
+    drawn = np.isfinite(measured) & np.isfinite(seconds) & (measured > 0.0)
     errors = np.where(drawn, errors, np.nan)
     _draw_fronts(axes, dataset, problems, seconds, measured, errors)
     silent = drawn & ~states_its_error(dataset)
@@ -180,8 +169,8 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
         label = "uncertainty of the reference"
         axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
-    failed = over_cases(dataset, "status") != COMPLETED
-    if "case_time" in dataset and failed.any():
+    if "case_time" in dataset:
+        failed = over_cases(dataset, "status") != COMPLETED
         mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
     several = len(set(scenes_of(dataset))) > 1
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
@@ -206,10 +195,12 @@ def _draw_fronts(
     """Draw the cases of each problem that have an error; `errors` are those that rank them."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
-    for problem, line in zip(problems, series(len(problems), len(problems)), strict=True):
+    for problem, line in series(problems, None):
         own = problem.cases[np.isfinite(errors[problem.cases])]
-        front = _pareto(seconds, errors, own)
-        beaten = np.setdiff1d(own, front)
+        own = own[np.lexsort((errors[own], seconds[own]))]
+        # On the front is what no other is both faster and better than.
+        is_best = errors[own] < np.minimum.accumulate([np.inf, *errors[own]])[:-1]
+        front, beaten = own[is_best], own[~is_best]
         if beaten.size:
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
@@ -252,12 +243,3 @@ def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
     legend_above(figure, axes)
-
-
-def _pareto(seconds: Floats, errors: Floats, cases: np.ndarray) -> np.ndarray:
-    """The cases that no other is both faster and better than, the fastest first."""
-    front: list[int] = []
-    for case in cases[np.lexsort((errors[cases], seconds[cases]))]:
-        if not front or errors[case] < errors[front[-1]]:
-            front.append(int(case))
-    return np.array(front, dtype=int)

@@ -20,7 +20,7 @@ from harness.interpret.description import test_rows
 from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words, rate_in_words
 from harness.interpret.site import Layer, Site
-from harness.pictures.drawing.plot_parts import MAKER, MARKERS, STYLED, image, series_colour
+from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 
 USED = 0
@@ -73,44 +73,38 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
 
 def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     """A row an input of a layer; then how su is meant."""
+    texts = {name: distribution.text for name, distribution in layer.inputs.items()} | {
+        "strength": layer.strength,
+        "laboratory_rate": rate_in_words(layer),
+        "model_error": f"{layer.model_error:g}",
+    }
     rows: Rows = []
-    for name, distribution in layer.inputs.items():
-        given = f"{distribution.text} (assumed)" if name in layer.assumed else distribution.text
-        own = {"layer": layer.title, "cause": name}
-        spans = [_span(found[of].sel(own).values) for of in ("input_before", "input_after")]
-        rows.append((layer.title, name, given, *spans))
-    for name, value in (
-        ("strength", layer.strength),
-        ("laboratory_rate", rate_in_words(layer)),
-        ("model_error", f"{layer.model_error:g}"),
-    ):
+    for name, text in texts.items():
+        spans = ["", ""]
+        if name in layer.inputs:
+            both = (found[f"input_{time}"] for time in ("before", "after"))
+            spans = [_span(*it.sel(layer=layer.title, cause=name).values) for it in both]
         assumed = " (assumed)" if name in layer.assumed else ""
-        rows.append((layer.title, name, f"{value}{assumed}", "", ""))
+        rows.append((layer.title, name, f"{text}{assumed}", *spans))
     return rows
 
 
-def _span(percentiles: np.ndarray) -> str:
-    low, middle, high = percentiles
+def _span(low: float, middle: float, high: float) -> str:
     return f"{middle:.3g} ({low:.3g} to {high:.3g})" if np.isfinite(middle) else "-"
 
 
 def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
     """Mean share of each cause in the variance of ln su in each layer, the largest first."""
-    inside = [
-        (found.depth >= layer.top) & (found.depth <= layer.bottom) & (found.reason == USED)
-        for layer in site.layers
-    ]
+    used = found.error_share[found.reason == USED]
     means = xr.concat(
-        [found.error_share[depths].mean("depth") for depths in inside], "layer"
+        [used[layer.holds(used.depth)].mean("depth") for layer in site.layers], "layer"
     ).fillna(0.0)
     total = means.sum("layer")
     rows: Rows = [("cause", *(layer.title for layer in site.layers))]
     for cause in total.sortby(-total).cause.values:
         if float(total.sel(cause=cause)) > 0.0:
-            shares = means.sel(cause=cause).values
-            rows.append(
-                (str(cause).replace("_", " "), *(f"{100.0 * share:.0f} %" for share in shares))
-            )
+            shares = (f"{100.0 * share:.0f} %" for share in means.sel(cause=cause).values)
+            rows.append((str(cause).replace("_", " "), *shares))
     return rows
 
 
@@ -118,7 +112,7 @@ def _left_out(site: Site, found: xr.Dataset) -> Rows:
     """Of each layer and reason how many of its depths have no strength, and where they lie."""
     rows: Rows = [("layer", "why", "depths", "of", "between [m]")]
     for layer in site.layers:
-        inside = (found.depth.values >= layer.top) & (found.depth.values <= layer.bottom)
+        inside = layer.holds(found.depth.values)
         for number, why in enumerate(REASONS):
             here = found.depth.values[inside & (found.reason.values == number)]
             if number != USED and len(here):
@@ -141,28 +135,18 @@ def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     figure = Figure(figsize=SIZE, layout="constrained")
     judged = [scored for scored in found if math.isfinite(scored.error)]
     names = list(dict.fromkeys(scored.submission for scored in judged))
+    untimed = np.geomspace(*NO_TIME, 2 * len(names) + 1)[1::2]
     panels = figure.subplots(1, len(PHASES), sharex=True, sharey=True)
     for phase, (axes, title) in enumerate(zip(panels, PHASES, strict=True), start=1):
         axes.axvspan(*NO_TIME, color="0.95")
-        for place, name in enumerate(names):
-            own = [
-                scored
-                for scored in judged
-                if scored.submission == name and scored.case.phase == phase
-            ]
-            low, high = NO_TIME
-            untimed = low * (high / low) ** ((place + 0.5) / len(names))
-            marker, colour = MARKERS[place % len(MARKERS)], series_colour(place, len(names))
-            axes.plot([], [], marker, color=colour, ms=4, label=name)
-            for scored in own:
-                axes.plot(
-                    scored.result.seconds if math.isfinite(scored.result.seconds) else untimed,
-                    max(abs(scored.error), LEAST_ERROR),
-                    marker,
-                    color=colour,
-                    ms=4,
-                    mfc=colour if math.isfinite(scored.result.uncertainty) else "white",
-                )
+        for (name, without), line in series(zip(names, untimed, strict=True), None):
+            axes.plot([], [], **line.style, ls="", ms=4, label=name)
+            for scored in judged:
+                if scored.submission == name and scored.case.phase == phase:
+                    result, error = scored.result, max(abs(scored.error), LEAST_ERROR)
+                    seconds = result.seconds if math.isfinite(result.seconds) else without
+                    fill = line.colour if math.isfinite(result.uncertainty) else "white"
+                    axes.plot(seconds, error, **line.style, ls="", ms=4, mfc=fill)
         axes.set(title=title, xscale="log", yscale="log")
     panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
     panels[0].set_ylabel("|E| over the yardstick [-]")

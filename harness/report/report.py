@@ -106,7 +106,10 @@ def _section(
         ),
         "parameters": parameters,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
-        "references": stored_references(dataset),
+        "references": [
+            (it.label, it.formula, it.criterion, it.validity, it.source, it.how_known)
+            for it in stored_references(dataset)
+        ],
         "provenance": list(_provenance(dataset)),
     }
 

@@ -16,7 +16,7 @@ from harness.run.collect_and_clean import collect_and_write
 from harness.study.description import study_text
 from harness.study.study import load_study
 from tests.harness.conftest import DONE, Refusal, keep, study_in
-from tests.harness.pictures.conftest import figures
+from tests.harness.pictures.conftest import caption_of, figures, texts
 
 STUDY = """
 title = "t"
@@ -77,13 +77,12 @@ def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) 
 def test_the_picture_draws_it_within_its_range(computed: Computed) -> None:
     figure = figures(computed(STUDY))["curve"]
     (axes,) = figure.axes
-    assert "Our <laboratory> 2026" in [it.get_text() for it in axes.texts]
+    assert "Our <laboratory> 2026" in texts(axes.texts)
     (curve,) = (it for it in axes.lines if np.asarray(it.get_ydata()).size > 100)
     x, y = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
     assert x[np.isfinite(y)].min() == pytest.approx(80.0, abs=1.0)
     np.testing.assert_allclose(y[np.isfinite(y)], 11.5)
-    caption = " ".join(str(figure.get_supxlabel()).split())
-    assert "is drawn within its range: Ir 80 to 200." in caption
+    assert "is drawn within its range: Ir 80 to 200." in caption_of(figure)
 
 
 def test_the_page_lists_it(computed: Computed) -> None:

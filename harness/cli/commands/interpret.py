@@ -20,7 +20,7 @@ from harness.interpret.result import in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from harness.pictures.drawing.plot_parts import image, write_own
-from harness.pictures.interpretation import check_figure, interpretation_figure, soundings_figure
+from harness.pictures.sounding import check_figure, interpretation_figure, soundings_figure
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text

@@ -33,6 +33,8 @@ LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
 MOST_FIXED = 14
 """Parameters that a caption names."""
+SYMBOL, IN_PLACE = re.compile(r"\$[^$]*(?<!\\)\$"), "\ue000--"
+"""A symbol in mathematics, and what holds its place while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 """Between a symbol and its value: they stay on one line."""
 SOIL_AND_CONE = (
@@ -86,14 +88,9 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
 
 def _not_measured(dataset: xr.Dataset) -> str:
     """Which scenes have neither a half width nor a reason for none, in a sentence."""
-    status = over_cases(dataset, "status")
-    cases = zip(scenes_of(dataset), uncertainty_of(dataset), reasons_of(dataset), strict=True)
-    silent = [
-        scene
-        for (scene, width, reason), ended in zip(cases, status, strict=True)
-        if ended == COMPLETED and np.isnan(width) and not reason
-    ]
-    names = plain(" and ".join(dict.fromkeys(silent)))
+    silent = np.isnan(uncertainty_of(dataset)) & (np.array(reasons_of(dataset)) == "")
+    silent &= over_cases(dataset, "status") == COMPLETED
+    names = plain(" and ".join(dict.fromkeys(np.array(scenes_of(dataset))[silent].tolist())))
     return f"The error of {names} was not measured." if names else ""
 
 
@@ -160,9 +157,10 @@ def _defaults(
         if name not in derivable
     }
     defaults |= _of_law(dataset)
-    first = {name: over_cases(dataset, stored[name])[0] for name in defaults if name in stored}
     given = {
-        name: definitions[name].kind(value) for name, value in first.items() if is_there(value)
+        name: definitions[name].kind(value)
+        for name in defaults.keys() & stored.keys()
+        if is_there(value := over_cases(dataset, stored[name])[0])
     }
     try:
         return dataclasses.asdict(scene(**given)) | defaults
@@ -185,11 +183,7 @@ def _same(value: Value, default: Value | None) -> bool:
 
 def _wrapped(text: str) -> str:
     """Lines of a page's width; a symbol is as wide as its few letters."""
-    symbols = re.findall(r"\$[^$]*(?<!\\)\$", text)
+    symbols = iter(SYMBOL.findall(text))
     # Each symbol is wrapped as a word of its own length, then put back.
-    for place, found in enumerate(symbols):
-        text = text.replace(found, f"{chr(0xE000 + place)}--", 1)
-    lines = textwrap.fill(text, LETTERS, break_on_hyphens=False)
-    for place, found in enumerate(symbols):
-        lines = lines.replace(f"{chr(0xE000 + place)}--", found, 1)
-    return lines
+    lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), LETTERS, break_on_hyphens=False)
+    return re.sub(IN_PLACE, lambda _: next(symbols), lines)

@@ -3,7 +3,7 @@
 import io
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib import colormaps, style
@@ -129,6 +129,9 @@ def chosen(count: int, most: int = MOST_LABELS) -> list[int]:
     return sorted({round(place) for place in np.linspace(0, count - 1, most).tolist()})
 
 
+Thing = TypeVar("Thing")
+
+
 class Series(NamedTuple):
     """Which of many things is drawn, and how."""
 
@@ -137,12 +140,18 @@ class Series(NamedTuple):
     marker: str
     label: str = ""
 
+    @property
+    def style(self) -> dict[str, str]:
+        """Colour and marker, as matplotlib calls them."""
+        return {"color": self.colour, "marker": self.marker}
 
-def series(count: int, most: int = MOST_LABELS) -> list[Series]:
-    """Up to `most` of `count` things that are drawn side by side, evenly spread."""
-    shown = chosen(count, most)
+
+def series(things: Iterable[Thing], most: int | None = MOST_LABELS) -> list[tuple[Thing, Series]]:
+    """Up to `most` of the things that are drawn side by side, evenly spread; None: all of them."""
+    every = list(things)
+    shown = chosen(len(every), most or len(every))
     return [
-        Series(place, series_colour(rank, len(shown)), MARKERS[rank % len(MARKERS)])
+        (every[place], Series(place, series_colour(rank, len(shown)), MARKERS[rank % len(MARKERS)]))
         for rank, place in enumerate(shown)
     ]
 
@@ -154,6 +163,13 @@ class CurveEnd(NamedTuple):
     y: float
     label: str
     colour: str
+
+
+def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
+    """The end of a curve that has a value; else none."""
+    return [
+        CurveEnd(x[last], y[last], label, colour) for last in np.flatnonzero(np.isfinite(y))[-1:]
+    ]
 
 
 LABEL_GAP = 0.06

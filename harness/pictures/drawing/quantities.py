@@ -12,15 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
+from matplotlib import ticker
 from matplotlib.axes import Axes
-from matplotlib.ticker import (
-    FixedLocator,
-    LogLocator,
-    MaxNLocator,
-    NullFormatter,
-    NullLocator,
-    StrMethodFormatter,
-)
 from numpy.typing import NDArray
 
 from harness.archive.conventions import over_cases, spoken
@@ -235,16 +228,16 @@ class Values:
             set_scale(self.scale, linthresh=smallest, linscale=0.5)
         else:
             set_scale(self.scale)
-        axis.set_minor_formatter(NullFormatter())
+        axis.set_minor_formatter(ticker.NullFormatter())
         if not self.has_single_ticks:
             wide = self.numbers.max() > 1000.0 * max(self.numbers.min(), 1e-300)
-            automatic = LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
-            axis.set_major_locator(automatic if self.logarithmic else MaxNLocator(room))
-            axis.set_minor_locator(NullLocator())
+            automatic = ticker.LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
+            axis.set_major_locator(automatic if self.logarithmic else ticker.MaxNLocator(room))
+            axis.set_minor_locator(ticker.NullLocator())
         else:
-            axis.set_major_locator(FixedLocator(list(apart(self.different, self.scale, room))))
-            axis.set_minor_locator(FixedLocator(self.different.tolist()))
-        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+            axis.set_major_locator(ticker.FixedLocator(apart(self.different, self.scale, room)))
+            axis.set_minor_locator(ticker.FixedLocator(self.different.tolist()))
+        axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
 
 
 def apart(ascending: Floats, scale: str, room: int) -> Sequence[float]:

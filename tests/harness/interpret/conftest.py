@@ -11,6 +11,8 @@ from mpm_warp.grid.fitted import Floats
 DEPTH = np.arange(1.0, 12.0, 0.1)
 STRENGTH = (8.0 + 1.5 * DEPTH) * 1e3
 """Of the ground of all tests here [Pa]."""
+FACTOR = float(cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)[0])
+"""Of this ground, by the table."""
 LAYER = """
 [[layer]]
 from = 2
@@ -46,8 +48,7 @@ def measured_rows(depth: Floats, net: Floats, friction: Floats) -> str:
 
 def write_site(folder: Path) -> Path:
     """Write a measured test whose factor is that of the table, and its site file."""
-    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
-    (folder / "test.csv").write_text(measured_rows(DEPTH, factor * STRENGTH, 0.4 * STRENGTH))
+    (folder / "test.csv").write_text(measured_rows(DEPTH, FACTOR * STRENGTH, 0.4 * STRENGTH))
     (folder / "site.toml").write_text(SITE + LAYER)
     return folder
 

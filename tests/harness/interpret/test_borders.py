@@ -15,13 +15,12 @@ from harness.interpret.borders import (
     share_below,
     sharpened,
 )
-from harness.interpret.factors import cone_factor
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.harness.conftest import Command
-from tests.harness.interpret.conftest import LAYER, SITE, measured_rows
+from tests.harness.interpret.conftest import FACTOR, LAYER, SITE, measured_rows
 
 RADIUS = 0.01785
 BORDER = 5.0
@@ -110,9 +109,8 @@ def test_the_effect_of_a_simulated_border_is_halved_at_least(ratio: float) -> No
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A site of two layers, of 20 and 40 kPa and one Nkt, all inputs and measured values exact."""
-    factor, _ = cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)
     net, _ = felt(2.0, 1.0)
-    net *= factor * 20e3 / NET["above"]
+    net *= FACTOR * 20e3 / NET["above"]
     (tmp_path / "test.csv").write_text(measured_rows(DEPTH, net, 0.04 * net))
     layers = [
         LAYER.replace("from = 2", f"from = {top}").replace("to = 10", f"to = {bottom}")

@@ -11,7 +11,7 @@ from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from mpm_warp.errors import ParameterError
 from tests.harness.conftest import Command
-from tests.harness.interpret.conftest import DEPTH, STRENGTH, changed, measured_rows
+from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
 
 
 @pytest.mark.parametrize(
@@ -88,8 +88,7 @@ def test_the_strength_of_an_exact_test_is_that_of_the_ground(folder: Path) -> No
 
 def test_an_error_of_the_test_is_its_share_and_width(folder: Path) -> None:
     """With qnet off by 10 % at 10 m and all else known, su is off by 10 % there."""
-    net = float(cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)[0])
-    half = 0.1 * net * float(STRENGTH[90]) / 1e3
+    half = 0.1 * FACTOR * float(STRENGTH[90]) / 1e3
     site = load_site(changed(folder, ("{ qc = 0,", f"{{ qc = {half},")))
     found = interpret(site).isel(depth=90)
     low, middle, high = found.strength.values
@@ -192,10 +191,9 @@ def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:
     The resistance of the ground, over its factor, is the strength of the draws.
     """
     changes = ("qc = 0", "qc = 300"), ('title = "A site"', 'title = "A"\nuse = ["tip", "sleeve"]')
-    factor = float(cone_factor(rigidity_index=120, adhesion_factor=0.4, stress_anisotropy=0.2)[0])
-    (folder / "test.csv").write_text(measured_rows(DEPTH, factor * STRENGTH, 0.8 * STRENGTH))
+    (folder / "test.csv").write_text(measured_rows(DEPTH, FACTOR * STRENGTH, 0.8 * STRENGTH))
     found = interpret(load_site(changed(folder, *changes))).sel(depth=slice(2.05, 9.95))
     ratio = found.ground_resistance_ratio
     assert float(ratio.min()) > 1.2
-    strength = found.net_resistance * ratio / factor
+    strength = found.net_resistance * ratio / FACTOR
     np.testing.assert_allclose(found.strength.sel(percentile=50.0), strength, rtol=0.01)

@@ -1,14 +1,13 @@
 """Results that are made up, one for each kind of design."""
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from matplotlib.text import Text
 
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
@@ -16,8 +15,14 @@ from harness.references.registry import cone_factor_reference
 from tests.harness.conftest import as_collected
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
-SOIL = {"rigidity_index": 100.0, "adhesion_factor": 0.5, "friction_coefficient": 0.0}
 STRENGTH = 20e3
+SOIL = {
+    "rigidity_index": 100.0,
+    "adhesion_factor": 0.5,
+    "friction_coefficient": 0.0,
+    "material": "tresca",
+    "undrained_shear_strength": STRENGTH,
+}
 Columns = Mapping[str, Sequence[object]]
 
 
@@ -37,40 +42,26 @@ def result(
     """
     full = design == "full"
     dims = tuple(varied) if full else ("case",)
-    shape = tuple(len(values) for values in varied.values()) if full else ()
-    shape = shape if full else (len(next(iter(varied.values()))),)
-    role = {"role": "parameter", "units": "1"}
-    coords = {
-        name: (name if full else "case", list(values), _labels(name, values))
-        for name, values in varied.items()
-    }
-    fixed: dict[str, Any] = {
-        name: ((), value, role | {"long_name": name.replace("_", " ")})
-        for name, value in SOIL.items()
-        if name not in varied
-    }
-    if "material" not in varied:
-        fixed["material"] = ((), "tresca", {"role": "parameter", "long_name": "material"})
+    shape = [len(values) for values in varied.values()][: None if full else 1]
+    soil = {name: value for name, value in SOIL.items() if name not in varied}
     made = xr.Dataset(
-        fixed,
-        coords=coords if full else coords | {"case": np.arange(shape[0])},
+        {name: ((), value, _labels(name, value)) for name, value in soil.items()},
+        coords={
+            name: (name if full else "case", list(values), _labels(name, values[0]))
+            for name, values in varied.items()
+        },
     )
     count = int(np.prod(shape, dtype=int))
-    values: NDArray[np.float64] = np.reshape(
-        11 + 0.1 * np.arange(count) if factor is None else np.array(factor, dtype=float), shape
-    )
+    if not full:
+        made = made.assign_coords(case=np.arange(count))
+    values = np.reshape(11 + 0.1 * np.arange(count) if factor is None else factor, shape)
     labels = {"units": "1", "long_name": "cone factor", "role": "headline"}
-    made["cone_factor"] = dims, values, labels
+    made["cone_factor"] = dims, values.astype(float), labels
     if uncertainty is not None:
         made["cone_factor_uncertainty"] = dims, np.full(shape, uncertainty), {"role": "uncertainty"}
-    status = np.where(np.isfinite(values), "completed", "diverged")
+    status = np.where(np.isfinite(made["cone_factor"]), "completed", "diverged")
     said = {"study": "demo", "title": "A demonstration", "design": design}
     made = as_collected(made, dims, status, **said)
-    made["undrained_shear_strength"] = (
-        (),
-        STRENGTH,
-        {"units": "Pa", "role": "parameter", "long_name": "undrained shear strength"},
-    )
     made["particle_updates"] = dims, np.reshape(1e6 * (1.0 + np.arange(count)), shape)
     depth = xr.DataArray(np.arange(1.0, 19.0), dims="penetration")
     made["penetration_resistance"] = made["cone_factor"] * STRENGTH * depth / 18
@@ -79,9 +70,10 @@ def result(
     return with_references(made, [cone_factor_reference(it) for it in REFERENCES])
 
 
-def _labels(name: str, values: Sequence[object]) -> dict[str, str]:
+def _labels(name: str, value: object) -> dict[str, str]:
     labels = {"role": "parameter", "long_name": name.replace("_", " ")}
-    return labels if isinstance(values[0], str) else labels | {"units": "1"}
+    units = {"undrained_shear_strength": "Pa"}
+    return labels if isinstance(value, str) else labels | {"units": units.get(name, "1")}
 
 
 def one_at_a_time() -> xr.Dataset:
@@ -150,9 +142,19 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     return made
 
 
+def texts(written: Iterable[Text]) -> list[str]:
+    """What is written there."""
+    return [text.get_text() for text in written]
+
+
 def legend(figure: Figure) -> list[str]:
     """What the legends of a figure say."""
-    return [text.get_text() for shown in figure.legends for text in shown.get_texts()]
+    return texts(text for shown in figure.legends for text in shown.get_texts())
+
+
+def caption_of(figure: Figure) -> str:
+    """What stands below a figure, in one line."""
+    return " ".join(str(figure.get_supxlabel()).split())
 
 
 @functools.cache

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from harness.pictures.convergence import approach, convergence_figure
 from harness.pictures.work_precision import study_figure
 
-from .conftest import MADE, figures, legend, result
+from .conftest import MADE, figures, legend, result, texts
 
 CELLS = (2.0, 4.0, 8.0, 16.0)
 WIDTHS = 1.0 / np.array(CELLS)
@@ -44,7 +44,7 @@ def test_each_series_has_its_limit_at_the_end_of_refinement() -> None:
     hollow = [line for line in axes.lines if line.get_markerfacecolor() == "white"]
     assert [line.get_ydata()[0] for line in hollow] == pytest.approx([10.0, 11.5], abs=1e-3)
     assert legend(figure) == ["$α$ = 0: order 1.00, limit 10", "$α$ = 1: order 1.00, limit 11.5"]
-    assert [text.get_text() for text in axes.get_xticklabels()][:2] == ["∞", "16"]
+    assert texts(axes.get_xticklabels())[:2] == ["∞", "16"]
 
 
 def test_an_error_is_drawn_on_logarithmic_axes_with_its_order() -> None:
@@ -99,8 +99,7 @@ def test_points_tell_all_settings_that_vary() -> None:
     figure = study_figure(timed(tuple(settings), error, run_time, "cone_penetration", **settings))
     (front,) = fronts(figure)
     assert front == [[1.0, 0.1], [2.0, 0.03], [8.0, 0.01]]
-    beside = [text.get_text() for text in figure.axes[0].texts]
-    assert beside == ["2 / 4", "4 / 4", "4 / 9"]
+    assert texts(figure.axes[0].texts) == ["2 / 4", "4 / 4", "4 / 9"]
     assert "Beside points: $R/h$ / particles per cell." in figure.get_supxlabel()
     (grey,) = [it for it in figure.axes[0].lines if it.get_label() == "beaten by another"]
     assert grey.get_xydata().tolist() == [[1.5, 0.2]]  # the entry of the legend has its points

@@ -14,11 +14,10 @@ from matplotlib.patches import Rectangle
 
 from harness.compare.compared import with_experience
 from harness.pictures.case_curves import resistance_figure
-from harness.pictures.curve import curve_figure
+from harness.pictures.curve import curve_figure, draw_experience
 from harness.pictures.drawing.plot_parts import panels
-from harness.pictures.literature import draw_experience
 
-from .conftest import MADE, REFERENCES, legend, one_at_a_time, result
+from .conftest import MADE, REFERENCES, caption_of, legend, one_at_a_time, result, texts
 
 LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
 ENVELOPE = "envelope of the literature (no confidence interval)"
@@ -26,7 +25,7 @@ ENVELOPE = "envelope of the literature (no confidence interval)"
 
 def written(figure: Figure) -> list[str]:
     """What is written beside the curves."""
-    return [text.get_text() for text in figure.axes[0].texts]
+    return texts(figure.axes[0].texts)
 
 
 def points(figure: Figure) -> list[Line2D]:
@@ -46,6 +45,7 @@ def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
     assert computed.get_ydata().tolist() == pytest.approx([11.1, 11.2, 11.0])
     assert legend(figure) == [ENVELOPE, "computed"]
     assert set(written(figure)) == LABELS
+    assert len({line.get_color() for line in curves(figure)}) == len(REFERENCES)
     lu = curves(figure)[0]
     # check values of the formula, given to two decimals
     assert lu.get_ydata()[[0, -1]] == pytest.approx([10.77, 12.07], abs=0.005)
@@ -63,17 +63,12 @@ def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
     assert begin[1] < end[1]
 
 
-def test_each_reference_has_a_colour_of_its_own() -> None:
-    colours = [line.get_color() for line in curves(curve_figure(result({})))]
-    assert len(set(colours)) == len(REFERENCES)
-
-
 def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity() -> None:
     figure = curve_figure(result({"rigidity_index": [25.0, 100.0, 500.0]}))
     axes = figure.axes[0]
     assert axes.get_xscale() == "log"
     figure.draw_without_rendering()
-    assert [text.get_text() for text in axes.get_xticklabels()] == ["25", "100", "500"]
+    assert texts(axes.get_xticklabels()) == ["25", "100", "500"]
     solid, dashed = (curves(figure)[i] for i in (0, 1))
     assert not solid.is_dashed()
     assert dashed.is_dashed()
@@ -108,8 +103,7 @@ def test_scale_of_the_axis(varied: dict[str, list[float]], scale: str) -> None:
 
 def test_text_parameter_has_a_categorical_axis() -> None:
     figure = curve_figure(result({"material": ["tresca", "von_mises"]}))
-    labels = [text.get_text() for text in figure.axes[0].get_xticklabels()]
-    assert labels == ["tresca", "von mises"]
+    assert texts(figure.axes[0].get_xticklabels()) == ["tresca", "von mises"]
     (computed,) = points(figure)
     assert computed.get_linestyle() == "None"
 
@@ -130,20 +124,21 @@ def test_where_the_literature_depends_on_the_series_each_has_its_envelope() -> N
     assert bands == [to_hex(line.get_color()) for line in points(figure)]
 
 
-def test_the_literature_follows_a_rigidity_index_that_changes_along_the_axis() -> None:
-    dataset = result({"swelling_slope": [1.0, 2.0, 4.0]})
-    dataset["rigidity_index"] = "swelling_slope", [100.0, 50.0, 25.0], {"role": "parameter"}
-    lu = curves(curve_figure(dataset))[1]
-    found = np.interp([1.0, 2.0, 4.0], lu.get_xdata(), lu.get_ydata())
-    assert found == pytest.approx(3.4 + 1.6 * np.log([100.0, 50.0, 25.0]) + 1.3 * 0.5)
-
-
-def test_the_literature_follows_a_rigidity_index_that_changes_with_a_text() -> None:
-    dataset = result({"critical_state_shape": ["circle", "matsuoka_nakai"]})
-    dataset["rigidity_index"] = "critical_state_shape", [200.0, 100.0], {"role": "parameter"}
-    lu = curves(curve_figure(dataset))[0]
-    expected = 3.4 + 1.6 * np.log([200.0, 100.0]) + 1.3 * 0.5
-    assert lu.get_ydata()[[0, -1]] == pytest.approx(expected)
+@pytest.mark.parametrize(
+    ("name", "values", "places", "index"),
+    [
+        ("swelling_slope", [1.0, 2.0, 4.0], [1.0, 2.0, 4.0], [100.0, 50.0, 25.0]),
+        ("critical_state_shape", ["circle", "matsuoka_nakai"], [-0.5, 1.5], [200.0, 100.0]),
+    ],
+)
+def test_the_literature_follows_a_rigidity_index_that_changes_along_the_axis(
+    name: str, values: list[object], places: list[float], index: list[float]
+) -> None:
+    dataset = result({name: values})
+    dataset["rigidity_index"] = name, index, {"role": "parameter"}
+    lu = next(it for it in curves(curve_figure(dataset)) if np.isfinite(it.get_ydata()).all())
+    found = np.interp(places, lu.get_xdata(), lu.get_ydata())
+    assert found == pytest.approx(3.4 + 1.6 * np.log(index) + 1.3 * 0.5)
 
 
 def test_beside_bands_factors_are_drawn_by_the_strength_of_the_bands_too() -> None:
@@ -183,7 +178,7 @@ def test_resistance_is_over_the_strength_with_a_label_for_each_case() -> None:
     axes = figure.axes[0]
     assert [line.get_ydata()[-1] for line in axes.lines] == pytest.approx([11.0, 11.1])
     assert written(figure) == ["$α$ = 0", "$α$ = 0.5"]
-    assert "1 of 3 cases have no curve" in " ".join(figure.get_supxlabel().split())
+    assert "1 of 3 cases have no curve" in caption_of(figure)
     assert axes.get_xlabel() == "penetration over cone radius $z/R$ [-]"
 
 
@@ -191,25 +186,25 @@ def test_the_curve_of_a_single_case_has_no_label() -> None:
     assert written(resistance_figure(result({"adhesion_factor": [0.3]}, [11.0]))) == []
 
 
+def twelve(design: str) -> xr.Dataset:
+    """Cases of more and more stiffness and resistance."""
+    columns = {"rigidity_index": [100.0 + case for case in range(12)]}
+    return result(columns, [11.0 + 0.1 * case for case in range(12)], design)
+
+
 def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled() -> None:
-    count = 12
-    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
-    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "one_at_a_time")
-    labels = written(resistance_figure(many))
+    labels = written(resistance_figure(twelve("one_at_a_time")))
     assert labels[0] == "start"
     assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
     assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")
 
 
 def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:
-    count = 12
-    columns = {"rigidity_index": [100.0 + case for case in range(count)]}
-    many = result(columns, [11.0 + 0.1 * case for case in range(count)], "random")
-    scenes = ["cone_penetration", "ball_penetration"] * (count // 2)
-    figure = resistance_figure(many.assign_coords(scene=(many["status"].dims, scenes)))
+    scenes = ["cone_penetration", "ball_penetration"] * 6
+    figure = resistance_figure(twelve("random").assign_coords(scene=("case", scenes)))
     assert legend(figure) == ["cone penetration", "ball penetration"]
-    colours = [line.get_color() for line in figure.axes[0].lines[:count]]
-    assert colours == colours[:2] * (count // 2)
+    colours = [line.get_color() for line in figure.axes[0].lines[:12]]
+    assert colours == colours[:2] * 6
     assert colours[0] != colours[1]
 
 

@@ -1,8 +1,7 @@
 """All pictures: which is meant for which study, what a page has room for, and the files."""
 
-import dataclasses
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 from unittest.mock import patch
@@ -16,7 +15,6 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
-import mpm_warp
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.compared import with_experience
@@ -28,9 +26,8 @@ from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from mpm_warp.scenes.catalogue import CatalogueScene
-from tests.harness.pictures.conftest import figures
 
-from .conftest import MADE, drawn, random_cases, result
+from .conftest import MADE, caption_of, drawn, figures, random_cases, result, texts
 
 pytestmark = pytest.mark.slow
 
@@ -97,60 +94,48 @@ def test_no_picture_labels_more_than_eight_curves(made_up: MadeUp) -> None:
 
 def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
     for figure in made_up[1].values():
-        caption = " ".join(figure.get_supxlabel().split())
-        assert caption.startswith("A demonstration.")
-        assert "Fixed: " in caption
+        told = caption_of(figure)
+        assert told.startswith("A demonstration.")
+        assert "Fixed: " in told
         for name, written in (
             ("rigidity_index", r"$I_{\mathrm{r}}$ = 100"),
             ("adhesion_factor", "$α$ = 0.5"),
         ):
-            fixed = caption.partition("Fixed: ")[2]
-            assert (written in fixed) == (made_up[0][name].ndim == 0)
+            assert (written in told.partition("Fixed: ")[2]) == (made_up[0][name].ndim == 0)
 
 
-def caption_of(case: CatalogueScene) -> str:
-    """What the caption of a picture of one completed case says was fixed."""
-    variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
-    return fixed(xr.Dataset(variables, attrs={"scene": case.catalogue_name()}))
+ROWS = ConePenetration().cells_per_radius
+INDEX = r"$I_{\mathrm{r}}$"
+LAW = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
+PROFILE = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.6"
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("case", "told", "untold"),
     [
-        ({}, False),
-        ({"cells_per_radius": ConePenetration().cells_per_radius}, False),
-        ({"cells_per_radius": 2.31}, True),  # a choice, where the scene would derive another
-        ({"cells_per_radius": 2.31, "cone_radius": 1.0}, True),
+        (ConePenetration(), (), ("$R/h$", "$R$")),
+        (ConePenetration(cells_per_radius=ROWS), (), ("$R/h$", "$R$")),
+        # a choice, where the scene would derive another
+        (ConePenetration(cells_per_radius=2.31), ("$R/h$",), ("$R$",)),
+        (ConePenetration(cells_per_radius=2.31, cone_radius=1.0), ("$R/h$", "$R$"), ()),
+        (ConePenetration(remoulded_strength_ratio=0.3, ductility=15), ("0.3", "15"), ("$R/h$",)),
+        (ConePenetration(**LAW), ("matsuoka nakai",), ("κ",)),  # κ is that of the law
+        (Sounding(from_depth=2.0), (INDEX, "$α$"), ()),
+        # a profile takes their place
+        (
+            Sounding(from_depth=2.0, profile=PROFILE),
+            ("$α$ = 0.3 to 0.6 by the profile", "$ν$"),
+            (INDEX,),
+        ),
     ],
 )
-def test_the_caption_names_what_is_not_the_default(given: dict[str, float], told: bool) -> None:
-    case = dataclasses.replace(ConePenetration(), **given)
-    caption = caption_of(case)
-    assert ("$R/h$" in caption) == told
-    assert ("$R$" in caption) == ("cone_radius" in given)
-
-
-def test_the_caption_names_what_has_no_default() -> None:
-    case = ConePenetration(remoulded_strength_ratio=0.3, ductility=15.0)
-    caption = caption_of(case)
-    assert "0.3" in caption
-    assert "15" in caption
-    assert "$R/h$" not in caption
-    shape = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
-    caption = caption_of(mpm_warp.ConePenetration(**shape))
-    assert "matsuoka\N{NO-BREAK SPACE}nakai" in caption
-    assert "κ" not in caption  # that of the law
-
-
-def test_the_caption_leaves_out_what_a_profile_takes_the_place_of() -> None:
-    profile = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.6"
-    cases = (Sounding(from_depth=2.0), Sounding(from_depth=2.0, profile=profile))
-    uniform, by_table = (caption_of(it) for it in cases)
-    for symbol in (r"$I_{\mathrm{r}}$", "$α$"):
-        assert symbol in uniform
-    assert r"$I_{\mathrm{r}}$" not in by_table
-    assert "$α$ = 0.3 to 0.6 by the profile" in by_table.replace("\N{NO-BREAK SPACE}", " ")
-    assert "$ν$" in by_table
+def test_the_caption_names_what_is_no_default(
+    case: CatalogueScene, told: Sequence[str], untold: Sequence[str]
+) -> None:
+    variables = parameter_variables(case, []) | {"status": xr.Variable((), "completed")}
+    attributes = {"scene": case.catalogue_name()}
+    caption = fixed(xr.Dataset(variables, attrs=attributes)).replace("\N{NO-BREAK SPACE}", " ")
+    assert [it for it in (*told, *untold) if it in caption] == list(told)
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
@@ -203,14 +188,14 @@ def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
     widths = [bar.get_bbox().width for bar in axes.patches if isinstance(bar, Rectangle)]
     # below and above the start of the rigidity index, then of the others as far as there are cases
     assert widths == pytest.approx([-3.0, 3.0, 0.8, -0.8])
-    assert [text.get_text() for text in axes.texts] == ["25", "500", "1", "von mises"]
-    assert r"Not completed: $v/v_{\mathrm{s}}$ = 0.5." in " ".join(figure.get_supxlabel().split())
+    assert texts(axes.texts) == ["25", "500", "1", "von mises"]
+    assert r"Not completed: $v/v_{\mathrm{s}}$ = 0.5." in caption_of(figure)
 
 
 def test_a_bar_without_length_has_its_label() -> None:
     columns = {"adhesion_factor": [0.5, 1.0, 0.5], "time_step_fraction": [0.85, 0.85, 0.425]}
     (axes,) = tornado_figure(result(columns, [11.0, 11.8, 11.0], "one_at_a_time")).axes
-    assert [text.get_text() for text in axes.texts] == ["1", "0.425"]
+    assert texts(axes.texts) == ["1", "0.425"]
 
 
 def test_few_random_values_have_round_ticks() -> None:
@@ -228,18 +213,18 @@ def test_effects_of_random_cases_are_found_again() -> None:
     line = figure.axes[1].lines[1]  # after the cases
     slope = np.ptp(line.get_ydata()) / np.ptp(line.get_xdata())
     assert slope == pytest.approx(1.5, rel=1e-9)  # what was put in is in the span of the fit
-    assert "the fit explains 100% of the variance" in " ".join(figure.get_supxlabel().split())
+    assert "the fit explains 100% of the variance" in caption_of(figure)
 
 
 def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
     (axes,) = drawn("a few cases")[1]["cases"].axes
-    assert [it.get_text() for it in axes.get_yticklabels()] == [
+    assert texts(axes.get_yticklabels()) == [
         "as most",
         "material = von mises",
         "$α$ = 1, $β$ = 120",
         "$β$ = 90",
     ]
-    assert "1 of 4 cases did not complete" in " ".join(axes.figure.get_supxlabel().split())
+    assert "1 of 4 cases did not complete" in caption_of(axes.figure)
     bottom, top = axes.get_ylim()
     assert bottom > top, "the first case is the uppermost"
 
@@ -249,14 +234,9 @@ def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None
     left, right = figure.axes[:2]
     assert left.get_xscale() == "log"
     figure.draw_without_rendering()
-    assert [it.get_text() for it in left.get_xticklabels()] == ["25", "50", "100", "500"]
-    assert [it.get_text() for it in left.get_yticklabels()] == ["0", "0.25", "0.5", "1"]
-    assert [text.get_text() for text in right.texts] == [
-        "$α$ = 0",
-        "$α$ = 0.25",
-        "$α$ = 0.5",
-        "$α$ = 1",
-    ]
+    assert texts(left.get_xticklabels()) == ["25", "50", "100", "500"]
+    assert texts(left.get_yticklabels()) == ["0", "0.25", "0.5", "1"]
+    assert texts(right.texts) == [f"$α$ = {value}" for value in ("0", "0.25", "0.5", "1")]
 
 
 def test_a_map_has_the_bands_of_experience_behind_its_curves() -> None:

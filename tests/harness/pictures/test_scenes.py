@@ -7,7 +7,7 @@ from matplotlib.container import ErrorbarContainer
 
 from harness.pictures.cases import scenes_figure
 from mpm_warp.results import labelled
-from tests.harness.pictures.conftest import figures
+from tests.harness.pictures.conftest import caption_of, figures, texts
 
 CASE = ("case",)
 SCENES = ["cone_penetration", "cone_penetration", "t_bar_penetration", "t_bar_penetration"]
@@ -43,21 +43,21 @@ def test_each_soil_is_a_row_with_the_result_of_each_scene() -> None:
     marks = [it for it in axes.containers if isinstance(it, ErrorbarContainer)]
     drawn = [np.asarray(it.lines[0].get_xdata()).tolist() for it in marks]
     assert drawn == [CONES, BARS[::-1]]
-    assert [it.get_text() for it in axes.get_yticklabels()] == [r"$α$ = 0", r"$α$ = 0.5"]
+    assert texts(axes.get_yticklabels()) == [r"$α$ = 0", r"$α$ = 0.5"]
     assert axes.get_xlabel().endswith("resistance factor [-]")
 
 
 def test_a_case_that_did_not_complete_is_told_of() -> None:
     dataset = cones_and_bars([0.0, 0.5])
     dataset["status"] = CASE, ["completed", "completed", "completed", "diverged"]
-    told = " ".join(scenes_figure(dataset).get_supxlabel().split())
+    told = caption_of(scenes_figure(dataset))
     assert "1 of 4 cases did not complete." in told
     assert "scenes" in figures(dataset)
 
 
 def test_the_caption_tells_what_was_not_measured_and_what_is_no_default() -> None:
     made = cones_and_bars([0.0, 0.5]).assign(ductility=((), 10.0, {"role": "parameter"}))
-    told = " ".join(scenes_figure(made).get_supxlabel().split())
+    told = caption_of(scenes_figure(made))
     assert "The error of t_bar_penetration was not measured." in told
     assert told.endswith(r"Fixed: $ξ_{\mathrm{95}}$ = 10.")
 

@@ -15,17 +15,21 @@ from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.stability import short_reason, stability_figure, stability_rows
 from tests.harness.conftest import as_collected
-from tests.harness.pictures.conftest import figures, legend
+from tests.harness.pictures.conftest import figures, legend, texts
 
-BAD_VELOCITY = (
+VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
     "-180.8841], at step 5000, t = 0.01218 s; healthy at step 4500; try a smaller step"
 )
-BAD_ENERGY = (
+STRESS = (
+    "SimulationDiverged: stress of particle 7 at [0.1, 0.2] m is [1, 2, 3, 4], outside the yield "
+    "surface by 0.02 of the strength, at step 500, t = 1 s; healthy at step 0; try a smaller step"
+)
+ENERGY = (
     "InaccurateRun: the transfers between material points and grid took 7.0% of the penetrometer's "
     "work, more than 5%: try a lower speed_ratio"
 )
-MESSAGES = {"completed": "", "diverged": BAD_VELOCITY, "inaccurate": BAD_ENERGY}
+MESSAGES = {"completed": "", "diverged": VELOCITY, "inaccurate": ENERGY}
 DEFAULTS = {"speed_ratio": 0.03, "poissons_ratio": 0.49, "material": "tresca"}
 OUTCOMES: Sequence[tuple[dict[str, object], str]] = (
     ({}, "completed"),
@@ -217,14 +221,14 @@ def test_bars_of_the_shares_add_up_to_one() -> None:
     np.testing.assert_allclose(heights.sum(axis=0), 1.0)
     bottoms = np.array([bar.get_y() for bar in bars]).reshape(2, 5)
     np.testing.assert_allclose(bottoms, [np.zeros(5), heights[0]])
-    ticks = [text.get_text() for text in axes.get_xticklabels()]
+    ticks = texts(axes.get_xticklabels())
     assert ticks == ["1", "5", "9", "13", "17", "20"]
 
 
 def test_where_all_complete_no_least_share_is_told() -> None:
     sound = made("latin_hypercube", ["completed"] * 6, stress=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
     (axes,) = stability_figure(sound).axes
-    assert [text.get_text() for text in axes.texts] == ["all 6 complete"]
+    assert texts(axes.texts) == ["all 6 complete"]
 
 
 SOUND = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
@@ -256,16 +260,6 @@ def test_picture_and_table_come_out_of_plot_and_report(tmp_path: Path) -> None:
     assert "<td>0.001 (factor 30), diverged: velocity of particle 352</td>" in text
 
 
-VELOCITY = (
-    "SimulationDiverged: velocity of particle 12 at [ 0.01, -0.1] m is [ 3, -4], at step 500, "
-    "t = 1 s; healthy at step 0; try a smaller step"
-)
-STRESS = (
-    "SimulationDiverged: stress of particle 7 at [0.1, 0.2] m is [1, 2, 3, 4], outside the yield "
-    "surface by 0.02 of the strength, at step 500, t = 1 s; healthy at step 0; try a smaller step"
-)
-
-
 @pytest.mark.parametrize(
     ("numbers", "logarithmic"),
     [
@@ -284,7 +278,7 @@ def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic:
 @pytest.mark.parametrize(
     ("message", "short"),
     [
-        (VELOCITY, "velocity of particle 12"),
+        (VELOCITY, "velocity of particle 352"),
         (STRESS, "stress of particle 7, outside the yield surface by 0.02 of the strength"),
         ("worker killed by SIGSEGV, at 45% of the case", "worker killed by SIGSEGV"),
         ("ended after 200 s, at 4% of the case", "ended after 200 s"),

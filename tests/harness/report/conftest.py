@@ -6,37 +6,27 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.compare.compared import with_references
-from harness.references.registry import cone_factor_reference
 from harness.report.report import write_report
-from tests.harness.conftest import as_collected
+from tests.harness.pictures.conftest import result
 
 TITLE = "Nc < 12 & <script>document.title = 'changed'</script>"
+FACTORS = np.array([9.0, 10.5, 12.0])
 
 
 def study(name: str, cells_per_radius: float, shift: float) -> xr.Dataset:
     """Cone factors over the rigidity index, of which the last failed."""
-    index = [50.0, 100.0, 200.0, 1000.0]
-    factor = np.array([9.0, 10.5, 12.0, np.nan]) + shift
-    status = np.where(np.isfinite(factor), "completed", "diverged")
-    dim = "rigidity_index"
-    parameter = {"role": "parameter", "units": "1"}
-    headline = {"role": "headline", "units": "1", "long_name": "cone factor"}
-    measured = {"role": "measured", "units": "s", "long_name": "run time"}
-    made = xr.Dataset(
-        {
-            "cone_factor": (dim, factor, headline),
-            "run_time": (dim, [1.0, 10.0, 9.0, np.nan], measured),
-            "peak_memory": (dim, [3e8] * 4, {"units": "byte", "long_name": "peak memory"}),
-            "particle_updates": (dim, [1e6, 1e6, 1e6, np.nan]),
-            "adhesion_factor": ((), 0.5, parameter),
-            "cells_per_radius": ((), cells_per_radius, parameter),
-        },
-        coords={dim: (dim, index, parameter | {"long_name": "rigidity index"})},
+    made = result({"rigidity_index": [50.0, 100.0, 200.0, 1000.0]}, [*(FACTORS + shift), np.nan])
+    dim, seconds = "rigidity_index", {"role": "measured", "units": "s", "long_name": "run time"}
+    return (
+        made.drop_vars("penetration_resistance")
+        .assign(
+            run_time=(dim, [1.0, 10.0, 9.0, np.nan], seconds),
+            peak_memory=(dim, [3e8] * 4, {"units": "byte", "long_name": "peak memory"}),
+            particle_updates=(dim, [1e6, 1e6, 1e6, np.nan]),
+            cells_per_radius=((), cells_per_radius, {"role": "parameter", "units": "1"}),
+        )
+        .assign_attrs(study=name, title=TITLE, commit="<b>unknown</b>")
     )
-    said = {"study": name, "title": TITLE, "design": "full", "commit": "<b>unknown</b>"}
-    collected = as_collected(made, dim, status, **said)
-    return with_references(collected, [cone_factor_reference("lu_2004")])
 
 
 @pytest.fixture(scope="session")
