@@ -208,6 +208,20 @@ def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
     return np.ravel(of_all.transpose(*case_dims(dataset)).values)
 
 
+def alike(dataset: xr.Dataset, names: Iterable[str]) -> dict[tuple[object, ...], list[int]]:
+    """The places of the cases that have the same values of some variables, by these values.
+
+    In the place of what a case has no value of stands None.
+    """
+    columns = [over_cases(dataset, name).tolist() for name in names]
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for case in range(dataset["status"].size):
+        values = (column[case] for column in columns)
+        key = tuple(value if is_there(value) else None for value in values)
+        groups.setdefault(key, []).append(case)
+    return groups
+
+
 def curves_over_cases(dataset: xr.Dataset, name: str) -> np.ndarray:
     """The values of a variable with dims of its own, shape [case, ...] with the cases in order."""
     dims = case_dims(dataset)

@@ -22,9 +22,8 @@ from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.run import pool
-from harness.run.pool import cases_at_once, run_cases, share_of_cores
+from harness.run.pool import WorkerProcess, cases_at_once, end_all, run_cases, share_of_cores
 from harness.run.resources import DEFAULTS, RunOptions
-from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import DONE, SMALL, prepared, study_in
