@@ -107,5 +107,6 @@ def _commit() -> str:
 def _processor() -> str:
     """Name of the processor's model; on Linux :mod:`platform` does not know it."""
     models = Path("/proc/cpuinfo")
-    named = re.search(r"^model name\s*:(.*)", models.read_text(), re.M) if models.exists() else None
+    text = models.read_text() if models.exists() else ""
+    named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)
     return named[1].strip() if named else platform.processor() or platform.machine()

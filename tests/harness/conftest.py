@@ -99,6 +99,12 @@ def small(small_file: Path) -> Study:
     return load_study(str(small_file))
 
 
+@pytest.fixture
+def folder(small: Study, tmp_path: Path) -> Path:
+    """Where the results of these cases are kept."""
+    return prepared(small, tmp_path)
+
+
 def as_collected(
     made: xr.Dataset, dims: str | Sequence[str], status: Any, **attributes: object
 ) -> xr.Dataset:

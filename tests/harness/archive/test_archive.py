@@ -12,7 +12,6 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, varied_names
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import prepared
 
 
 def result(depths: list[float], cone_factor: float) -> xr.Dataset:
@@ -35,11 +34,6 @@ def result(depths: list[float], cone_factor: float) -> xr.Dataset:
 def complete(folder: Path, cases: Sequence[Case]) -> None:
     for k, case in enumerate(cases):
         case_files.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
-
-
-@pytest.fixture
-def folder(tmp_path: Path, small: Study) -> Path:
-    return prepared(small, tmp_path)
 
 
 def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:

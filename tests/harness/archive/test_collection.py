@@ -123,9 +123,8 @@ def test_dims_mean_the_same_whatever_became_of_the_cases(
 
 
 def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
-    small: Study, tmp_path: Path
+    small: Study, folder: Path
 ) -> None:
-    folder = prepared(small, tmp_path)
     first, second, _ = small.cases
     write_case(folder, first, results_of(1.0), "completed")
     write_case(folder, second, results_of(2.0).isel(penetration=slice(2)), "diverged", "why")
@@ -138,14 +137,14 @@ def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
 
 
 def test_a_failed_case_keeps_its_traceback_for_who_asks(
-    small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+    small: Study, folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def fail(*given: object) -> NoReturn:
         raise ZeroDivisionError("of the test")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
-    run_case(small.cases[0], folder := prepared(small, tmp_path))
-    status = ["status", small.source, f"--out={tmp_path}"]
+    run_case(small.cases[0], folder)
+    status = ["status", small.source, "--out", folder.parents[1]]
     told = command(*status, code=1)
     assert "failed" in told.out
     assert "Traceback" not in told.out + told.err
@@ -216,9 +215,8 @@ def test_a_result_says_where_its_cases_were_computed(result: Path) -> None:
 
 
 def test_what_differs_between_the_cases_is_told_of_each(
-    small: Study, cases: list[Case], tmp_path: Path
+    small: Study, cases: list[Case], folder: Path, tmp_path: Path
 ) -> None:
-    folder = case_folder(tmp_path, small)
     later = DONE.assign_attrs(EARLIER | {"commit": "later"})
     write_case(folder, cases[1], later, COMPLETED)
     case_file(folder, cases[2]).unlink()
@@ -232,9 +230,8 @@ def test_what_differs_between_the_cases_is_told_of_each(
 
 
 def test_a_case_that_never_reached_a_device_has_none(
-    small: Study, cases: list[Case], tmp_path: Path
+    small: Study, cases: list[Case], folder: Path
 ) -> None:
-    folder = case_folder(tmp_path, small)
     write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
     dataset = collect(small, folder)
     assert dataset.attrs["device"] == "cuda:0"
@@ -242,9 +239,9 @@ def test_a_case_that_never_reached_a_device_has_none(
 
 
 def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
-    small: Study, cases: list[Case], tmp_path: Path, command: Command
+    small: Study, cases: list[Case], folder: Path, tmp_path: Path, command: Command
 ) -> None:
-    path = case_file(case_folder(tmp_path, small), cases[1])
+    path = case_file(folder, cases[1])
     path.write_bytes(path.read_bytes()[:-3000])
     told = command("collect", small.source, "--out", tmp_path, code=1).err.splitlines()
     assert told[-2].startswith(f"harness: {path}: cannot be read: ")

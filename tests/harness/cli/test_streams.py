@@ -13,7 +13,7 @@ from harness.cli.main import main
 from harness.cli.process import safe_output
 from harness.errors import CODES, GREEN, LONGEST_LINE
 from harness.study.study import Study
-from tests.harness.conftest import Command, Refusal, prepared
+from tests.harness.conftest import Command, Refusal
 
 pytestmark = pytest.mark.slow
 
@@ -48,12 +48,11 @@ def test_output_that_cannot_be_written_is_one_line_and_code_2(
 
 
 def test_remarks_that_cannot_be_written_change_nothing(
-    small: Study, full: TextIO, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small: Study, full: TextIO, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    prepared(small, tmp_path)
     monkeypatch.setattr(sys, "stderr", full)
     assert main(["status", "no_such_study"]) == 2
-    assert main(["clean", str(small.source), "--out", str(tmp_path)]) == 0
+    assert main(["clean", str(small.source), "--out", str(folder.parents[1])]) == 0
 
 
 @pytest.mark.parametrize(

@@ -66,12 +66,6 @@ def test_every_case_is_run_once_and_has_the_same_bits(
 
 
 @pytest.fixture
-def folder(tmp_path: Path, small: Study) -> Path:
-    """Where the results of three cases are kept."""
-    return prepared(small, tmp_path)
-
-
-@pytest.fixture
 def begun(folder: Path, small: Study) -> Iterator[Begun]:
     """Makes workers that have taken on the first of the cases."""
     workers = []
