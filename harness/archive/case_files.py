@@ -18,7 +18,15 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, remove_file
-from harness.archive.conventions import COMPLETED, DAMAGED, FORMAT_VERSION, MISSING, Role
+from harness.archive.conventions import (
+    COMPLETED,
+    DAMAGED,
+    FORMAT_VERSION,
+    MISSING,
+    NO_FIELDS,
+    UNTIMED,
+    Role,
+)
 from harness.archive.netcdf_files import opened, read_attributes, read_netcdf, write_netcdf
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
@@ -42,7 +50,6 @@ class Outcome:
         seconds: time of the case in all [s].
         start_seconds: of it, before the first step: imports, set-up; 0 where not known.
         compile_seconds: of it, for compiling kernels or loading them.
-        repeats: warm runs that its file has the times of.
         sources: digest of the code that computed it, as its file says.
     """
 
@@ -50,7 +57,6 @@ class Outcome:
     message: str = ""
     headline: str = ""
     seconds: float = 0.0
-    repeats: int = 0
     sources: str = ""
     reason: str = ""
     start_seconds: float = 0.0
@@ -133,8 +139,11 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
     return dataset
 
 
-def read_outcome(folder: Path, case: Case) -> Outcome:
-    """How a case ended, as its file says; damage anywhere in the file shows."""
+def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
+    """How a case ended, as its file says, where so many timed runs are asked for of it.
+
+    Damage anywhere in the file shows.
+    """
     path = case_file(folder, case)
     if not path.exists():
         return Outcome(MISSING)
@@ -142,7 +151,7 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
         with opened(path, as_result=True) as found:
             attributes, forms = found.attributes, found.forms
             seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
-            repeats = forms["repeat"].shape[0] if "repeat" in forms else 0
+            timed = forms["repeat"].shape[0] if "repeat" in forms else 0
             half_widths, reasons = (
                 [found.values(name) for name in forms if forms[name].attributes.get("role") == role]
                 for role in (Role.UNCERTAINTY, Role.REASON)
@@ -152,21 +161,18 @@ def read_outcome(folder: Path, case: Case) -> Outcome:
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
-    return Outcome(
-        attributes["status"],
-        attributes["message"],
-        seconds=seconds,
-        repeats=repeats,
-        sources=str(attributes.get(SOURCES, "")),
-        reason=reason,
-    )
+    status, sources = attributes["status"], str(attributes.get(SOURCES, ""))
+    if status == COMPLETED and timed < repeats:
+        status = UNTIMED
+    elif status == COMPLETED and not has_fields(folder, case):
+        status = NO_FIELDS
+    message = attributes["message"]
+    return Outcome(status, message, seconds=seconds, sources=sources, reason=reason)
 
 
 def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
     """Whether a case has completed, and has the timed runs and snapshots that are asked for."""
-    outcome = read_outcome(folder, case)
-    is_done = outcome.status == COMPLETED and outcome.repeats >= repeats
-    return is_done and has_fields(folder, case)
+    return read_outcome(folder, case, repeats).status == COMPLETED
 
 
 def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:

@@ -5,6 +5,7 @@ import hashlib
 import importlib.metadata
 import os
 import platform
+import re
 import shlex
 import shutil
 import subprocess
@@ -106,8 +107,6 @@ def _commit() -> str:
 def _processor() -> str:
     """Name of the processor's model; on Linux :mod:`platform` does not know it."""
     models = Path("/proc/cpuinfo")
-    if models.exists():
-        for line in models.read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+    text = models.read_text() if models.exists() else ""
+    named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)
+    return named[1].strip() if named else platform.processor() or platform.machine()

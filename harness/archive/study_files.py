@@ -100,10 +100,11 @@ def _records(study: Study, results: Sequence[xr.Dataset | None]) -> Variables:
         "message": ("why the case did not complete", _attributes(results, "message")),
         "case_key": ("name of the case's file", [case.key for case in study.cases]),
     }
-    return {
-        name: xr.Variable(CASE, np.array(values), {"long_name": meaning})
-        for name, (meaning, values) in texts.items()
-    }
+    return {name: _over_cases(meaning, values) for name, (meaning, values) in texts.items()}
+
+
+def _over_cases(meaning: str, values: Sequence[object]) -> xr.Variable:
+    return xr.Variable(CASE, np.array(values), {"long_name": meaning})
 
 
 def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str, str]]:
@@ -114,7 +115,7 @@ def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str,
         said = _attributes(results, name)
         known = set(said) - {""}
         if len(known) > 1:
-            differing[name] = xr.Variable(CASE, np.array(said), {"long_name": spoken(name)})
+            differing[name] = _over_cases(spoken(name), said)
         elif known:
             agreed[name] = known.pop()
     return differing, agreed
@@ -168,10 +169,9 @@ def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Vari
     """Numbers of the cases where they are a dim, and their scenes where these are several."""
     coordinates: Variables = {}
     if CASE in axes:
-        coordinates[CASE] = xr.Variable(CASE, np.arange(len(study.cases)), {"long_name": CASE})
+        coordinates[CASE] = _over_cases(CASE, range(len(study.cases)))
     for name in ("scene", "scene_version") if len(study.parts) > 1 else ():
-        values = [getattr(case, name) for case in study.cases]
-        coordinates[name] = xr.Variable(CASE, values, {"long_name": spoken(name)})
+        coordinates[name] = _over_cases(spoken(name), [getattr(it, name) for it in study.cases])
     return coordinates
 
 

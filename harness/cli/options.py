@@ -240,6 +240,4 @@ def _missing_quotes(arguments: Sequence[str]) -> str | None:
 def _open_brackets(text: str) -> int:
     """Brackets that are opened and not closed, those in texts left aside."""
     bare = re.sub(r'"[^"]*"', "", text)
-    return sum(bare.count(bracket) for bracket in "[{") - sum(
-        bare.count(bracket) for bracket in "]}"
-    )
+    return len(re.findall(r"[\[{]", bare)) - len(re.findall(r"[\]}]", bare))

@@ -3,10 +3,10 @@
 The settings are among results at hand; the tables, in Markdown, are of the scene `step_cost`.
 """
 
-import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,9 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import (
     COMPLETED,
+    alike,
     case_dims,
+    is_there,
     over_cases,
     parameter_names,
     varied_names,
@@ -125,29 +127,26 @@ def _measured(
     error = credited_error(dataset)
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
-    varied = _varied(method, dataset)
-    columns = [_settings(over_cases(dataset, name), method[name]) for name in varied]
+    stored = parameter_names(dataset).items()
     shared = {
-        name: _settings(dataset[stored].values.reshape(1), method[name])[0]
-        for name, stored in parameter_names(dataset).items()
-        if name in method and dataset[stored].ndim == 0
+        name: _setting(dataset[own].item(), method[name])
+        for name, own in stored
+        if name in method and dataset[own].ndim == 0
     }
     fixed = {
         name: value for name, value in shared.items() if method[name].default not in (None, value)
     }
-    groups: dict[tuple[Value, ...], list[int]] = {}
-    for case in range(error.size):
-        groups.setdefault(tuple(column[case] for column in columns), []).append(case)
-    found = []
-    for values, cases in groups.items():
+    varied, found = _varied(method, dataset), []
+    for values, cases in alike(dataset, varied).items():
         errors = error[cases]
         # The reference has no error of its own, and nothing is known of its settings by it.
         judged = np.isfinite(errors) | ~done[cases]
         if judged.any():
             worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
+            own = zip(varied, values, strict=True)
             found.append(
                 Recommendation(
-                    settings=fixed | dict(zip(varied, values, strict=True)),
+                    settings=fixed | {name: _setting(value, method[name]) for name, value in own},
                     run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
                     error=worst,
                     case_count=len(cases),
@@ -157,12 +156,9 @@ def _measured(
     return found
 
 
-def _settings(values: np.ndarray, definition: Parameter) -> list[Value]:
-    """Values of a parameter in its own type, as a file of several scenes does not keep them."""
-    return [
-        DERIVED if isinstance(value, float) and math.isnan(value) else definition.kind(value)
-        for value in values.tolist()
-    ]
+def _setting(value: Any, definition: Parameter) -> Value:
+    """A value of a parameter in its own type, as a file of several scenes does not keep it."""
+    return definition.kind(value) if is_there(value) else DERIVED
 
 
 SMALL = 0.01

@@ -231,15 +231,9 @@ def slope(places: np.ndarray, values: np.ndarray) -> Known:
 def ratio_notes(dataset: xr.Dataset) -> list[str]:
     """Each ratio of two scenes in one soil, with its half width; none of one scene."""
     values, reasons = _headlines(dataset), reasons_of(dataset)
-    scenes = scenes_of(dataset)
-    stored = parameter_names(dataset)
-    of_method = {
-        name
-        for known_scene in {*scenes} & {*scene_names()}
-        for name in scene_class(known_scene).method
-    }
-    method = {stored.get(name, name) for name in of_method}
-    within = varied_within(dataset)
+    scenes, stored, within = scenes_of(dataset), parameter_names(dataset), varied_within(dataset)
+    known = [scene_class(scene) for scene in {*scenes} & {*scene_names()}]
+    method = {stored.get(name, name) for scene in known for name in scene.method}
     # What only some of the scenes have tells no soils apart, nor does a mesh that each has its own.
     columns = {
         name: column

@@ -8,6 +8,7 @@ import xarray as xr
 
 from harness.archive.conventions import (
     Role,
+    alike,
     headline_values,
     over_cases,
     parameter_names,
@@ -112,13 +113,13 @@ class _Known(NamedTuple):
     half_width: float
 
 
-def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, _Known]:
+def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object, ...], _Known]:
     """The best known case of each group of sound cases that are alike."""
     values, half_width, sound = _what_is_known(dataset)
     cost = over_cases(dataset, "particle_updates")
     best = {}
-    for soil, alike in _alike(dataset, method).items():
-        cases = alike[sound[alike]]
+    for soil, group in _alike(dataset, method).items():
+        cases = group[sound[group]]
         stating = cases[np.isfinite(half_width[cases])]
         if len(stating):
             cases = stating[[np.argmin(half_width[stating])]]
@@ -135,12 +136,9 @@ def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndar
     return values, uncertainty_of(dataset), np.isfinite(values) & settled
 
 
-def _alike(dataset: xr.Dataset, method: Sequence[str]) -> dict[str, np.ndarray]:
+def _alike(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object, ...], np.ndarray]:
     """Indices of the cases that agree in all parameters but those of the method, by group."""
-    names = sorted(pair for pair in parameter_names(dataset).items() if pair[0] not in method)
-    columns = [over_cases(dataset, stored).tolist() for _, stored in names]
-    groups: dict[str, list[int]] = {}
-    for case, values in enumerate(zip(*columns, strict=True)):
-        soil = repr([(name, value) for (name, _), value in zip(names, values, strict=True)])
-        groups.setdefault(soil, []).append(case)
-    return {soil: np.array(group) for soil, group in groups.items()}
+    stored = {name: own for name, own in parameter_names(dataset).items() if name not in method}
+    names = sorted(stored)
+    groups = alike(dataset, [stored[name] for name in names])
+    return {(*names, *values): np.array(group) for values, group in groups.items()}

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import over_cases, stated, varied_names
+from harness.archive.conventions import alike, over_cases, stated, varied_names
 from harness.compare.compared import NothingToCompareError
 from harness.compare.result_table import (
     MISSING,
@@ -108,13 +108,10 @@ def least_squares_table(dataset: xr.Dataset) -> str:
     names = [parameter for parameter in varied_names(dataset) if parameter != RESOLUTION]
     values = over_cases(dataset, SIMULATED).astype(float)
     sizes = 1.0 / over_cases(dataset, RESOLUTION).astype(float)
-    groups: dict[tuple[object, ...], list[int]] = {}
-    others = zip(*(over_cases(dataset, name).tolist() for name in names), strict=True)
-    for case, key in enumerate(others if names else [()] * values.size):
-        if np.isfinite(values[case]) and np.isfinite(sizes[case]):
-            groups.setdefault(tuple(key), []).append(case)
     texts = np.full((3, values.size), MISSING, dtype=object)
-    for cases in groups.values():
+    is_known = np.isfinite(values) & np.isfinite(sizes)
+    for group in alike(dataset, names).values():
+        cases = [case for case in group if is_known[case]]
         if np.unique(sizes[cases]).size >= FEWEST:
             found = fit(sizes[cases].tolist(), values[cases].tolist())
             told = map(stated, values[cases].tolist(), found.half_widths.tolist())

@@ -264,7 +264,7 @@ def _by_depth(table: Table, key: str) -> ByDepth:
 
 
 def _in_kilo(given: Input) -> Input:
-    return Input(given.text, lambda share: 1e3 * given.quantiles(share), given.is_known)
+    return Input(given.text, lambda share: 1e3 * given.quantiles(share))
 
 
 def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:

@@ -3,7 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,6 @@ from harness.archive.case_files import (
     case_folder,
     check_no_link,
     fields_file,
-    has_fields,
     read_fields,
     read_outcome,
 )
@@ -24,9 +23,7 @@ from harness.archive.conventions import (
     COMPLETED,
     DAMAGED,
     HALF_WIDTH,
-    NO_FIELDS,
     TRACEBACK,
-    UNTIMED,
     over_cases,
     reasons_of,
     uncertainty_of,
@@ -87,13 +84,7 @@ def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
 def outcomes(study: Study, out: Path) -> list[Outcome]:
     """How the cases of a study stand, in their order."""
     folder = case_folder(out, study)
-    read = [read_outcome(folder, case) for case in study.cases]
-    for place, (case, outcome) in enumerate(zip(study.cases, read, strict=True)):
-        if outcome.status == COMPLETED and outcome.repeats < study.timing_repeats:
-            read[place] = replace(outcome, status=UNTIMED)
-        elif outcome.status == COMPLETED and not has_fields(folder, case):
-            read[place] = replace(outcome, status=NO_FIELDS)
-    return read
+    return [read_outcome(folder, case, study.timing_repeats) for case in study.cases]
 
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:

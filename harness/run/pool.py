@@ -1,25 +1,44 @@
-"""From cases to results: a pool of worker processes, each replaced when it dies."""
+"""From cases to results: a pool of worker processes, each replaced when it dies.
 
+A worker's beginning stands here too: it sees to its own end where its parent is gone.
+"""
+
+from __future__ import annotations
+
+import contextlib
 import math
+import multiprocessing
 import os
+import signal
+import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from multiprocessing import resource_tracker
-from multiprocessing.connection import wait
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Protocol
 
-from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import Outcome, is_complete
-from harness.archive.conventions import COMPLETED, MISSING
-from harness.run.resources import DEFAULTS, RunOptions
-from harness.run.worker_process import WorkerProcess, end_all
+import xarray as xr
+
+from harness.archive.atomic_files import ArchiveError, discard_partial
+from harness.archive.case_files import Outcome, is_complete, write_case
+from harness.archive.conventions import COMPLETED, CRASHED, MISSING, TIMED_OUT
+from harness.run.resources import DEFAULTS, RunOptions, case_time
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
 LONGEST_WAIT = 1.0
 """Seconds to wait for news at a time."""
+ABANDONED = 1
+"""Exit code of a worker whose parent is gone; nobody is left who would read it."""
+GRACE = 2.0
+"""Seconds that workers have to end after they were asked to."""
+SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Environment that keeps numerical libraries of a worker to one thread."""
+
+# A fresh interpreter: a forked one would share the state of Warp and of the netCDF library.
+_PROCESSES = multiprocessing.get_context("spawn")
 
 
 class Watcher(Protocol):
@@ -124,3 +143,168 @@ def _with_news(workers: Sequence[WorkerProcess]) -> list[WorkerProcess]:
     for worker in workers if waited > 2.0 * LONGEST_WAIT else ():
         worker.began += waited
     return [worker for worker in workers if worker.has_news]
+
+
+class WorkerProcess:
+    """The parent's end of a worker process.
+
+    Attributes:
+        given: cases that it was given to run together.
+        left: those that are not done, by their number among them.
+        is_at_work: whether it is at them.
+    """
+
+    def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
+        self.folder = folder
+        self.options = options
+        self.threads = 1
+        self.is_at_work = False
+        self.connection, theirs = _PROCESSES.Pipe()
+        self.process = _PROCESSES.Process(
+            target=serve_while_parent_lives, args=(theirs, folder, options), daemon=True
+        )
+        # The worker inherits this before its libraries load; those of this process have.
+        os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
+        with _interrupts_held():  # the worker inherits the mask: no SIGINT, no SIGHUP
+            self.process.start()
+        # With this copy closed, the end of the worker reads as an end of file.
+        theirs.close()
+
+    def begin(self, cases: Sequence[Case]) -> None:
+        """Give the worker cases to run together."""
+        self.given = tuple(cases)
+        self.left = dict(enumerate(cases))
+        self.is_at_work = True
+        self.fraction = 0.0
+        self.began = math.inf  # until all is imported, set up and compiled
+        self._send(self.given)
+
+    def allow(self, threads: int) -> None:
+        """Tell the worker how many threads to use from now on."""
+        if threads != self.threads:
+            self.threads = threads
+            self._send(threads)
+
+    def _send(self, message: tuple[Case, ...] | int) -> None:
+        with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
+            self.connection.send(message)
+
+    @property
+    def deadline(self) -> float:
+        """When its cases have taken too long, on the monotonic clock [s]."""
+        return self.began + self.options.time_limit * len(self.given)
+
+    @property
+    def has_news(self) -> bool:
+        """Whether it has something to say, or its cases have taken too long."""
+        return self.connection.poll() or time.monotonic() >= self.deadline
+
+    def news(self) -> list[tuple[Case, float | Outcome]]:
+        """What the worker has sent, or how its cases ended."""
+        if not self.connection.poll():
+            assert self.has_news
+            end_all([self])
+            return self._lost(TIMED_OUT, f"ended after {self.options.time_limit:g} s")
+        try:
+            number, news = self.connection.recv()
+        except (EOFError, OSError):
+            self.process.join()
+            code = self.process.exitcode or 0
+            end = signal.Signals(-code).name if code < 0 else f"code {code}"
+            return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
+        case = self.given[number]
+        if news is None:
+            return [(case, 0.0)]
+        if isinstance(news, float):
+            self.fraction = news
+            self.began = min(self.began, time.monotonic())
+        else:
+            del self.left[number]
+            self.is_at_work = bool(self.left)
+        return [(case, news)]
+
+    def _lost(self, status: str, end: str) -> list[tuple[Case, float | Outcome]]:
+        """How the cases of a dead worker ended; of several, those not done are run again."""
+        self.is_at_work = False
+        news: list[tuple[Case, float | Outcome]] = []
+        for number, case in list(self.left.items()):
+            if is_complete(self.folder, case, self.options.repeats):
+                outcome = Outcome(COMPLETED)  # it wrote the result, and died before it could say so
+            elif len(self.given) == 1:
+                seconds = max(0.0, time.monotonic() - self.began)
+                message = f"{end}, at {self.fraction:.0%} of the case"
+                outcome = Outcome(status, message, seconds=seconds)
+                dataset = xr.Dataset({"case_time": case_time(seconds)})
+                write_case(self.folder, case, dataset, status, message)
+            else:
+                continue
+            del self.left[number]
+            news.append((case, outcome))
+        return news
+
+
+def end_all(workers: Sequence[WorkerProcess]) -> None:
+    """End worker processes at once, and remove what they were writing."""
+    with _interrupts_held():
+        for worker in workers:
+            # An idle one has nothing half-written, and would take 0.4 s to unload its libraries.
+            if worker.is_at_work:
+                worker.process.terminate()
+            else:
+                worker.process.kill()
+        deadline = time.monotonic() + GRACE
+        for worker in workers:
+            worker.process.join(max(0.0, deadline - time.monotonic()))
+            if worker.process.is_alive():
+                worker.process.kill()
+                worker.process.join()
+            worker.connection.close()
+            assert worker.process.pid is not None  # it was started
+            discard_partial(worker.folder, worker.process.pid)
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C, SIGTERM and SIGHUP wait until the block is over.
+
+    Python's handlers are replaced, because any thread may receive a signal of the process, also a
+    thread of a numerical library. SIGINT and SIGHUP are blocked as well, and a worker inherits
+    that: a terminal sends them to the whole group, but it is the parent that decides.
+    """
+    came: list[int] = []
+    handlers = {
+        number: signal.signal(number, lambda number, frame: came.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        # A worker inherits what is ignored, as SIGHUP under `nohup`, and nothing else.
+        if signal.getsignal(number) is not signal.SIG_IGN
+    }
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in came:
+            signal.raise_signal(late)
+
+
+def serve_while_parent_lives(connection: Connection, folder: Path, options: RunOptions) -> None:
+    """Run cases as `harness.run.worker.serve` does, until the parent process is gone.
+
+    To be called first in a fresh process. The process then ends at once, whatever it computes. A
+    file that it was writing is half-written under another name, and the next run removes it.
+    """
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    # Loads Warp and all scenes, which takes seconds.
+    from harness.run.worker import serve
+
+    serve(connection, folder, options)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a worker has a parent"
+    wait([parent.sentinel])
+    # Not an exception, which would have to wait until the step is done.
+    os._exit(ABANDONED)

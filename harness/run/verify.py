@@ -73,11 +73,10 @@ class Verified:
     def shortfalls(self) -> tuple[str, ...]:
         """What is not reached, a phrase each; none where the check is passed."""
         verification = self.check.verification
-        reached = {name: self.values(name)[-1] for name in verification.bounds}
         failed = [
-            f"{name} {value:.3g} > {verification.bounds[name]:g}"
-            for name, value in reached.items()
-            if not value <= verification.bounds[name]
+            f"{name} {value:.3g} > {bound:g}"
+            for name, bound in verification.bounds.items()
+            if not (value := self.values(name)[-1]) <= bound
         ]
         least = verification.least_order
         if least is not None and not self.order >= least:

@@ -51,16 +51,15 @@ INSIDE = 1e-9
 
 @dataclass(frozen=True)
 class Input:
-    """One input: how it is written, its distribution, and whether it is one number."""
+    """One input: how it is written, and its distribution."""
 
     text: str
     quantiles: Quantiles
-    is_known: bool
 
 
 def known(value: float) -> Input:
     """An input that is one number."""
-    return Input(f"{value:g}", lambda share: np.full_like(share, value), True)
+    return Input(f"{value:g}", lambda share: np.full_like(share, value))
 
 
 def normal(deviation: float) -> Input:
@@ -69,7 +68,7 @@ def normal(deviation: float) -> Input:
         return known(0.0)
     from scipy.stats import norm
 
-    return Input(f"0 +- {deviation:g}", lambda share: norm.ppf(share, scale=deviation), False)
+    return Input(f"0 +- {deviation:g}", lambda share: norm.ppf(share, scale=deviation))
 
 
 def is_distribution(value: Mapping[str, Any]) -> bool:
@@ -97,9 +96,8 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         return known(float(value))
     if not isinstance(value, dict):
         raise table.refuse(key, f"must be {HOW}")
-    numbers = {name: entry for name, entry in value.items() if name != "shape"}
-    for name, number in numbers.items():
-        if not is_number(number):
+    for name, entry in value.items():
+        if name != "shape" and not is_number(entry):
             raise table.refuse(key, f"{name} must be a number")
     quantiles = _distribution(table, key, value)
     middle, ends = quantiles(np.array(0.5)), quantiles(np.array([SURELY, 1.0 - SURELY]))
@@ -111,7 +109,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
     high = min(allowed.maximum, allowed.below - INSIDE)
     text = ", ".join(f"{name} {entry}" for name, entry in value.items())
     return Input(
-        text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high), False
+        text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high)
     )
 
 
@@ -119,41 +117,33 @@ def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quan
     """The quantiles of a distribution as it is written."""
     from scipy import stats
 
-    names = tuple(value)
-    if all(re.fullmatch(PERCENTILE, name) for name in names) and len(names) > 1:
+    if len(value) > 1 and all(re.fullmatch(PERCENTILE, name) for name in value):
         return _of_percentiles(table, key, value)
-    if not any(set(names) == set(form) for form in FORMS):
+    if not any(value.keys() == set(form) for form in FORMS):
         raise table.refuse(key, f"must be {HOW}")
-    number = {name: float(entry) for name, entry in value.items() if name != "shape"}
-    if "low" in number:
-        low, high = number["low"], number["high"]
-        if not low < high:
-            raise table.refuse(key, "low must be below high")
-        if "mode" in number:
-            mode = (number["mode"] - low) / (high - low)
-            if not 0.0 <= mode <= 1.0:
-                raise table.refuse(key, "mode must be from low to high")
-            chosen = stats.triang(mode, low, high - low)
-        elif low > 0.0 and high / low > WIDE_RANGE:
-            chosen = stats.loguniform(low, high)
-        else:
-            chosen = stats.uniform(low, high - low)
-        return _quantiles(chosen)
-    mean, deviation = number["mean"], number["deviation"]
-    if not deviation > 0.0:
-        raise table.refuse(key, "deviation must be > 0; without one it is a number")
     shape = value.get("shape", "normal")
-    if shape == "lognormal" and mean > 0.0:
-        width = np.sqrt(np.log1p((deviation / mean) ** 2))
-        return _quantiles(stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2)))
-    if shape == "normal":
-        return _quantiles(stats.norm(mean, deviation))
-    raise table.refuse(key, "shape must be normal, or lognormal with a mean > 0")
-
-
-def _quantiles(distribution: Any) -> Quantiles:
-    """Of a distribution of scipy."""
-    quantiles: Quantiles = distribution.ppf
+    chosen: Any
+    match {name: float(entry) for name, entry in value.items() if name != "shape"}:
+        case {"low": low, "high": high} if not low < high:
+            raise table.refuse(key, "low must be below high")
+        case {"low": low, "mode": mode, "high": high}:
+            if not low <= mode <= high:
+                raise table.refuse(key, "mode must be from low to high")
+            chosen = stats.triang((mode - low) / (high - low), low, high - low)
+        case {"low": low, "high": high} if low > 0.0 and high / low > WIDE_RANGE:
+            chosen = stats.loguniform(low, high)
+        case {"low": low, "high": high}:
+            chosen = stats.uniform(low, high - low)
+        case {"deviation": deviation} if not deviation > 0.0:
+            raise table.refuse(key, "deviation must be > 0; without one it is a number")
+        case {"mean": mean, "deviation": deviation} if shape == "lognormal" and mean > 0.0:
+            width = np.sqrt(np.log1p((deviation / mean) ** 2))
+            chosen = stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2))
+        case {"mean": mean, "deviation": deviation} if shape == "normal":
+            chosen = stats.norm(mean, deviation)
+        case _:
+            raise table.refuse(key, "shape must be normal, or lognormal with a mean > 0")
+    quantiles: Quantiles = chosen.ppf
     return quantiles
 
 

@@ -5,7 +5,7 @@ at once, such as the sum of cases, is left to the harness.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS
@@ -46,12 +46,13 @@ def study_schema() -> Schema:
         "description": "largest deviation from a reference, or size of a result",
         "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
     }
+    scene_name = {"enum": list(scene_names())}
     properties: Schema = {
         "title": LINE | {"description": "one line on what the study shows"},
         "base": LINE | {"description": "study that holds where this one says nothing"},
         "scene": {
             "description": "what is simulated, or a list of several",
-            "anyOf": [_scene_name(), {"type": "array", "items": _scene_name(), "minItems": 1}],
+            "anyOf": [scene_name, {"type": "array", "items": scene_name, "minItems": 1}],
         },
         "design": {"enum": list(DESIGNS), "description": "how varied values are combined"},
         "samples": _integer("cases of a Latin hypercube", 1, LARGEST_STUDY),
@@ -122,17 +123,16 @@ def _of_scene(name: str) -> Schema:
     """The tables that depend on the scene."""
     scene = scene_class(name)
     parameters, over = parameters_of(scene).values(), scene.snapshots_over
-    values = {parameter.name: value_schema(parameter) for parameter in parameters}
-    fixed = table_schema(values)
+
+    def of_each(schema: Callable[[Parameter], Schema]) -> Schema:
+        return table_schema({parameter.name: schema(parameter) for parameter in parameters})
+
+    fixed = of_each(value_schema)
     return table_schema(
         {
             "fixed": fixed,
-            "vary": table_schema(
-                {parameter.name: _variation(parameter) for parameter in parameters}
-            ),
-            "derived": table_schema(
-                {parameter.name: _expression(parameter.meaning) for parameter in parameters}
-            ),
+            "vary": of_each(_variation),
+            "derived": of_each(lambda parameter: _expression(parameter.meaning)),
             "exclude": {"type": "array", "items": _expression("cases that are not run")},
             "case": {"type": "array", "items": fixed},
             **({} if over is None else {SNAPSHOTS: _variation(moment_of(scene, over))}),
@@ -198,10 +198,6 @@ def _ids(known: Sequence[str], meaning: str) -> Schema:
 
 def _expression(meaning: str) -> Schema:
     return {"type": "string", "description": meaning, "minLength": 1, "maxLength": LONGEST}
-
-
-def _scene_name() -> Schema:
-    return {"enum": list(scene_names())}
 
 
 def table_schema(properties: Schema, **more: object) -> Schema:

@@ -1,5 +1,7 @@
 """Studies that run in no time."""
 
+import contextlib
+import io
 import itertools
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -16,6 +18,7 @@ from harness.archive.atomic_files import prepare
 from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.cli.main import main
 from harness.compare.finest_error import with_finest_error
+from harness.errors import LONGEST_LINE
 from harness.study.study import Study, load_study
 
 SMALL = """
@@ -96,6 +99,12 @@ def small(small_file: Path) -> Study:
     return load_study(str(small_file))
 
 
+@pytest.fixture
+def folder(small: Study, tmp_path: Path) -> Path:
+    """Where the results of these cases are kept."""
+    return prepared(small, tmp_path)
+
+
 def as_collected(
     made: xr.Dataset, dims: str | Sequence[str], status: Any, **attributes: object
 ) -> xr.Dataset:
@@ -152,10 +161,36 @@ def refusal(capsys: pytest.CaptureFixture[str]) -> Refusal:
     return refused
 
 
+def answered(arguments: list[str]) -> tuple[int, str]:
+    """The exit code of a command that may be refused, and what it says on standard error.
+
+    Nothing that it says controls a terminal or is an error of the program.
+    """
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main(arguments)
+        except SystemExit as end:  # of the command line's own errors, and of --help
+            code = int(end.code or 0)
+    told = err.getvalue()
+    assert code in (0, 1, 2), told
+    assert all(it.isprintable() for it in (*out.getvalue(), *told) if it != "\n")
+    assert not any(it in told for it in ("Error:", "Exception", "Errno", "Traceback")), told
+    if code == 2:
+        assert out.getvalue() == ""
+        assert len(told.splitlines()[-1]) < LONGEST_LINE + 100
+    return code, told
+
+
 def _ended(capsys: pytest.CaptureFixture[str], *words: object, code: int = 0) -> Any:
     capsys.readouterr()
-    assert main([str(word) for word in words]) == code
-    return capsys.readouterr()
+    try:
+        ended: object = main([str(word) for word in words])
+    except SystemExit as end:  # of the command line's own errors, and of --help
+        ended = end.code or 0
+    told = capsys.readouterr()
+    assert ended == code, told.err
+    return told
 
 
 def written(study: Study, out: Path) -> dict[str, tuple[int, int]]:

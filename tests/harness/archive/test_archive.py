@@ -12,7 +12,6 @@ from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import COMPLETED, varied_names
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import prepared
 
 
 def result(depths: list[float], cone_factor: float) -> xr.Dataset:
@@ -35,11 +34,6 @@ def result(depths: list[float], cone_factor: float) -> xr.Dataset:
 def complete(folder: Path, cases: Sequence[Case]) -> None:
     for k, case in enumerate(cases):
         case_files.write_case(folder, case, result([0.1, 0.2], 10 + k / 3), COMPLETED)
-
-
-@pytest.fixture
-def folder(tmp_path: Path, small: Study) -> Path:
-    return prepared(small, tmp_path)
 
 
 def test_a_case_comes_back_bit_for_bit(folder: Path, small: Study) -> None:
@@ -198,6 +192,28 @@ def said(name: str, **attributes: object) -> Change:
     return lambda dataset: dataset.assign({name: dataset[name].assign_attrs(attributes)})
 
 
+def without(name: str) -> Change:
+    """Neither a variable nor a word of the file has that name."""
+
+    def changed(dataset: xr.Dataset) -> xr.Dataset:
+        other = dataset.drop_vars(name, errors="ignore")
+        other.attrs.pop(name, None)
+        return other
+
+    return changed
+
+
+OF_STUDY: list[tuple[str, Change]] = [
+    *((name, without(name)) for name in ("status", "message", "case_key", "scene")),
+    ("scene_version", without("scene_version")),
+    ("scene_version", lambda it: it.assign_attrs(scene_version="new")),
+    ("case_key", lambda it: it.assign(case_key="one for all")),
+    ("study", lambda it: it.assign_attrs(study="../../evil")),
+    ("study", lambda it: it.assign_attrs(study=3)),
+    ("tolerances", lambda it: it.assign_attrs(tolerances="{")),
+    ("tolerances", lambda it: it.assign_attrs(tolerances="[1]")),
+    ("tolerances", lambda it: it.assign_attrs(tolerances='{"error": "1"}')),
+]
 FAULTS: list[tuple[str, Change]] = [
     ("there is no case", lambda it: it.isel(adhesion_factor=slice(0, 0))),
     ("adhesion_factor has a value twice", lambda it: it.isel(adhesion_factor=[0, 0, 1])),
@@ -225,6 +241,7 @@ FAULTS: list[tuple[str, Change]] = [
         "penetration_resistance has more than one value a case",
         said("penetration_resistance", role="headline"),
     ),
+    *((f"{name} is missing or malformed; collect it again", it) for name, it in OF_STUDY),
 ]
 
 

@@ -1,27 +1,38 @@
-"""How the result of a study is laid out: its dims, by design, and what two scenes share."""
+"""The result of a study: its layout by design, what two scenes share, where it was computed."""
 
+import sys
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import NoReturn
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.case_files import write_case
-from harness.archive.conventions import COMPLETED, HALF_WIDTH, reasons_of, without_incomplete_curves
+import mpm_warp
+from harness.archive.case_files import case_file, case_folder, write_case
+from harness.archive.conventions import (
+    COMPLETED,
+    CRASHED,
+    HALF_WIDTH,
+    reasons_of,
+    without_incomplete_curves,
+)
+from harness.archive.netcdf_files import write_netcdf
+from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.archive.study_files import collect, read_study, write_study
-from harness.cli.main import main
 from harness.compare.result_table import cone_factor_table
 from harness.pictures.pictures import draw
 from harness.report.report import page
+from harness.run.collect_and_clean import collect_and_write
 from harness.run.rerun import read_for_rerun, verdict
 from harness.run.worker import run_case
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import further_runs
-from tests.harness.conftest import DONE, HEAD, HYPERCUBE, keep, prepared, study_in
+from tests.harness.conftest import DONE, HEAD, HYPERCUBE, Command, Refusal, keep, prepared, study_in
 
 
 def collected(tmp_path: Path, text: str) -> xr.Dataset:
@@ -112,9 +123,8 @@ def test_dims_mean_the_same_whatever_became_of_the_cases(
 
 
 def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
-    small: Study, tmp_path: Path
+    small: Study, folder: Path
 ) -> None:
-    folder = prepared(small, tmp_path)
     first, second, _ = small.cases
     write_case(folder, first, results_of(1.0), "completed")
     write_case(folder, second, results_of(2.0).isel(penetration=slice(2)), "diverged", "why")
@@ -127,24 +137,18 @@ def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
 
 
 def test_a_failed_case_keeps_its_traceback_for_who_asks(
-    small: Study,
-    small_file: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    small: Study, folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def fail(*given: object) -> NoReturn:
         raise ZeroDivisionError("of the test")
 
     monkeypatch.setattr(ConePenetration, "run", fail)
-    run_case(small.cases[0], folder := prepared(small, tmp_path))
-    arguments = ["status", str(small_file), f"--out={tmp_path}"]
-    assert main(arguments) == 1
-    told = capsys.readouterr()
+    run_case(small.cases[0], folder)
+    status = ["status", small.source, "--out", folder.parents[1]]
+    told = command(*status, code=1)
     assert "failed" in told.out
     assert "Traceback" not in told.out + told.err
-    assert main([*arguments, "--traceback"]) == 1
-    shown = capsys.readouterr().out
+    shown = command(*status, "--traceback", code=1).out
     assert "Traceback" in shown
     assert 'raise ZeroDivisionError("of the test")' in shown
     collected = collect(small, folder)
@@ -181,3 +185,152 @@ def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path
     told = DONE.assign(why_no_uncertainty=((), "law: none", {"role": "reason"}))
     write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, told, DONE)))
     assert reasons_of(read_study(tmp_path / "s.nc")) == ["law: none", ""]
+
+
+EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
+
+
+@pytest.fixture
+def cases(small: Study, tmp_path: Path) -> list[Case]:
+    """The cases of a study, which all completed at another time and place."""
+    now = {SOURCES: sources_digest(small.parts[0].scene)}
+    keep(small, tmp_path, *[DONE.assign_attrs(EARLIER | now)] * 3)
+    return list(small.cases)
+
+
+@pytest.fixture
+def result(small: Study, cases: list[Case], tmp_path: Path) -> Path:
+    """The file of the collected study."""
+    collect_and_write(small, tmp_path)
+    return tmp_path / "small.nc"
+
+
+def test_a_result_says_where_its_cases_were_computed(result: Path) -> None:
+    attributes = read_study(result).attrs
+    assert {name: attributes[name] for name in EARLIER} == EARLIER
+    here = provenance()
+    assert attributes["collected_commit"] == here["commit"]
+    assert attributes["collected_time_written"].startswith("20")
+    assert attributes["Conventions"] == here["Conventions"]
+
+
+def test_what_differs_between_the_cases_is_told_of_each(
+    small: Study, cases: list[Case], folder: Path, tmp_path: Path
+) -> None:
+    later = DONE.assign_attrs(EARLIER | {"commit": "later"})
+    write_case(folder, cases[1], later, COMPLETED)
+    case_file(folder, cases[2]).unlink()
+    dataset = collect(small, folder)
+    assert dataset["commit"].dims == ("adhesion_factor",)
+    assert dataset["commit"].values.tolist() == ["earlier", "later", ""]
+    assert "commit" not in dataset.attrs
+    assert dataset.attrs["device"] == "cuda:0"  # of all that were computed
+    write_study(tmp_path / "small.nc", dataset)
+    assert read_study(tmp_path / "small.nc")["commit"].values.tolist() == ["earlier", "later", ""]
+
+
+def test_a_case_that_never_reached_a_device_has_none(
+    small: Study, cases: list[Case], folder: Path
+) -> None:
+    write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
+    dataset = collect(small, folder)
+    assert dataset.attrs["device"] == "cuda:0"
+    assert dataset["commit"].values.tolist() == [provenance()["commit"], "earlier", "earlier"]
+
+
+def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
+    small: Study, cases: list[Case], folder: Path, tmp_path: Path, command: Command
+) -> None:
+    path = case_file(folder, cases[1])
+    path.write_bytes(path.read_bytes()[:-3000])
+    told = command("collect", small.source, "--out", tmp_path, code=1).err.splitlines()
+    assert told[-2].startswith(f"harness: {path}: cannot be read: ")
+    assert told[-2].endswith("; `harness run` runs the case again")
+    assert told[-1].startswith("harness: 3 cases: 2 completed, 1 damaged; ")
+    dataset = read_study(tmp_path / "small.nc")
+    assert dataset.status.values.tolist() == [COMPLETED, "damaged", COMPLETED]
+    assert str(dataset.message.values[1]).startswith(f"{path}: cannot be read: ")
+    assert np.isnan(dataset.cone_factor.values).tolist() == [False, True, False]
+
+
+def test_a_result_is_not_replaced_by_one_of_nothing(
+    small: Study, result: Path, refusal: Refusal
+) -> None:
+    before = result.read_bytes()
+    out = ["--out", str(result.parent)]
+    line = refusal(["collect", str(small.source), "--set", "rigidity_index=50", *out])
+    assert line == (
+        f"harness: {case_folder(result.parent, small)}: has no case of this study; "
+        "run it first, or give each --set that it was run with"
+    )
+    assert result.read_bytes() == before
+    refusal(["collect", str(small.source), "--out", str(result.parent / "none")])
+    assert not (result.parent / "none").exists()
+
+
+@pytest.mark.parametrize("command", ["report", "rerun"])
+def test_a_result_that_is_not_whole_is_refused_in_one_line(
+    command: str, result: Path, refusal: Refusal
+) -> None:
+    write_netcdf(read_study(result).assign_attrs(study="../../evil"), result)
+    told = "is no whole result: study is missing or malformed; collect it again"
+    assert refusal([command, str(result)]) == f"harness: {result}: {told}"
+
+
+@pytest.mark.parametrize("command", ["compare", "plot", "report", "rerun"])
+def test_a_missing_file_is_one_line_without_an_empty_list(
+    command: str, tmp_path: Path, refusal: Refusal
+) -> None:
+    path = tmp_path / "none.nc"
+    assert refusal([command, str(path)]) == f"harness: {path}: no such file"
+    for number in range(20):
+        (tmp_path / f"{number:016x}.nc").touch()
+    assert refusal([command, str(path)]) == f"harness: {path}: no such file"
+
+
+@pytest.fixture
+def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A simulator of two files."""
+    package = tmp_path / "mpm_warp"
+    (package / "step").mkdir(parents=True)
+    (package / "scene.py").write_text("a = 1\n")
+    (package / "step" / "momentum.py").write_text("b = 1\n")
+    monkeypatch.setattr(mpm_warp, "__path__", [str(package)])
+    return package
+
+
+def digest(scene: type = object) -> str:
+    """What a fresh process finds."""
+    sources_digest.cache_clear()
+    try:
+        return sources_digest(scene)
+    finally:
+        sources_digest.cache_clear()
+
+
+def test_every_source_of_the_simulator_counts_and_nothing_else(sources: Path) -> None:
+    before = digest()
+    assert len(before) == 16
+    (sources / "notes.md").write_text("of no matter")
+    assert digest() == before
+    (sources / "step" / "momentum.py").write_text("b = 2\n")
+    changed = digest()
+    (sources / "step" / "momentum.py").rename(sources / "momentum.py")
+    moved = digest()
+    (sources / "added.py").touch()
+    assert len({before, changed, moved, digest()}) == 4
+
+
+def test_the_module_of_a_scene_of_another_package_counts(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "dam.py"
+    file.write_text("height = 1\n")
+    module = ModuleType("dam")
+    module.__file__ = str(file)
+    monkeypatch.setitem(sys.modules, "dam", module)
+    scene = type("Dam", (), {"__module__": "dam"})
+    before = digest(scene)
+    assert before != digest()
+    file.write_text("height = 2\n")
+    assert digest(scene) not in (before, digest())

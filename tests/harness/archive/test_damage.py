@@ -18,7 +18,7 @@ from harness.cli.main import main
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import run_case
 from harness.study.study import Study
-from tests.harness.conftest import Depth, Refusal, keep, prepared, study_in
+from tests.harness.conftest import Command, Depth, Refusal, keep, prepared, study_in
 
 STUDIES = {
     "cone_penetration": (
@@ -180,24 +180,21 @@ def test_a_collected_file_of_no_use_is_one_line_and_collected_again(
 
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_case_file_of_no_use_is_damaged(
-    damage: Callable[[Path], None], result: Path, small: Study, capsys: pytest.CaptureFixture[str]
+    damage: Callable[[Path], None], result: Path, small: Study, command: Command
 ) -> None:
     place, case = case_folder(result.parent, small), small.cases[1]
-    path = case_file(place, case)
+    path, of_study = case_file(place, case), (small.source, "--out", result.parent)
     damage(path)
-    assert main(["status", str(small.source), "--out", str(result.parent)]) == 1
-    lines = capsys.readouterr().out.splitlines()
+    lines = command("status", *of_study, code=1).out.splitlines()
     assert f"{path}: cannot be read: " in lines[2]
     assert lines[-1].startswith("3 cases: 2 completed, 1 damaged")
     if damage not in (folder, fifo):
         return  # that it is run again is the same for all, and takes seconds
-    code = main(["run", str(small.source), "--out", str(result.parent)])
-    told = capsys.readouterr().err
+    told = command("run", *of_study, code=2 if damage is folder else 0).err
+    assert is_complete(place, case) == (damage is fifo)
     if damage is folder:
-        assert (code, is_complete(place, case)) == (2, False)
         assert told.splitlines()[-1].endswith("is a folder, where only files belong; move it away")
     else:
-        assert (code, is_complete(place, case)) == (0, True)
         assert "the case is run again" in told
         assert "3 cases, 2 done already" in told
 

@@ -23,14 +23,13 @@ from harness.archive.case_files import case_file, case_folder, read_case, read_o
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.study_files import read_study
 from harness.cli.commands import run as run_commands
-from harness.cli.main import main
 from harness.pictures import pictures
 from harness.pictures.drawing.plot_parts import MAKER
 from harness.report import report as page
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
 from harness.study.study import Study
-from tests.harness.conftest import Depth, Refusal, keep, study_in
+from tests.harness.conftest import Depth, Refusal, answered, keep, study_in
 
 pytestmark = pytest.mark.slow
 
@@ -205,15 +204,8 @@ def fault_of(read: Callable[[], object]) -> str:
     return ""
 
 
-def told_safely(capsys: pytest.CaptureFixture[str]) -> str:
-    """What was said on standard error; nothing that was said controls a terminal."""
-    told = capsys.readouterr()
-    assert all(it.isprintable() for it in (*told.out, *told.err) if it != "\n")
-    return told.err
-
-
 def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
-    computed: Study, out: Path, capsys: pytest.CaptureFixture[str], depth: Depth
+    computed: Study, out: Path, depth: Depth
 ) -> None:
     count = depth(32, 1000)
     folder, case = case_folder(out, computed), computed.cases[1]
@@ -228,8 +220,7 @@ def test_a_mutant_of_a_case_file_is_damaged_or_can_be_collected_and_read(
             damaged += 1
             if damaged > 2:
                 continue  # what is damaged is collected in the same way
-        code = main(["collect", str(computed.source), "--out", str(out)])
-        told_safely(capsys)
+        code, _ = answered(["collect", str(computed.source), "--out", str(out)])
         assert code == (0 if outcome.status == COMPLETED else 1), what
         assert read_study(out / "many.nc").attrs["study"] == "many", what
     assert damaged > count // 4
@@ -247,12 +238,7 @@ def commands(path: Path, whole: Path, key: str) -> list[list[str]]:
 
 
 def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
-    computed: Study,
-    out: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    depth: Depth,
+    computed: Study, out: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, depth: Depth
 ) -> None:
     count, case, path = depth(32, 1000), computed.cases[1], out / "many.nc"
     whole = shutil.copy(path, tmp_path / "whole.nc")
@@ -266,8 +252,7 @@ def test_a_mutant_of_a_collected_file_is_refused_in_a_line_or_read(
         # What cannot be read is refused in the same place by all of them.
         is_refused = fault_of(lambda: read_study(path))
         for command in [every[number % len(every)]] if is_refused else every:
-            code, told = main(command), told_safely(capsys)
-            assert code in (0, 1, 2), (what, command)
+            code, told = answered(command)
             if code == 2:
                 (line,) = told.splitlines()
                 # A result without what a command is for is none that it is meant for.

@@ -1,18 +1,26 @@
-"""The way to a command, its help, and the version."""
+"""The way to a command: help, completion, how values of options are read, errors of the program."""
 
 import argparse
 import importlib
+import os
 import shlex
 import subprocess
 import sys
+from multiprocessing import connection
+from pathlib import Path
+from typing import Any
 
 import pytest
+import xarray as xr
 
 from harness.cli.commands import studies
+from harness.cli.commands.completion import scene_names_at_once
 from harness.cli.help import HELP
-from harness.cli.main import main
 from harness.cli.options import make_parser
 from harness.cli.process import DEFECT
+from harness.run import pool
+from mpm_warp.scenes import scene_names
+from tests.harness.conftest import Command, Refusal
 
 EXAMPLES = [example for told in HELP.values() for example in told.examples]
 
@@ -31,28 +39,19 @@ def test_examples_are_command_lines_of_commands_that_can_be_loaded(example: str)
     assert callable(getattr(importlib.import_module(f"harness.cli.commands.{module}"), function))
 
 
-@pytest.mark.parametrize("arguments", [["help", "run"], ["run", "--help"]])
-def test_help_of_a_command_says_what_it_does(
-    arguments: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit, match="0"):
-        main(arguments)
-    out = capsys.readouterr().out
-    assert "Run the cases of a study" in out
-    assert "harness run adhesion_factor" in out
-
-
-def test_help_of_everything_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit, match="0"):
-        main(["help"])
-    out = capsys.readouterr().out
-    assert all(f"\n    {name}" in out for name in HELP)
-
-
-def test_the_version_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit, match="0"):
-        main(["--version"])
-    assert capsys.readouterr().out.startswith("harness")
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("help run", ["Run the cases of a study", "harness run adhesion_factor"]),
+        ("run --help", ["Run the cases of a study", "harness run adhesion_factor"]),
+        ("help", [f"\n    {name}" for name in HELP]),
+        ("--version", ["harness"]),
+        *((f"completion {shell}", ["_ARGCOMPLETE"]) for shell in ("bash", "zsh", "fish")),
+    ],
+)
+def test_help_version_and_completion_are_told(line: str, told: list[str], command: Command) -> None:
+    out = command(*line.split()).out
+    assert all(text in out for text in told)
 
 
 def test_help_loads_nothing_that_computes() -> None:
@@ -73,12 +72,97 @@ def broken(options: argparse.Namespace) -> int:
 
 @pytest.mark.parametrize("debug", [[], ["--debug"]])
 def test_an_error_of_the_program_is_not_called_the_users(
-    debug: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    debug: list[str], monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.setattr(studies, "references", broken)
-    assert main(["references", *debug]) == DEFECT
-    *trace, line = capsys.readouterr().err.splitlines()
+    *trace, line = command("references", *debug, code=DEFECT).err.splitlines()
     assert "an error of the program, not of your input: KeyError: 'no such key'" in line
     assert "please report it to the mpm_warp developers" in line
     assert bool(trace) == bool(debug)
     assert not trace or "in broken" in "".join(trace)
+
+
+def test_names_of_scenes_are_found_without_importing_them() -> None:
+    assert scene_names_at_once() == sorted(scene_names())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("harness re", {"rerun", "report", "recommend", "references"}),
+        ("harness run adh", {"adhesion_factor"}),
+        ("harness run mi", {"mine.toml"}),
+        ("harness describe cone_b", {"cone_bearing"}),
+        ("harness new mine --scene strip", {"strip_footing"}),
+        ("harness run mesh_size --fr", {"--fresh"}),
+        ("harness compare so", {"some.nc"}),
+    ],
+)
+def test_the_tab_key_offers_what_fits(line: str, offered: set[str], tmp_path: Path) -> None:
+    for name in ("mine.toml", "some.nc", "other.txt"):
+        (tmp_path / name).touch()
+    asked = tmp_path / "offered"
+    environment = os.environ | {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_IFS": "\n",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(asked),
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+    }
+    subprocess.run([sys.executable, "-m", "harness"], cwd=tmp_path, env=environment, check=True)
+    assert {word.strip() for word in asked.read_text().split("\n")} == offered
+
+
+@pytest.mark.parametrize("text", ["8GB", "8e9", "8000MB", "8gb", "8000000000", "8000000000B"])
+def test_a_size_has_a_unit_or_none(text: str) -> None:
+    assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
+
+
+@pytest.mark.parametrize(
+    ("text", "share"), [("2%", 0.02), ("0.02", 0.02), ("0.5%", 0.005), ("150%", 1.5)]
+)
+def test_an_error_is_a_share(text: str, share: float) -> None:
+    assert make_parser().parse_args(["recommend", "s", "--error", text]).error == share
+
+
+def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
+    """The result holds the command line; every case would be computed, and none be kept."""
+    line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
+    assert line.endswith("is not text, which results could not keep")
+
+
+@pytest.mark.slow
+def test_scenes_may_be_named_one_by_one(command: Command) -> None:
+    out = command("verify", "--scene", "material_point", "--scene", "gravity_column").out
+    assert "material_point" in out
+    assert "gravity_column" in out
+
+
+@pytest.mark.slow
+def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
+    small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    waits: list[float | None] = []
+
+    def noted(them: list[Any], left: float | None) -> list[Any]:
+        waits.append(left)
+        return connection.wait(them, left)
+
+    monkeypatch.setattr(pool, "wait", noted)
+    options = ("--set=adhesion_factor=0", f"--out={tmp_path}", "--case-timeout=1e9")
+    command("run", small_file, *options)
+    assert max(left for left in waits if left is not None) <= pool.LONGEST_WAIT
+
+
+@pytest.mark.slow
+def test_uncertainty_is_measured_on_request(
+    tmp_path: Path, small_file: Path, command: Command
+) -> None:
+    values = ("adhesion_factor=0", "cells_per_radius=2.31", "domain_radius=8", "domain_above=3")
+    settings = [f"--set={value}" for value in (*values, "domain_below=4")]
+    command("run", small_file, f"--out={tmp_path}", "--uncertainty", *settings)
+    (result,) = tmp_path.glob("*.nc")
+    with xr.open_dataset(result) as dataset:
+        assert (dataset.uncertainty == "measured").all()
+        assert (dataset.uncertainty_run_time > 0.0).all()

@@ -1,4 +1,4 @@
-"""The mistakes of a newcomer: each is answered in one line that says what to do."""
+"""Mistakes in a command line: each is answered in one line that says what to do, and not done."""
 
 import shlex
 from pathlib import Path
@@ -19,6 +19,7 @@ FILES = {
     "stress_anisotropy = 0.9\n",
     "derived.toml": 'title = "t"\nscene = "cone_penetration"\n[derived]\ndensity = "su / G"\n',
 }
+COUNT = "must be an integer from 1 to 999999"
 MISTAKES = {
     "run cone_penetration": "is a scene; a study says what to vary in it: `harness new my_study "
     "--scene cone_penetration` writes one, `harness run my_study.toml` runs it",
@@ -89,6 +90,41 @@ MISTAKES = {
     "status strip_footing": "results: has no results of strip_footing",
     "compare text.toml": "cannot be read",
     "results/mesh_size.nc": "is no command, but a result: show it by `harness compare",
+    "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
+    "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
+    "compare a.nc --tolerance=0.5": "is for two results",
+    "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
+    "recommend s --error 1": "'1' is 100%: is 1% meant?",
+    "recommend thick_cylinder --error 1% --results no": "harness: --results no: no such folder",
+    "run mesh_size --out file.txt": "file.txt/mesh_size/cases: cannot be made: Not a directory",
+    "run mesh_size --threads=3": "choose from 1, 2, 4",
+    "run mesh_size --device=cuda:7": "--device cuda:7: there is none here; known: cpu",
+    "run mesh_size --device=gpu": "--device gpu: there is none here; known: cpu",
+    "run mesh_size --batch=0": COUNT,
+    "run mesh_size --batch=2 --dask=tcp://h:1": "leave them out with --dask",
+    "run bench --workers=2": "cases are timed one at a time, without --workers",
+    "run bench --batch=2": "cases are timed one at a time, without --batch",
+    "verify --scene cone_penetration": "has no exact solution",
+    "verify --scene flying_block": "add --extreme",
+    "verify --scene gravity_column --extreme": "no extreme check",
+}
+WRONG = {
+    "run mesh_size --workers": (COUNT, ("0", "-1", "two", "1.5", "9" * 5000)),
+    "run mesh_size --case-timeout": (
+        "is not allowed: must be a number > 0",
+        ("0", "-1", "soon", "nan", "inf"),
+    ),
+    "run mesh_size --memory-limit": (
+        "must be > 0, as 8e9 or 8GB",
+        ("0", "-1GB", "much", "GB", "inf", "nan"),
+    ),
+}
+"""Options, what is told of them, and values that are wrong."""
+MISTAKES |= {f"{of}={value}": told for of, (told, them) in WRONG.items() for value in them}
+MEASURED = "ball_penetration, cone_penetration, sounding, t_bar_penetration"
+MISTAKES |= {
+    f"run {of} --uncertainty": f"uncertainty in {of}; these scenes have one: {MEASURED}"
+    for of in ("sliding_block", "cyclic_ball")
 }
 """Command lines as a shell hands them on, and what the answer ends with or holds."""
 

@@ -13,7 +13,7 @@ from harness.cli.main import main
 from harness.cli.process import safe_output
 from harness.errors import CODES, GREEN, LONGEST_LINE
 from harness.study.study import Study
-from tests.harness.conftest import prepared
+from tests.harness.conftest import Command, Refusal
 
 pytestmark = pytest.mark.slow
 
@@ -40,32 +40,27 @@ def test_output_has_no_characters_that_control_a_terminal(
 
 
 def test_output_that_cannot_be_written_is_one_line_and_code_2(
-    full: TextIO, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    full: TextIO, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.setattr(sys, "stdout", full)
-    assert main(["schema"]) == 2
     told = "harness: standard output: cannot be written: No space left on device\n"
-    assert capsys.readouterr().err == told
+    assert command("schema", code=2).err == told
 
 
 def test_remarks_that_cannot_be_written_change_nothing(
-    small: Study, full: TextIO, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    small: Study, full: TextIO, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    prepared(small, tmp_path)
     monkeypatch.setattr(sys, "stderr", full)
     assert main(["status", "no_such_study"]) == 2
-    assert main(["clean", str(small.source), "--out", str(tmp_path)]) == 0
+    assert main(["clean", str(small.source), "--out", str(folder.parents[1])]) == 0
 
 
 @pytest.mark.parametrize(
     "arguments", ["describe ", "plan ", "status ", "compare ", "list --"], ids=str.strip
 )
-def test_a_word_of_100_kilobytes_is_a_short_line(
-    arguments: str, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_word_of_100_kilobytes_is_a_short_line(arguments: str, refusal: Refusal) -> None:
     command, before = arguments.split(" ")
-    assert main([command, before + 50_000 * "x\x1b"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = refusal([command, before + 50_000 * "x\x1b"])
     assert len(line) < LONGEST_LINE + 100
     assert line.isprintable()
 

@@ -22,9 +22,8 @@ from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.run import pool
-from harness.run.pool import cases_at_once, run_cases, share_of_cores
+from harness.run.pool import WorkerProcess, cases_at_once, end_all, run_cases, share_of_cores
 from harness.run.resources import DEFAULTS, RunOptions
-from harness.run.worker_process import WorkerProcess, end_all
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import DONE, SMALL, prepared, study_in
@@ -64,12 +63,6 @@ def test_every_case_is_run_once_and_has_the_same_bits(
     assert not multiprocessing.active_children()
     together = 3 if options.batch > 1 else 1
     assert run_together(case_folder(tmp_path, small), small.cases) == [together] * 3
-
-
-@pytest.fixture
-def folder(tmp_path: Path, small: Study) -> Path:
-    """Where the results of three cases are kept."""
-    return prepared(small, tmp_path)
 
 
 @pytest.fixture

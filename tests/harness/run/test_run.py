@@ -19,7 +19,7 @@ from harness.run import run_study
 from harness.run.pool import run_cases
 from harness.run.run_study import Display
 from harness.study.study import Study, load_study
-from tests.harness.conftest import Command, Refusal, written
+from tests.harness.conftest import Command, written
 
 pytestmark = pytest.mark.slow
 
@@ -71,11 +71,6 @@ def test_a_case_that_timed_out_is_listed_and_tried_again(
         told = command(*run, code=1).err
         assert "1 case, 0 done already" in told
         assert "harness: cone_penetration: timed_out: ended after 0.5 s, at " in told
-
-
-def test_a_folder_that_cannot_be_made_is_one_line(small_file: Path, refusal: Refusal) -> None:
-    line = refusal(["run", str(small_file), "--out", str(small_file)])
-    assert f"{small_file}/small/cases: cannot be made: Not a directory" in line
 
 
 def test_run_gives_a_dataset_a_table_and_pictures(
@@ -172,13 +167,24 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case(small: Study) -> None:
-    case = small.cases[1]
+@pytest.mark.parametrize(
+    ("outcome", "told"),
+    [
+        (Outcome("failed", "why", seconds=1.25), "failed, why, 1.2 s"),
+        (
+            Outcome("completed", seconds=9.0, start_seconds=2.0, compile_seconds=4.5),
+            "completed, 2.5 s (2.0 s to start, 4.5 s to compile)",
+        ),
+    ],
+)
+def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case_with_its_times(
+    outcome: Outcome, told: str, small: Study
+) -> None:
     stream = io.StringIO()
     with Display(3, stream) as display:
-        display.advanced(case, 0.5)
-        display.finished(case, Outcome("failed", "why", "", 1.25))
-    assert stream.getvalue() == "[1/3] adhesion_factor=0.5: failed, why, 1.2 s\n"
+        display.advanced(small.cases[1], 0.5)
+        display.finished(small.cases[1], outcome)
+    assert stream.getvalue() == f"[1/3] adhesion_factor=0.5: {told}\n"
 
 
 def test_the_bar_shows_cases_done_running_and_time_left(
@@ -228,14 +234,6 @@ def test_lines_of_cases_stand_above_the_bar(small: Study, monkeypatch: pytest.Mo
         display.finished(small.cases[0], Outcome("completed", seconds=2.0))
         assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
         assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]
-
-
-def test_times_to_start_and_to_compile_are_told_apart(small: Study) -> None:
-    stream = io.StringIO()
-    outcome = Outcome("completed", seconds=9.0, start_seconds=2.0, compile_seconds=4.5)
-    with Display(1, stream) as display:
-        display.finished(small.cases[0], outcome)
-    assert stream.getvalue().endswith("completed, 2.5 s (2.0 s to start, 4.5 s to compile)\n")
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from harness.run.verify import (
 )
 from mpm_warp.scenes import Verification
 from mpm_warp.scenes.elastic.columns import GravityColumn
-from tests.harness.conftest import Command, Refusal
+from tests.harness.conftest import Command
 
 pytestmark = pytest.mark.slow
 
@@ -114,20 +114,6 @@ def test_command_says_what_falls_short(monkeypatch: pytest.MonkeyPatch, command:
     impossible = dataclasses.replace(GravityColumn.verifications[0], bounds={"error": 0.0})
     monkeypatch.setattr(GravityColumn, "verifications", (impossible,))
     assert "FALLS SHORT: error" in command("verify", "--scene", "gravity_column", code=1).out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["cone_penetration"], "has no exact solution"),
-        (["flying_block"], "add --extreme"),
-        (["gravity_column", "--extreme"], "no extreme check"),
-    ],
-)
-def test_command_refuses_scene_without_such_a_check(
-    arguments: list[str], message: str, refusal: Refusal
-) -> None:
-    assert message in refusal(["verify", "--scene", *arguments])
 
 
 def test_plan_of_a_scene_without_a_grid(command: Command) -> None:

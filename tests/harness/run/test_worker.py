@@ -12,7 +12,6 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.cli.main import main
 from harness.run import resources
 from harness.run.pool import run_cases
 from harness.run.resources import Measurement, RunOptions, with_samples
@@ -27,6 +26,7 @@ from mpm_warp.results import variable
 from mpm_warp.scenes import scene_class
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
+from tests.harness.conftest import Command
 
 pytestmark = pytest.mark.slow
 
@@ -179,14 +179,12 @@ def test_a_headline_that_is_no_number_is_no_result_and_is_kept(
 
 
 def test_an_unfinished_case_keeps_its_scalars_and_is_not_collected(
-    tmp_path: Path, small_file: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, small_file: Path, command: Command
 ) -> None:
     out = tmp_path / "results"
     settings = ["--set", "adhesion_factor=0", "--set", "steady_tolerance=[0, 0.003]"]
-    assert main(["run", str(small_file), "--out", str(out), *settings]) == 1
-    assert re.search(
-        r"unfinished: the resistance still changes by \d+% at the", capsys.readouterr().err
-    )
+    told = command("run", small_file, "--out", out, *settings, code=1).err
+    assert re.search(r"unfinished: the resistance still changes by \d+% at the", told)
     study = load_study(str(small_file), settings[1::2])
     folder = case_files.case_folder(out, study)
     finished, unfinished = (case_files.read_case(folder, case) for case in study.cases)

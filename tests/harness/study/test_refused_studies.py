@@ -200,6 +200,7 @@ COLUMNS = '[profile]\n"depth [m]" = [0, 8]\n"strength [kPa]" = [40, 60]\n'
 OF_A_SOUNDING = [
     ('[profile]\nfile = "no.csv"', "file = 'no.csv': cannot be read: No such file"),
     ('[profile]\nfile = "ground.csv"\nx = 1', "x = 1: unknown key"),
+    ('[profile]\nfile = "/etc/passwd"', "must be beside the study, or in a folder below"),
     ('[profile]\n"depth [m]" = 1', "depth [m] = 1: must be a list of numbers"),
     ('[profile]\n"depth [m]" = [0, 1]\n"strength [kPa]" = [1]', "have different lengths"),
     ('[profile]\n"depth" = [0]\n"strength [kPa]" = [1]', "column depth has no unit"),

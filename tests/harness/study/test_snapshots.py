@@ -106,8 +106,3 @@ def test_nothing_but_a_profile_beside_the_study_is_read(
     with pytest.raises(StudyError, match=message) as error:
         study_in(tmp_path, HEAD + '[profile]\nfile = "odd.csv"\n')
     assert "root:x" not in str(error.value)
-
-
-def test_a_profile_in_another_folder_is_not_read(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="must be beside the study"):
-        study_in(tmp_path, HEAD + '[profile]\nfile = "/etc/passwd"\n')

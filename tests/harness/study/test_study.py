@@ -1,16 +1,22 @@
-"""Studies: their cases, settings from the command line, and what of a base holds."""
+"""Studies: their cases by design, settings from the command line, and what of a base holds."""
 
 import dataclasses
+import math
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
+from harness.study import study as studies
 from harness.study.cases import Case
 from harness.study.description import unusual_values
 from harness.study.files import study_names
 from harness.study.study import Study, load_study
 from harness.study.tables import LONGEST_MESSAGE, StudyError
-from tests.harness.conftest import Refusal, study_in, values
+from mpm_warp.parameters import parameter
+from mpm_warp.scenes.material.material_point import MaterialPoint
+from tests.harness.conftest import HEAD, HYPERCUBE, Refusal, study_in, values
 
 
 @pytest.mark.parametrize("name", study_names())
@@ -52,18 +58,12 @@ def test_a_message_is_one_bounded_line_and_keeps_its_end() -> None:
     assert message.endswith("; the remedy")
 
 
-def test_all_combinations_in_the_order_of_the_study(small_file: Path) -> None:
-    study = load_study(str(small_file), ["rigidity_index=[200, 100]"])
-    expected = [(0, 200), (0, 100), (0.5, 200), (0.5, 100), (1, 200), (1, 100)]
-    assert values(study, "adhesion_factor", "rigidity_index") == expected
-
-
 def test_a_study_that_varies_nothing_is_one_case(small_file: Path) -> None:
     (case,) = load_study(str(small_file), ["adhesion_factor=0"]).cases
     assert case.label == "cone_penetration"
 
 
-def test_the_key_tells_parameters_scene_and_version_apart(small: Study) -> None:
+def test_the_key_tells_parameters_scene_and_version_apart_and_nothing_else(small: Study) -> None:
     case = small.cases[0]
     others = [
         dataclasses.replace(case, scene="other"),
@@ -71,10 +71,6 @@ def test_the_key_tells_parameters_scene_and_version_apart(small: Study) -> None:
         dataclasses.replace(case, parameters={**case.parameters, "density": 1700.0000001}),
     ]
     assert len({case.key, *(other.key for other in others)}) == 4
-
-
-def test_the_key_depends_on_nothing_else(small: Study) -> None:
-    case = small.cases[0]
     order = dict(reversed(case.parameters.items()))
     assert dataclasses.replace(case, label="", parameters=order).key == case.key
 
@@ -85,11 +81,10 @@ def test_the_key_is_that_of_earlier_archives() -> None:
     assert case.key == "74da9a8e7f348ce3"
 
 
-LISTED = """title = "t"
-scene = "cone_penetration"
+COMBINED = HEAD + "vary = { adhesion_factor = [0, 0.5, 1] }"
+LISTED = f"""{HEAD}
 design = "list"
-[fixed]
-adhesion_factor = 0.5
+fixed = {{ adhesion_factor = 0.5 }}
 [[case]]
 rigidity_index = 50
 cells_per_radius = 2
@@ -97,13 +92,32 @@ cells_per_radius = 2
 rigidity_index = 70
 adhesion_factor = 1
 """
-IN_TURN = """title = "t"
-scene = "cone_penetration"
+FROM_THE_FIXED = f"""{HEAD}
+design = "one_at_a_time"
+fixed = {{ rigidity_index = 50 }}
+vary = {{ adhesion_factor = [0, 1], rigidity_index = [50, 200] }}
+"""
+IN_TURN = f"""{HEAD}
 design = "one_at_a_time"
 [fixed]
 cells_per_radius = 2
 [vary]
 adhesion_factor = [0.5, 1]
+"""
+DERIVED = f"""{HEAD}
+derived = {{ domain_radius = "6 * sqrt(rigidity_index)", domain_above = "domain_radius / 3" }}
+vary = {{ rigidity_index = [25, 100] }}
+"""
+EXCLUDING = f"""{HEAD}
+exclude = ["rigidity_index > 100 and adhesion_factor == 1"]
+vary = {{ adhesion_factor = [0, 1], rigidity_index = [50, 500] }}
+"""
+SEVERAL = """title = "t"
+scene = ["strip_footing", "material_point"]
+fixed = { rigidity_index = 200 }
+[scenes]
+strip_footing = { vary = { cells_per_radius = [4, 8] } }
+material_point = { fixed = { rigidity_index = 100 } }
 """
 TWO_SCENES = """title = "t"
 scene = ["thick_cylinder", "sliding_block"]
@@ -112,36 +126,149 @@ cell_count = [10, 20]
 [scenes.thick_cylinder.fixed]
 radius_ratio = 2
 """
+# Parameters of the cases, by design and settings.
+CASES: dict[str, tuple[str, list[str], dict[str, list[object]]]] = {
+    "all combinations in the order of the study": (
+        COMBINED,
+        ["rigidity_index=[200, 100]"],
+        {
+            "adhesion_factor": [0, 0, 0.5, 0.5, 1, 1],
+            "rigidity_index": [200, 100, 200, 100, 200, 100],
+        },
+    ),
+    "one at a time begins with the fixed values, which are there once": (
+        FROM_THE_FIXED,
+        [],
+        {"adhesion_factor": [0, 1, 0], "rigidity_index": [50, 50, 200]},
+    ),
+    "one at a time of other values": (
+        FROM_THE_FIXED.replace("[0, 1]", "[1]").replace("[50, ", "["),
+        [],
+        {"adhesion_factor": [0, 1, 0], "rigidity_index": [50, 50, 200]},
+    ),
+    "a list": (LISTED, [], {"rigidity_index": [50, 70], "adhesion_factor": [0.5, 1]}),
+    "a setting holds in every case of a list": (
+        LISTED,
+        ["cells_per_radius=1", "adhesion_factor=0"],
+        {"rigidity_index": [50, 70], "adhesion_factor": [0, 0], "cells_per_radius": [1, 1]},
+    ),
+    "cases of a list that a setting makes alike are one": (
+        LISTED,
+        ["rigidity_index=60", "cells_per_radius=1", "adhesion_factor=0"],
+        {"rigidity_index": [60], "cells_per_radius": [1]},
+    ),
+    "a setting that varies leaves what one at a time begins with": (
+        IN_TURN,
+        ["cells_per_radius=[1, 3]"],
+        {"adhesion_factor": [0, 0.5, 1, 0, 0], "cells_per_radius": [2, 2, 2, 1, 3]},
+    ),
+    "derived in their order": (DERIVED, [], {"domain_radius": [30, 60], "domain_above": [10, 20]}),
+    "exclusions": (EXCLUDING, [], {"adhesion_factor": [0, 0, 1], "rigidity_index": [50, 500, 50]}),
+    "several scenes": (SEVERAL, [], {"rigidity_index": [200, 200, 100]}),
+    "a setting is for the scenes that have the parameter": (
+        TWO_SCENES,
+        ["cell_count=5", "grid_angle=[0, 20]"],
+        {"cell_count": [5, None, None], "grid_angle": [None, 0, 20]},
+    ),
+}
 
 
-def test_a_setting_holds_in_every_case_of_a_list(tmp_path: Path) -> None:
-    names = "rigidity_index", "adhesion_factor", "cells_per_radius"
-    study = study_in(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0")
-    assert values(study, *names) == [(50, 0, 1), (70, 0, 1)]
-    assert [case.label for case in study.cases] == ["rigidity_index=50.0", "rigidity_index=70.0"]
+@pytest.mark.parametrize(("text", "settings", "expected"), CASES.values(), ids=CASES)
+def test_the_cases_of_a_study(
+    text: str, settings: list[str], expected: dict[str, list[object]], tmp_path: Path
+) -> None:
+    study = study_in(tmp_path, text, *settings)
+    assert values(study, *expected) == list(zip(*expected.values(), strict=True))
 
 
-def test_cases_of_a_list_that_a_setting_makes_alike_are_one(tmp_path: Path) -> None:
-    settings = "rigidity_index=60", "cells_per_radius=1", "adhesion_factor=0"
-    study = study_in(tmp_path, LISTED, *settings)
-    assert values(study, "rigidity_index", "cells_per_radius") == [(60, 1)]
+def test_cases_are_called_by_what_varies_and_are_of_their_scenes(tmp_path: Path) -> None:
+    listed = study_in(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0").cases
+    assert [case.label for case in listed] == ["rigidity_index=50.0", "rigidity_index=70.0"]
+    scenes = [case.scene for case in study_in(tmp_path, SEVERAL).cases]
+    assert scenes == ["strip_footing", "strip_footing", "material_point"]
 
 
-@pytest.mark.parametrize("value", ["[50, 60]", "{from = 50, to = 60, count = 2}"])
-def test_a_setting_that_varies_does_not_go_with_a_list(tmp_path: Path, value: str) -> None:
-    with pytest.raises(StudyError, match=r'^--set rigidity_index = .* design = "list" .* a number'):
-        study_in(tmp_path, LISTED, f"rigidity_index={value}")
+def test_ranges(tmp_path: Path) -> None:
+    text = """[vary]
+    adhesion_factor = { from = 0, to = 1, count = 5 }
+    rigidity_index = { from = 500, to = 5, count = 3, spacing = "logarithmic" }
+    """
+    varied = study_in(tmp_path, HEAD + text).parts[0].varied
+    assert varied["adhesion_factor"] == (0, 0.25, 0.5, 0.75, 1)
+    assert varied["rigidity_index"] == (500, 50, 5)
 
 
-def test_what_is_varied_beside_a_list_is_told_of_the_file(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match=r"s.toml: \[vary\] density = \[1\]: does not go with"):
-        study_in(tmp_path, LISTED.replace("[fixed]", "[vary]\ndensity = [1]\n[fixed]"), "density=1")
+def test_a_latin_hypercube_samples_every_share_once(tmp_path: Path) -> None:
+    study = study_in(tmp_path, HEAD + HYPERCUBE)
+    adhesion, rigidity, material = zip(
+        *values(study, "adhesion_factor", "rigidity_index", "material"), strict=True
+    )
+    assert sorted(int(20 * it) for it in adhesion) == list(range(20))
+    assert sorted(int(20 * math.log10(it / 5) / 2) for it in rigidity) == list(range(20))
+    assert material.count("tresca") == 10
 
 
-def test_a_setting_that_varies_leaves_what_one_at_a_time_begins_with(tmp_path: Path) -> None:
-    study = study_in(tmp_path, IN_TURN, "cells_per_radius=[1, 3]")
-    expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
-    assert values(study, "adhesion_factor", "cells_per_radius") == expected
+def test_the_seed_decides_the_samples(tmp_path: Path) -> None:
+    one, again, other = (
+        [case.key for case in study_in(tmp_path, HEAD + text).cases]
+        for text in (HYPERCUBE, HYPERCUBE, HYPERCUBE.replace("seed = 3", "seed = 4"))
+    )
+    assert one == again
+    assert not set(one) & set(other)
+
+
+BLOCKS = """title = "t"
+scene = "sliding_block"
+design = "latin_hypercube"
+samples = 10
+seed = 1
+[fixed]
+height_ratio = 0.3
+[vary]
+cells_per_length = { from = 4, to = 16 }
+friction = { from = 0, to = 0.5 }
+"""
+"""Below 10 cells along the block it is less than 3 cells high, which its scene refuses."""
+
+
+def test_what_chance_chose_and_the_scene_refuses_is_a_case_all_the_same(tmp_path: Path) -> None:
+    cells = [it for (it,) in values(study_in(tmp_path, BLOCKS), "cells_per_length")]
+    assert len(cells) == 10
+    assert min(cells) < 10
+    excluding = 'exclude = ["cells_per_length < 10"]\n' + BLOCKS
+    assert len(study_in(tmp_path, excluding).cases) == sum(it >= 10 for it in cells)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        BLOCKS.replace("from = 4, to = 16", "from = 4, to = 5"),
+        BLOCKS.replace("{ from = 4, to = 16 }", "[5, 10]")
+        .replace("{ from = 0, to = 0.5 }", "[0.2]")
+        .replace('design = "latin_hypercube"\nsamples = 10\nseed = 1\n', ""),
+    ],
+    ids=["all of chance", "one of choice"],
+)
+def test_what_the_scene_refuses_is_an_error_of_the_study(tmp_path: Path, text: str) -> None:
+    with pytest.raises(StudyError, match=r"cells_per_length=.* the block must be 3 cells high"):
+        _ = study_in(tmp_path, text).cases
+
+
+def test_integers_are_sampled_evenly(tmp_path: Path) -> None:
+    text = 'design = "latin_hypercube"\nsamples = 30\nseed = 1\n[vary]\n'
+    text += "step_count = { from = 11, to = 13 }\nrigidity_index = { from = 10, to = 100 }\n"
+    steps = [step for (step,) in values(study_in(tmp_path, POINT + text), "step_count")]
+    assert [steps.count(n) for n in (11, 12, 13)] == [10, 10, 10]
+
+
+def test_a_study_stands_on_another(tmp_path: Path) -> None:
+    varied = "[fixed]\npenetration = 3\n[vary]\nrigidity_index = [50, 60]\n"
+    study_in(tmp_path, HEAD + varied, name="base")
+    text = 'base = "base.toml"\n[vary]\nadhesion_factor = [0, 1]\n[fixed]\nrigidity_index = 70\n'
+    (part,) = study_in(tmp_path, text).parts
+    assert part.fixed == {"penetration": 3, "rigidity_index": 70}
+    assert part.varied == {"adhesion_factor": (0, 1)}
+    assert study_in(tmp_path, 'base = "adhesion_factor"\ntitle = "mine"').cases
 
 
 def test_a_study_that_varies_leaves_what_its_base_begins_with(tmp_path: Path) -> None:
@@ -162,26 +289,33 @@ def test_a_scene_that_varies_leaves_what_all_begin_with(tmp_path: Path) -> None:
 
 def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
     study_in(tmp_path, TWO_SCENES, name="base")
-    part, _ = study_in(
-        tmp_path, 'base = "base.toml"\n[scenes.thick_cylinder.fixed]\nsection = "plane_strain"\n'
-    ).parts
+    text = 'base = "base.toml"\n[scenes.thick_cylinder.fixed]\nsection = "plane_strain"\n'
+    part, _ = study_in(tmp_path, text).parts
     assert part.fixed == {"radius_ratio": 2, "section": "plane_strain"}
     assert part.varied == {"cell_count": (10, 20)}
 
 
-def test_a_setting_is_for_the_scenes_that_have_the_parameter(tmp_path: Path) -> None:
-    study = study_in(tmp_path, TWO_SCENES, "cell_count=5", "grid_angle=[0, 20]")
-    assert [case.scene for case in study.cases] == [
-        "thick_cylinder",
-        "sliding_block",
-        "sliding_block",
-    ]
-    assert values(study, "cell_count", "grid_angle") == [(5, None), (None, 0), (None, 20)]
+NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
 
 
-def test_a_setting_of_no_scene_is_answered_with_the_nearest(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match=r"^--set cell_cuont = 5: .* did you mean 'cell_count'"):
-        study_in(tmp_path, TWO_SCENES, "cell_cuont=5")
+@pytest.mark.parametrize(
+    ("text", "setting", "told"),
+    [
+        (LISTED, "rigidity_index=[50, 60]", NOT_VARIED),
+        (LISTED, "rigidity_index={from = 50, to = 60, count = 2}", NOT_VARIED),
+        (
+            LISTED.replace("fixed =", "vary = { density = [1] }\nfixed ="),
+            "density=1",
+            r"s.toml: \[vary\] density = \[1\]: does not go with",
+        ),
+        (TWO_SCENES, "cell_cuont=5", r"^--set cell_cuont = 5: .* did you mean 'cell_count'"),
+    ],
+)
+def test_a_setting_that_does_not_go_with_the_study_is_told(
+    text: str, setting: str, told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(StudyError, match=told):
+        study_in(tmp_path, text, setting)
 
 
 def test_a_name_that_is_a_file_here_is_told_so(
@@ -193,3 +327,33 @@ def test_a_name_that_is_a_file_here_is_told_so(
     assert "called" not in refusal(["status", "mine"])
     monkeypatch.chdir(tmp_path)
     assert refusal(["status", "mine"]).endswith("; a file here is called mine.toml")
+
+
+POINT = 'title = "t"\nscene = "material_point"\n'
+
+
+@dataclass(frozen=True, kw_only=True)
+class WithLaw(MaterialPoint):
+    """The scene where a package with a law is installed."""
+
+    of_other_laws: ClassVar[tuple[str, ...]] = ("yield_stress",)
+
+    yield_stress: float | None = parameter(None, "yield stress of my_law", unit="Pa", above=0.0)
+
+    def _check_other_laws(self) -> None:
+        """Here the law of the scene has it."""
+
+
+def test_parameters_of_a_law_of_another_package_name_the_cases_that_have_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And a stress that looks like kilopascals is told."""
+    (before,) = study_in(tmp_path, POINT).cases
+    monkeypatch.setattr(studies, "scene_class", lambda name: WithLaw)
+    (without,) = study_in(tmp_path, POINT).cases
+    assert without.key == before.key
+    study = study_in(tmp_path, POINT + "[vary]\nyield_stress = [2e4, 3e4]\n")
+    assert values(study, "yield_stress") == [(2e4,), (3e4,)]
+    assert len({case.key for case in study.cases}) == 2
+    (line,) = unusual_values(study_in(tmp_path, POINT + "[fixed]\nyield_stress = 20\n"))
+    assert line == "yield_stress = 20 is in Pa; if 20 kPa is meant, give 20000"

@@ -1,5 +1,7 @@
-"""The error against the case known best, and settings that are recommended by errors."""
+"""The error against the case known best, settings recommended by errors, what a step costs."""
 
+from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +12,12 @@ from harness.archive.conventions import COMPLETED, FORMAT_VERSION
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
-from harness.cli.options import share
 from harness.compare.compared import NothingToCompareError
-from harness.compare.costs import DERIVED, recommend
+from harness.compare.costs import DERIVED, bench_rows, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
-from tests.harness.conftest import Command, Refusal, as_collected
+from tests.harness.conftest import Command, as_collected
 
 
 def test_error_is_against_the_costliest_case_of_the_same_soil(two_soils: xr.Dataset) -> None:
@@ -183,12 +184,6 @@ def test_why_nothing_is_recommended_is_told(tmp_path: Path, two_soils: xr.Datase
         recommend("step_cost", 0.05, [])
 
 
-def test_a_folder_that_is_not_there_is_told(tmp_path: Path, refusal: Refusal) -> None:
-    nowhere = str(tmp_path / "nowhere")
-    line = refusal(["recommend", "thick_cylinder", "--error", "1%", "--results", nowhere])
-    assert line == f"harness: --results {nowhere}: no such folder"
-
-
 def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
     tmp_path: Path, two_soils: xr.Dataset
 ) -> None:
@@ -227,10 +222,66 @@ def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Pat
     assert found.settings["cells_per_radius"] == 1.5
 
 
-def test_an_error_of_the_whole_asks_whether_percent_are_meant(
-    capsys: pytest.CaptureFixture[str],
+SPEED = "million updates/s, median (least to most)"
+GAIN = "times as fast as one thread"
+MEMORY = "arrays, bytes a point"
+QUICK = ["--set", "samples=2", "--set", "sample_time=0.01", "--set", "size=600"]
+
+
+def table(rows: Sequence[str], title: str) -> dict[str, str]:
+    """What stands in the table of that title, by whatever varies besides the size."""
+    first = rows.index(f"| {title} | 600 points |") + 2
+    cells = [row.strip("| ").split(" | ") for row in takewhile(bool, rows[first:])]
+    return dict(cells)
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("one")
+    assert main(["bench", *QUICK, "--out", str(folder)]) == 0
+    return folder / "bench.nc"
+
+
+@pytest.mark.slow
+def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: Path) -> None:
+    dataset = xr.open_dataset(result)
+    assert dict(dataset.update_rate.sizes) == {"physics": 3, "threads": 2}
+    assert (dataset.update_rate_lowest <= dataset.update_rate).all()
+    assert (dataset.update_rate <= dataset.update_rate_highest).all()
+    rows = bench_rows(dataset)
+    assert len(table(rows, SPEED)) == 6
+    case = dataset.sel(physics="cone", threads=1)
+    assert {"particles_to_grid", "grid_to_particles", "cell_rates"} <= set(case.stage.values)
+    stages = {row.split("`")[1]: row.split("|")[2:-1] for row in rows if row.startswith("| `")}
+    assert stages
+    times = case.stage_time.dropna("stage")
+    for name, (time, share) in stages.items():
+        assert time.strip() == f"{times.sel(stage=name):.2f}"
+        assert share.strip() == f"{times.sel(stage=name) / times.sum():.1%}"
+    assert list(table(rows, MEMORY).values()) == [
+        f"{case:.0f}" for case in dataset.array_bytes.values.flat
+    ]
+    assert (dataset.thread_gain.sel(threads=2) > 0).all()
+    assert dataset.thread_gain.sel(threads=1).isnull().all()
+    assert list(table(rows, GAIN).values()) == [
+        f"{gain:.2f}" for gain in dataset.thread_gain.sel(threads=2).values
+    ]
+
+
+@pytest.mark.slow
+def test_of_cases_that_are_computed_together_the_table_shows_speed_and_memory_alone(
+    tmp_path: Path, command: Command
 ) -> None:
-    with pytest.raises(SystemExit):
-        main(["recommend", "cone_penetration", "--error", "1"])
-    assert "'1' is 100%: is 1% meant?" in capsys.readouterr().err
-    assert share("150%") == 1.5
+    settings = ["--set", "physics=elastic", "--set", "threads=[1, 2]", "--set", "cases=[1, 2]"]
+    rows = command("bench", *QUICK, *settings, "--out", tmp_path).out.splitlines()
+    each = {f"threads {threads}, cases {cases}" for threads in (1, 2) for cases in (1, 2)}
+    assert table(rows, SPEED).keys() == table(rows, MEMORY).keys() == each
+    assert all(float(cell.split()[0]) > 0 for cell in table(rows, SPEED).values())
+    assert table(rows, GAIN).keys() == {"threads 2, cases 1"}
+
+
+@pytest.mark.slow
+def test_two_benches_can_be_compared(result: Path, tmp_path: Path, command: Command) -> None:
+    command("bench", *QUICK, "--out", tmp_path)
+    told = command("compare", result, tmp_path / "bench.nc", "--tolerance", "1e6").out
+    assert "update_rate " in told

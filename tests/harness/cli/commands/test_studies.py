@@ -1,0 +1,186 @@
+"""`harness new`, and what is told of scenes and studies: `list`, `describe`, `plan`, `status`."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from harness.cli.main import main
+from harness.study.files import read_toml, study_names
+from harness.study.study import Study, load_study
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from tests.harness.conftest import HEAD, Command, study_in
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", scene_names())
+def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
+    assert main(["new", "mine", "--scene", scene]) == 0
+    study = load_study("mine.toml")
+    assert len(study.cases) > 1
+    text = Path("mine.toml").read_text()
+    assert max(map(len, text.splitlines())) <= 100
+    for name in parameters_of(scene_class(scene)):
+        assert f"{name} = " in text
+
+
+@pytest.mark.parametrize("scene", ["cone_penetration", "sounding", "cone_bearing"])
+def test_references_are_offered_to_a_scene_that_has_what_they_are_of(scene: str) -> None:
+    main(["new", "mine", "--scene", scene])
+    text = Path("mine.toml").read_text()
+    assert ("#[compare]" in text) == (scene == "cone_penetration")
+    for line in ("[compare]", "references", "experience"):
+        text = text.replace(f"#{line}", line)
+    Path("edited.toml").write_text(text)
+    assert bool(load_study("edited.toml").compared.references) == (scene == "cone_penetration")
+
+
+def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
+    main(["new", "mine"])
+    lines = Path("mine.toml").read_text().split("# A reference of your own")[0].splitlines()
+    assert "#in_situ_stress = 400000.0" in lines
+    given = [line[1:] if re.match(r"#\w+ = [^.\[]", line) else line for line in lines]
+    Path("edited.toml").write_text("\n".join(given))
+    fixed = read_toml(Path("edited.toml"))["fixed"]
+    known = parameters_of(scene_class("cone_penetration"))
+    with_default = {name for name, it in known.items() if it.default is not None}
+    assert fixed.keys() == with_default - {"rigidity_index"}  # which varies
+    edited, mine = (load_study(f"{name}.toml") for name in ("edited", "mine"))
+    assert [case.key for case in edited.cases] == [case.key for case in mine.cases]
+
+
+@pytest.mark.slow
+def test_a_new_study_runs_as_it_stands(command: Command) -> None:
+    command("new", "mine", "--scene", "material_point")
+    assert main(["run", "mine.toml", "--set", "step_count=10"]) in (0, 1)
+    assert "rigidity_index=100.0" in command("status", "results/mine.nc").out
+    whole = "results/mine.nc  material_point: 2 cases: 2 completed"
+    assert whole in command("status", "material_point").out
+
+
+def test_a_study_is_described_and_planned(command: Command) -> None:
+    described = command("describe", "stability_random").out
+    assert "varied       undrained_shear_strength = 1 to 1e+07 Pa" in described
+    assert "excluded     cells_per_radius**3 * penetration > 300" in described
+    assert "a Latin hypercube" in described
+    planned = command("plan", "adhesion_factor", "--set", "adhesion_factor=[0, 1]").out
+    heading, *rows, total = planned.splitlines()
+    assert heading.split() == ["points", "memory", "steps", "<", "time", "<", "case"]
+    assert [row.split()[-1] for row in rows] == ["adhesion_factor=0.0", "adhesion_factor=1.0"]
+    assert total.startswith("2 cases, ")
+
+
+@pytest.mark.parametrize(
+    ("setting", "warning"),
+    [
+        ("undrained_shear_strength=35", "= 35 is in Pa; if 35 kPa is meant, give 35000"),
+        ("cone_radius=17.85", "= 17.85 is in m; if 17.85 mm is meant, give 0.01785"),
+        ("density=17", "= 17 is in kg m-3; if 17 kN/m3 is meant, give 1732.93"),
+        ("in_situ_stress=[200, 400]", "= 200 is in Pa; if 200 kPa is meant, give 200000"),
+        ("undrained_shear_strength=[1, 1e3, 1e7]", ""),
+        ("in_situ_stress=0", ""),
+        ("cone_radius=0.0252", ""),
+        ("cone_radius=1", ""),
+    ],
+)
+def test_a_value_in_what_looks_like_another_unit_is_told(
+    setting: str, warning: str, command: Command
+) -> None:
+    told = command("plan", "mesh_size", "--set", "cells_per_radius=1", "--set", setting).err
+    lines = [f"harness: {setting.partition('=')[0]} {warning}"] if warning else []
+    assert told.splitlines() == lines
+
+
+@pytest.mark.parametrize(
+    ("profile", "warning"),
+    [
+        (
+            "strength [Pa]; 0, 25; 9, 25",
+            "strength = 25 is in Pa; if 25 kPa is meant, its column is [kPa]",
+        ),
+        (
+            "strength [kPa], unit_weight [N/m3]; 0, 25, 17; 9, 25, 17",
+            "unit_weight = 17 is in N/m3; if 17 kN/m3 is meant, its column is [kN/m3]",
+        ),
+        ("strength [kPa]; 0, 25; 9, 25", ""),
+    ],
+)
+def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
+    profile: str, warning: str, command: Command
+) -> None:
+    lines = command("plan", "sounding", "--set", f'profile="depth [m], {profile}"').err.splitlines()
+    told = [line for line in lines if " is meant" in line]
+    assert told == ([f"harness: profile: {warning}"] if warning else [])
+
+
+SANE = "nearly all cases complete from 0.0001 to 0.1"
+LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
+OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less"
+OF_REMOULDED = "rho V^2 is 25 of the remoulded strength, and above 5 soil is thrown off; try "
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "lines"),
+    [
+        ("cone_penetration", "speed_ratio=0.1 rigidity_index=900", []),
+        ("cone_penetration", "speed_ratio=[0.1,0.2,0.3]", [f"speed_ratio = 0.3; {SANE}"]),
+        (
+            "cone_penetration",
+            "speed_ratio=[0.1,0.2] rigidity_index=500",
+            [f"speed_ratio = 0.2; {SANE}", f"{LIKELY}0.2: {OF_SU}"],
+        ),
+        (
+            "cyclic_t_bar",
+            "remoulded_strength_ratio=0.04 ductility=10 speed_ratio=[0.01,0.1]",
+            [f"{LIKELY}0.1: {OF_REMOULDED}speed_ratio = 0.02 or less"],
+        ),
+    ],
+    ids=["sane", "beyond", "likely to fail", "of remoulded clay"],
+)
+def test_a_value_that_fewer_cases_complete_with_is_told(
+    scene: str, settings: str, lines: list[str], command: Command
+) -> None:
+    told = command("plan", scene, *(f"--set={setting}" for setting in settings.split())).err
+    assert told.splitlines() == [f"harness: {line}" for line in lines]
+
+
+def test_list_names_studies_and_scenes(command: Command) -> None:
+    listed = command("list").out
+    for name in study_names():
+        assert f"  {name} " in listed
+        assert f" {load_study(name).title}\n" in listed
+    for name in scene_names():
+        assert f"  {name} " in listed
+
+
+def test_describe_gives_unit_default_range_and_meaning(command: Command) -> None:
+    """And the range in which nearly all cases complete."""
+    described = command("describe", "cone_penetration").out
+    allowed = parameters_of(ConePenetration)["cone_radius"].allowed
+    assert ConePenetration.summary in described
+    lines = {line.split()[0]: line for line in described.splitlines() if line}
+    told = lines["cone_radius"].split(maxsplit=3)
+    assert told == ["cone_radius", "0.01785", "m", f"radius of the cone's base; {allowed}"]
+    assert lines["apex_angle"].endswith("<= 150; nearly all cases complete from 30 to 120")
+    assert f"{'layer_top':26} none [m]" in command("describe", "sounding").out
+
+
+@pytest.mark.parametrize("excluded", [0, 100])
+def test_a_study_of_very_many_cases_is_described_at_once(
+    excluded: int, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    conditions = [f"rigidity_index > {1000 + it} and density > 1" for it in range(excluded)]
+    varied = "[vary]\nrigidity_index = { from = 50, to = 250, count = 99999 }\n"
+    study = study_in(tmp_path, f"{HEAD}exclude = {conditions}\n{varied}")
+    monkeypatch.setattr(Study, "cases", property(lambda _: pytest.fail("each case was made")))
+    told = command("describe", study.source).out
+    assert "cases        99999 at most, all combinations" in told
