@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.arguments import POSITIVE, check_kind, check_number
-from mpm_warp.bodies.body import Body, Load
+from mpm_warp.bodies.body import Body, Load, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.grid import UniformGrid
 from mpm_warp.errors import SceneError
@@ -32,7 +32,7 @@ class BodyScene:
 
     grid: UniformGrid  # the background grid
     bodies: tuple[Body, ...]  # one or more
-    # time step over the critical one, the least `Body.critical_time_step` of all bodies; > 0
+    # time step over the critical one, the least `critical_time_step` of all bodies; > 0
     time_step_fraction: float = 0.6
     contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
 
@@ -77,7 +77,10 @@ class BodyScene:
         least = math.inf
         for particles, body in zip(self.particles_of_bodies, self.bodies, strict=True):
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))
-            least = min(least, body.critical_time_step(self.grid.cell_size, thinning))
+            of_body = critical_time_step(
+                self.grid.cell_size, body.material, body.retardation_time, thinning
+            )
+            least = min(least, of_body)
         return least
 
     def _check_body(self, index: int, body: Body) -> None:

@@ -121,6 +121,7 @@ def show_plan(options: argparse.Namespace) -> int:
         _show_cases(study.cases)
         return DONE
     scene = _scene_of(study.cases[0])
+    scene.run_size()  # refuses what has more steps than can be counted
     with _at_work(1, f"planning {study.name}") as bar:
         plan = scene.plan()
         text = _plan_text(plan, scene.step_count_bound(plan))
