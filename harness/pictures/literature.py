@@ -54,7 +54,9 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
             linewidth=0,
             alpha=0.5,
             zorder=0.5,
-            label=f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}",
+            label=plain(
+                f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}"
+            ),
         )
 
 
@@ -96,7 +98,7 @@ def draw_literature(
         if not applies[known].all():
             label = once(axes, "outside its validity")
             axes.plot(x, value, color=own, lw=0.9, ls=(0, (4, 3)), alpha=0.7, label=label)
-        ends.append(CurveEnd(x[known[-1]], value[known[-1]], reference.label, own))
+        ends.append(CurveEnd(x[known[-1]], value[known[-1]], plain(reference.label), own))
     return ends
 
 
@@ -163,7 +165,7 @@ def _own(dataset: xr.Dataset) -> list[OwnReference]:
 def ranges_of_own(dataset: xr.Dataset) -> str:
     """Where the curves of the study's own references are drawn, in sentences."""
     return " ".join(
-        f"{plain(reference.label)} is drawn within its range: {reference.validity}."
+        plain(f"{reference.label} is drawn within its range: {reference.validity}.")
         for reference in _own(dataset)
         if reference.ranges
     )

@@ -121,13 +121,18 @@ def test_main_pictures_of_several_studies_stand_in_the_summary_too(
 
 
 def test_a_page_is_written_again_but_no_other_file(
-    results: list[xr.Dataset], tmp_path: Path, refusal: Refusal, capsys: pytest.CaptureFixture[str]
+    results: list[xr.Dataset],
+    tmp_path: Path,
+    refusal: Refusal,
+    capsys: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     file, out = tmp_path / "coarse.nc", tmp_path / "report.html"
-    write_study(file, results[0])
+    write_study(file, results[0].assign_attrs(title="\u6f22"))  # no letter of the font
     command = ["report", str(file), "-o", str(out)]
     assert main(command) == main(command) == 0
-    assert capsys.readouterr().out == f"{out}\n" * 2
+    assert capsys.readouterr() == (f"{out}\n" * 2, "")
+    assert caplog.text == ""
     out.write_text("<p>my own page</p>")
     assert f"{out}: was not written by this program" in refusal(command)
     assert out.read_text() == "<p>my own page</p>"
