@@ -1,5 +1,6 @@
 """`harness list` and `describe`."""
 
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -8,12 +9,18 @@ from harness.cli.main import main
 from harness.study.files import study_names
 from harness.study.study import Study, load_study
 from mpm_warp.parameters import parameters_of
-from mpm_warp.scenes import scene_names
+from mpm_warp.scenes import catalogue, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import study_in
 
 
-def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_names_studies_and_scenes(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A package whose scene cannot be loaded takes nothing from the others."""
+    lost = EntryPoint("lost", "nowhere:Scene", catalogue.GROUP)
+    everything = {**catalogue._all_scenes(), "lost": lost}
+    monkeypatch.setattr(catalogue, "_all_scenes", lambda: everything)
     assert main(["list"]) == 0
     listed = capsys.readouterr().out
     for name in study_names():
@@ -21,6 +28,7 @@ def test_list_names_studies_and_scenes(capsys: pytest.CaptureFixture[str]) -> No
         assert f" {load_study(name).title}\n" in listed
     for name in scene_names():
         assert f"  {name} " in listed
+    assert "scene 'lost': the entry point 'nowhere:Scene' of an unknown package cannot be" in listed
 
 
 def test_describe_gives_unit_default_range_and_meaning(capsys: pytest.CaptureFixture[str]) -> None:
