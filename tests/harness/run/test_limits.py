@@ -155,7 +155,7 @@ def test_what_is_sampled_on_the_way_counts_as_memory(scene: CatalogueScene) -> N
 @pytest.mark.parametrize(
     "scene",
     [
-        SlidingBlock(time_step_fraction=1e-9),
+        SlidingBlock(time_step_fraction=1e-12),
         CircularFooting(speed_ratio=1e-12),
         FullFlowCylinder(speed_ratio=1e-300),
     ],
