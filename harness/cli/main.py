@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import logging
 import os
 import signal
 import sys
@@ -40,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if arguments is None else list(arguments)
     # What a file calls its results may have letters that no font has.
     warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of glyphs in mathematics
     with safe_remarks():
         return _exit_code(parser, given)
 

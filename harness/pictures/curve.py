@@ -227,7 +227,9 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
             linewidth=0,
             alpha=0.5,
             zorder=0.5,
-            label=f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}",
+            label=plain(
+                f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}"
+            ),
         )
 
 
@@ -266,7 +268,7 @@ def _draw_literature(
         if not applies[np.isfinite(value)].all():
             label = once(axes, "outside its validity")
             axes.plot(x, value, color=own, lw=0.9, ls=(0, (4, 3)), alpha=0.7, label=label)
-        ends += end_of(x, value, reference.label, own)
+        ends += end_of(x, value, plain(reference.label), own)
     return ends
 
 
@@ -334,7 +336,7 @@ def _own(dataset: xr.Dataset) -> list[OwnReference]:
 def _ranges_of_own(dataset: xr.Dataset) -> str:
     """Where the curves of the study's own references are drawn, in sentences."""
     return " ".join(
-        f"{plain(reference.label)} is drawn within its range: {reference.validity}."
+        plain(f"{reference.label} is drawn within its range: {reference.validity}.")
         for reference in _own(dataset)
         if reference.ranges
     )

@@ -1,7 +1,8 @@
 """One page of HTML on results, with all that they hold and nothing to be fetched."""
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+import itertools
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
     COMPLETED,
@@ -62,10 +64,8 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     """The page as text, and the errors of the pictures that could not be drawn."""
-    drawn = [
-        rendered(dataset, lambda it: (image(it, dpi=SMALL_DPI), image(it, dpi=PICTURE_DPI)))
-        for dataset in datasets
-    ]
+    # The small picture is that of the summary, which one study alone does not have.
+    drawn = [_drawn(dataset, has_small=len(datasets) > 1) for dataset in datasets]
     numbered = enumerate(zip(datasets, drawn, strict=True), start=1)
     sections = [_section(place, dataset, *pictures) for place, (dataset, pictures) in numbered]
     text = TEMPLATES.get_template("page.html").render(
@@ -73,20 +73,37 @@ def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     )
     return text, {
         f"{dataset.attrs['study']}_{name}": error
-        for dataset, (_, failed) in zip(datasets, drawn, strict=True)
+        for dataset, (*_, failed) in zip(datasets, drawn, strict=True)
         for name, error in failed.items()
     }
 
 
+def _drawn(
+    dataset: xr.Dataset, *, has_small: bool
+) -> tuple[list[Picture], list[Picture], Failures]:
+    """The pictures of a study, the main one small, and the errors of those that are left out."""
+    small: list[bytes] = []
+
+    def render(figure: Figure) -> bytes:
+        if has_small and not small:
+            small.append(image(figure, dpi=SMALL_DPI))
+        return image(figure, dpi=PICTURE_DPI)
+
+    drawn, failed = rendered(dataset, render)
+    pictures = list(itertools.starmap(embedded, drawn.items()))
+    return pictures, list(map(embedded, drawn, small)), failed
+
+
 def _section(
-    place: int, dataset: xr.Dataset, drawn: Mapping[str, tuple[bytes, bytes]], failed: Failures
+    place: int,
+    dataset: xr.Dataset,
+    pictures: Sequence[Picture],
+    small: Sequence[Picture],
+    failed: Failures,
 ) -> dict[str, Any]:
     """What the page says of a study, by the names that stand in page.html."""
     columns, parameters = case_columns(dataset), case_parameters(dataset)
     completed = (over_cases(dataset, "status") == COMPLETED).tolist()
-    small, large = (
-        [embedded(name, sizes[size]) for name, sizes in drawn.items()] for size in (0, 1)
-    )
     return {
         "anchor": f"study-{place}",
         "title": str(dataset.attrs.get("title", dataset.attrs["study"])),
@@ -94,8 +111,8 @@ def _section(
         "scene": str(dataset.attrs["scene"]).replace(" ", ", "),
         "summary": _summary(dataset),
         "stands_on": _stands_on(dataset, parameters["fixed"]),
-        "small": next(iter(small), None),  # of the main picture
-        "pictures": large,
+        "small": small,
+        "pictures": pictures,
         "failed": failed,
         "missed": misses(dataset),
         "stability": stability_rows(dataset) if shows_stability(dataset) else [],

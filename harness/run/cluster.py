@@ -2,7 +2,9 @@
 
 import importlib.util
 import logging
+import math
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,12 +18,14 @@ from harness.archive.conventions import COMPLETED, CRASHED, FAILED
 from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line, tell
 from harness.run.pool import Watcher
-from harness.run.resources import costliest_first
+from harness.run.resources import costliest_first, spoken_time
 from harness.run.worker import Result, compute
 from harness.study.cases import Case
 
 PATIENCE = 10.0
 """Seconds to wait for the scheduler's answer."""
+WORKER_PATIENCE = 600.0
+"""Seconds to wait for another worker when all are gone."""
 NO_CERTIFICATE = (
     "there is no certificate: set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
     "DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT and DASK_DISTRIBUTED__COMM__TLS__CLIENT__KEY"
@@ -83,21 +87,40 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
     the results so far are kept.
 
     Raises:
-        HarnessError: the scheduler is lost.
+        HarnessError: the scheduler is lost, or all workers, and none comes for `WORKER_PATIENCE`.
     """
     # The scheduler takes first what comes first. Not pure: a case asked for again failed before.
     case_of = {
         client.submit(compute_in_turn, case, pure=False): case for case in costliest_first(cases)
     }
     ended = as_completed(list(case_of), loop=client.loop, with_results=True, raise_errors=False)
-    for future, answer in ended:
-        case = case_of.pop(future)  # with it the cluster lets go of the result
-        if isinstance(answer, Result):
-            watcher.finished(case, _kept(folder, case, answer))
-        elif future.status == "error":
-            watcher.finished(case, _kept(folder, case, _loss(answer[1])))
-        else:
-            raise HarnessError("the scheduler of the Dask cluster is lost")
+    while case_of:
+        _wait(ended, client, had_worker=len(case_of) < len(cases))
+        for future, answer in ended.next_batch():
+            case = case_of.pop(future)  # with it the cluster lets go of the result
+            if isinstance(answer, Result):
+                watcher.finished(case, _kept(folder, case, answer))
+            elif future.status == "error":
+                watcher.finished(case, _kept(folder, case, _loss(answer[1])))
+            else:
+                raise HarnessError("the scheduler of the Dask cluster is lost")
+
+
+def _wait(ended: as_completed, client: Client, *, had_worker: bool) -> None:
+    """Wait until a case has ended; for the first worker as long as a queue of jobs may take."""
+    deadline = math.inf
+    while not ended.has_ready():
+        time.sleep(0.1)
+        count, now = client.scheduler_info(n_workers=0)["n_workers"], time.monotonic()
+        had_worker |= count > 0
+        if count > 0:
+            deadline = math.inf
+        elif had_worker and deadline == math.inf:
+            deadline = now + WORKER_PATIENCE
+            in_words = spoken_time(WORKER_PATIENCE)
+            tell(f"all workers of the Dask cluster are gone; the cases wait {in_words} for another")
+        elif now > deadline:
+            raise HarnessError("the workers of the Dask cluster are lost, and no other has come")
 
 
 def _kept(folder: Path, case: Case, result: Result) -> Outcome:

@@ -143,15 +143,21 @@ class Body(Checked):
         """Masses of the particles [kg], shape [particle_count]."""
         return self.material.density * self.volume
 
-    def critical_time_step(self, cell_size: float, thinning: float = 1.0) -> float:
-        """Time in which a wave crosses a cell, shorter where there is damping [s].
 
-        `thinning` is the volume over that at rest: a body that is drawn out keeps its moduli, its
-        density falls, and its waves become faster.
-        """
-        crossing = cell_size / (self.material.pressure_wave_speed * math.sqrt(thinning))
-        damping_ratio = (self.retardation_time or 0.0) / crossing
-        return crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
+def critical_time_step(
+    cell_size: float,
+    material: LinearElastic,
+    retardation_time: float | None,
+    thinning: float = 1.0,
+) -> float:
+    """Time in which a wave crosses a cell, shorter where there is damping [s].
+
+    `thinning` is the volume over that at rest: a body that is drawn out keeps its moduli, its
+    density falls, and its waves become faster.
+    """
+    crossing = cell_size / (material.pressure_wave_speed * math.sqrt(thinning))
+    damping_ratio = (retardation_time or 0.0) / crossing
+    return crossing * (math.hypot(1.0, damping_ratio) - damping_ratio)
 
 
 low, high = wp.constant(real(0.75)), wp.constant(real(1.5))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.arguments import POSITIVE, Checked, checked
-from mpm_warp.bodies.body import Body, Load, UniformGrid
+from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
@@ -31,7 +31,7 @@ class BodyScene(Checked):
 
     grid: UniformGrid  # the background grid
     bodies: tuple[Body, ...]  # one or more
-    # time step over the critical one, the least `Body.critical_time_step` of all bodies; > 0
+    # time step over the critical one, the least `critical_time_step` of all bodies; > 0
     time_step_fraction: float = checked(POSITIVE, default=0.6)
     contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
 
@@ -81,7 +81,10 @@ class BodyScene(Checked):
         least = math.inf
         for particles, body in zip(self.particles_of_bodies, self.bodies, strict=True):
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))
-            least = min(least, body.critical_time_step(self.grid.cell_size, thinning))
+            of_body = critical_time_step(
+                self.grid.cell_size, body.material, body.retardation_time, thinning
+            )
+            least = min(least, of_body)
         return least
 
 

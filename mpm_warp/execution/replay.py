@@ -5,6 +5,7 @@ over its part of a step, and Python is called again only between two calls of a 
 each step is one launch of a captured graph.
 """
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -66,8 +67,9 @@ class RecordedSteps:
 
         def replay_part(thread: int) -> None:
             for call in calls:
-                audited = call.start % AUDIT_INTERVAL == 0
-                self._written[thread][...] = call.start, call.stop, True, audited
+                # As many as fit in the state of a loop, however long the run.
+                first = call.start % AUDIT_INTERVAL
+                self._written[thread][...] = first, first + len(call), True, first == 0
                 wp.capture_launch(self._graphs[thread])
 
         def leave(thread: int) -> None:
@@ -77,7 +79,7 @@ class RecordedSteps:
         if self._threads == 1:
             replay_part(0)
         else:
-            worker_threads(self._threads).run(replay_part, leave)
+            worker_threads(self._threads, os.getpid()).run(replay_part, leave)
 
     def _recorded_loop(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> Any:
         """Record a loop over any number of steps: what a thread does of them."""

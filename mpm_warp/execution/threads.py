@@ -127,6 +127,6 @@ class WorkerThreads:
 
 
 @functools.cache
-def worker_threads(count: int) -> WorkerThreads:
-    """The process's worker threads of this number, started once."""
+def worker_threads(count: int, process: int) -> WorkerThreads:
+    """The worker threads of this number of a process, started once: a fork has none at first."""
     return WorkerThreads(count)

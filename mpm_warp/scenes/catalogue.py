@@ -153,7 +153,11 @@ class CatalogueScene(ABC):
         return None
 
     def run_size(self) -> RunSize | None:
-        """How large a run is, worked out at once; None where any that is allowed is small."""
+        """How large a run is, worked out at once; None where any that is allowed is small.
+
+        Raises:
+            mpm_warp.errors.SceneError: it has more steps than can be counted.
+        """
         return None if self.end_time is None else size_in_grid(self.build(), self.end_time)
 
     def plan(self) -> Plan:
@@ -192,8 +196,10 @@ class CatalogueScene(ABC):
                 recorded up to there.
             mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
             mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
-            mpm_warp.errors.SceneError: the scene takes no snapshots.
+            mpm_warp.errors.SceneError: the scene takes no snapshots, or has more steps than can be
+                counted.
         """
+        self.run_size()
         check_kind("execution", execution, (Execution, type(None)))
         check_kind("snapshots", snapshots, (Snapshots, type(None)))
         with _reporter(progress, self.catalogue_name()) as report:

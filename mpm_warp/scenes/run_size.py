@@ -6,9 +6,11 @@ from functools import partial
 
 import numpy as np
 
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scene import Scene
+from mpm_warp.simulation import STEP_COUNTS
 
 POINT_BYTES, STATE_BYTES = 118.0, 16.0
 """Memory of a material point, and of a number that its law remembers, set-up included [byte]."""
@@ -26,6 +28,9 @@ class RunSize:
         bytes_per_particle: memory of a material point, likewise.
         curve_bytes: memory of what is sampled on the way, of curves made of it, and of what
             compares them.
+
+    Raises:
+        SceneError: the steps are more than can be counted.
     """
 
     cell_count: int
@@ -34,6 +39,13 @@ class RunSize:
     bytes_per_cell: float = 735.0
     bytes_per_particle: float = POINT_BYTES
     curve_bytes: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not STEP_COUNTS.holds(self.step_count, self.step_count):
+            raise SceneError(
+                f"needs {self.step_count:.3g} time steps, where at most {STEP_COUNTS.maximum:.0e} "
+                "can be counted: try a longer time step, a higher speed, or a shorter run"
+            )
 
     @property
     def byte_count(self) -> float:

@@ -46,8 +46,9 @@ class Test(Protocol):
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
-    def run_size(self) -> Any:
-        """Of its run; `particle_updates` are material points times steps."""
+    @property
+    def own_size(self) -> Any:
+        """Of a run of it alone; `particle_updates` are material points times steps."""
 
     def further_tests(self) -> "Mapping[str, Self]":
         """Its further tests, by the effect that each measures."""
@@ -160,7 +161,7 @@ def with_measured_error(
     `particle_updates` too.
     """
     further = case.further_tests()
-    sizes = [single.run_size() for single in (case, *further.values())]
+    sizes = [single.own_size for single in (case, *further.values())]
     own, *parts = one_after_the_other(sizes, progress)
     results = run(case, own)
     made: dict[str, TestRun | str] = {}

@@ -82,9 +82,9 @@ def run(options: argparse.Namespace) -> int:
 
 def _check_uncertainty(study: Study) -> None:
     """Refuse a study without a scene whose uncertainty further runs can measure."""
-    measured = [name for name in scene_names() if "uncertainty" in parameters_of(scene_class(name))]
     names = [part.name for part in study.parts]
-    if not set(names) & set(measured):
+    if not any("uncertainty" in part.parameters for part in study.parts):
+        measured = [it for it in scene_names() if "uncertainty" in parameters_of(scene_class(it))]
         raise HarnessError(
             f"--uncertainty: no measured uncertainty in {', '.join(names)}; these scenes have one: "
             f"{', '.join(measured)}"

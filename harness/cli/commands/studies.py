@@ -26,7 +26,7 @@ from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from harness.study.tables import StudyError
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.plan.plan import Launch, Plan
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
@@ -70,12 +70,20 @@ def list_names(options: argparse.Namespace) -> int:
     """Print the studies and scenes that there are."""
     kinds = {
         "studies": {name: load_study(name).title for name in study_names()},
-        "scenes": {name: scene_class(name).summary for name in scene_names()},
+        "scenes": {name: _summary(name) for name in scene_names()},
     }
     width = max(len(name) for them in kinds.values() for name in them)
     for kind, them in kinds.items():
         print(f"{kind}:", *(f"  {name:{width}} {what}" for name, what in them.items()), sep="\n")
     return DONE
+
+
+def _summary(scene: str) -> str:
+    """What a scene simulates, or why it cannot be loaded."""
+    try:
+        return scene_class(scene).summary
+    except UnknownSceneError as refusal:
+        return str(refusal)
 
 
 def describe(options: argparse.Namespace) -> int:
@@ -120,6 +128,7 @@ def show_plan(options: argparse.Namespace) -> int:
         _show_cases(study.cases)
         return DONE
     scene = _scene_of(study.cases[0])
+    scene.run_size()  # refuses what has more steps than can be counted
     with _at_work(1, f"planning {study.name}") as bar:
         plan = scene.plan()
         text = _plan_text(plan, scene.step_count_bound(plan))

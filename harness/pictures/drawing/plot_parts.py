@@ -8,8 +8,11 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from matplotlib import colormaps, style
 from matplotlib.axes import Axes
+from matplotlib.cbook import is_math_text
 from matplotlib.colors import ListedColormap, to_hex
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
+from matplotlib.text import Text
 
 from harness.archive.atomic_files import write_whole
 from harness.errors import HarnessError
@@ -73,9 +76,19 @@ INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
 @STYLED
 def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
     """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is of a PNG."""
+    for text in figure.findobj(Text):
+        text.set_parse_math(_is_set(text.get_text()))
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
     return content.getvalue()
+
+
+def _is_set(words: str) -> bool:
+    """Whether mathematics in a text can be set; in what a file says it may be none."""
+    try:
+        return not is_math_text(words) or bool(MathTextParser("path").parse(words))
+    except ValueError:
+        return False
 
 
 @STYLED

@@ -7,12 +7,10 @@ from typing import NoReturn
 
 import numpy as np
 
-from mpm_warp.bodies.body import MARGIN
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
-from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 
 BASE_CELLS = 3
 """Cells of the base: its thickness, and its length beside the way of the block on each side."""
@@ -189,22 +187,6 @@ class BlockOnBase(CatalogueScene):
         if radius < least:
             why = f"must be at least {least:g} m: the height of the block and four cells"
             self._refuse("interface_radius", "", f": {why}")
-
-    def run_size(self) -> RunSize:
-        """Cells around the base and the block on its way, and their material points."""
-        way = self.travel if self.motion.slides else 0.0
-        along = self.cells_per_length * (1.0 + way) + 2 * BASE_CELLS
-        height = self.cells_per_length * self.height_ratio
-        cos, sin = (abs(turned(math.radians(self.grid_angle))) for turned in (math.cos, math.sin))
-        across, margin = height + BASE_CELLS, 2 * MARGIN + 1
-        columns, rows = along * cos + across * sin + margin, along * sin + across * cos + margin
-        block_count = self.cells_per_length * height * self.particles_per_cell
-        return size_of_bodies(
-            cell_count=round(columns * rows),
-            particle_count=round(block_count + along * BASE_CELLS * self.particles_per_cell),
-            # Places of the points of the block: kept, stacked, and three arrays of that shape.
-            curve_bytes=5.0 * 16.0 * (SAMPLE_COUNT + 1) * block_count,
-        )
 
     @property
     def cell_size(self) -> float:

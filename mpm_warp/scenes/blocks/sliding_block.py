@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body, InterfaceFrame, Load
+from mpm_warp.bodies.body import MARGIN, Body, InterfaceFrame, Load, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
@@ -17,6 +17,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import BASE_CELLS, SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}
@@ -45,6 +46,27 @@ class SlidingBlock(BlockOnBase):
         *_extreme(*({**VIOLENT, "stiffness_ratio": ratio} for ratio in (1e-6, 1e6)), error=0.01),
         *_extreme(*({**LONG, "grid_angle": angle} for angle in (0.0, 20.0)), error=1e-4),
     )
+
+    def run_size(self) -> RunSize:
+        """Cells around the base and the block on its way, their material points, and steps."""
+        way = self.travel if self.motion.slides else 0.0
+        along = self.cells_per_length * (1.0 + way) + 2 * BASE_CELLS
+        height = self.cells_per_length * self.height_ratio
+        cos, sin = (abs(turned(math.radians(self.grid_angle))) for turned in (math.cos, math.sin))
+        across, margin = height + BASE_CELLS, 2 * MARGIN + 1
+        columns, rows = along * cos + across * sin + margin, along * sin + across * cos + margin
+        block_count = self.cells_per_length * height * self.particles_per_cell
+        time_step = self.time_step_fraction * min(
+            critical_time_step(self.cell_size, material, self._retardation_time(material))
+            for material in self._materials
+        )
+        return size_of_bodies(
+            cell_count=round(columns * rows),
+            particle_count=round(block_count + along * BASE_CELLS * self.particles_per_cell),
+            step_count=(self.start + self.duration) / time_step,
+            # Places of the points of the block: kept, stacked, and three arrays of that shape.
+            curve_bytes=5.0 * 16.0 * (SAMPLE_COUNT + 1) * block_count,
+        )
 
     def build(self) -> BodyScene:
         """The block is body 0, the base body 1."""

@@ -171,10 +171,11 @@ class ConePenetration(ConeTestByDefault):
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         further = {} if self.uncertainty == "known" else self.further_tests()
-        return of_several([test._run_size for test in (self, *further.values())])
+        return of_several([test.own_size for test in (self, *further.values())])
 
     @property
-    def _run_size(self) -> RunSize:
+    def own_size(self) -> RunSize:
+        """The size of a run without the further ones."""
         grid, window, size = self._grid, self.window, self.cell_size
         # Above and below the cone all cells at the surface are alike: one row of them will do.
         around_cone = self.penetrometer.fitted_grid(

@@ -88,7 +88,7 @@ class Impact(CatalogueScene):
     is accurate for small strain."""
 
     speed_ratio: float = parameter(
-        0.5, "speed of the impact over that of waves", above=0, maximum=0.9
+        0.5, "speed of the impact over that of waves", minimum=1e-6, maximum=0.9
     )
     cell_count: int = parameter(80, "cells along the length", minimum=20, maximum=1000)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.bodies.body import Body, Load, UniformGrid
+from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
@@ -81,11 +81,13 @@ class StretchedBar(CatalogueScene):
     def run_size(self) -> RunSize:
         """Cells along the bar as it is drawn out, its points, and steps as they are at the end."""
         (bar,) = self.build().bodies
-        critical_time_step = bar.critical_time_step(self.cell_size, thinning=self.stretch)
+        at_end = critical_time_step(
+            self.cell_size, bar.material, self.retardation_time, thinning=self.stretch
+        )
         return size_of_body(
             cell_count=12 * self._half_count,
             particle_count=bar.particle_count,
-            step_count=self.duration / (TIME_STEP_FRACTION * critical_time_step),
+            step_count=self.duration / (TIME_STEP_FRACTION * at_end),
         )
 
     def build(self) -> BodyScene:

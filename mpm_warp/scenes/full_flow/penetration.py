@@ -70,7 +70,12 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
         tests = [] if self.uncertainty == "none" else self.further_tests().values()
-        return of_several([size_in_grid(test.build(), test.end_time) for test in (self, *tests)])
+        return of_several([test.own_size for test in (self, *tests)])
+
+    @property
+    def own_size(self) -> RunSize:
+        """The size of a run without the further ones."""
+        return size_in_grid(self.build(), self.end_time)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """What a run gives; with its uncertainty to be measured, the further runs are made too.

@@ -13,6 +13,8 @@ from mpm_warp.materials.material import Material
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import nearest_parameter
 from mpm_warp.scenes.sounding.table import (
+    EARTH_PRESSURE,
+    MEAN_STRESS,
     OWN,
     UNIT_WEIGHT,
     UNITS,
@@ -130,6 +132,11 @@ class Profile:
         columns = {name: column(values) for name, values in self._columns.items()}
         if self.stress_anisotropy is not None:
             columns["stress_anisotropy"][[0, -1]] = self.stress_anisotropy_at(depth[[0, -1]], 0.0)
+        if EARTH_PRESSURE in columns:  # of stresses that are linear
+            at_rest = self.of_law[EARTH_PRESSURE]
+            vertical = self.of_law.get(MEAN_STRESS, 1.0) / (1.0 + 2.0 * at_rest)
+            ends = column(at_rest * vertical) / column(vertical)
+            columns[EARTH_PRESSURE][[0, -1]] = ends[[0, -1]]
         return self.of(columns | {"depth": depth})
 
     def variation(

@@ -20,7 +20,13 @@ from harness.cli.main import main
 from harness.compare.compared import with_experience
 from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import fixed
-from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image
+from harness.pictures.drawing.plot_parts import (
+    MOST_LABELS,
+    SHADES,
+    NotOwnFileError,
+    image,
+    panels,
+)
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import ConePenetration, Sounding
@@ -271,3 +277,9 @@ def test_a_picture_that_fails_takes_nothing_from_the_others(
     assert main(["plot", str(file), "--debug"]) == 1
     assert "Traceback" in capsys.readouterr().err
     assert "The picture convergence could not be drawn" in (tmp_path / "page.html").read_text()
+
+
+def test_what_is_no_mathematics_is_drawn_letter_by_letter() -> None:
+    figure, (axes,) = panels()
+    axes.set_title("$x_{$")
+    assert image(figure)

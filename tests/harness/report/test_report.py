@@ -9,8 +9,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from harness.archive.conventions import DISTRIBUTION
 from harness.archive.study_files import write_study
 from harness.cli.main import main
+from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
 from tests.harness.conftest import Refusal
@@ -111,14 +113,26 @@ def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     assert found["shared"] == []
 
 
+def test_main_pictures_of_several_studies_stand_in_the_summary_too(
+    results: list[xr.Dataset],
+) -> None:
+    alone, both = (page(given)[0].count("<img") for given in (results[:1], results))
+    assert both == 2 * (alone + 1)
+
+
 def test_a_page_is_written_again_but_no_other_file(
-    results: list[xr.Dataset], tmp_path: Path, refusal: Refusal, capsys: pytest.CaptureFixture[str]
+    results: list[xr.Dataset],
+    tmp_path: Path,
+    refusal: Refusal,
+    capsys: pytest.CaptureFixture[str],
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     file, out = tmp_path / "coarse.nc", tmp_path / "report.html"
-    write_study(file, results[0])
+    write_study(file, results[0].assign_attrs(title="\u6f22"))  # no letter of the font
     command = ["report", str(file), "-o", str(out)]
     assert main(command) == main(command) == 0
-    assert capsys.readouterr().out == f"{out}\n" * 2
+    assert capsys.readouterr() == (f"{out}\n" * 2, "")
+    assert caplog.text == ""
     out.write_text("<p>my own page</p>")
     assert f"{out}: was not written by this program" in refusal(command)
     assert out.read_text() == "<p>my own page</p>"
@@ -131,6 +145,20 @@ def test_every_kind_of_result_has_a_page(two_soils: xr.Dataset, tmp_path: Path) 
     exact["error"] = exact["run_time"] * 0.01
     write_report([two_soils, exact], tmp_path / "page.html")
     assert Elements((tmp_path / "page.html").read_text()).open == []
+
+
+def test_distributions_of_few_cases_have_a_table_and_a_picture(results: list[xr.Dataset]) -> None:
+    few = results[0].copy(deep=True)
+    few.rigidity_index.attrs[DISTRIBUTION] = "low 50, high 1000"
+    text, failed = page([few])
+    assert "<td>not told: 6 cases are needed</td>" in text
+    assert failed == {}
+    figure = spread_figure(few)
+    assert figure is not None
+    (words,) = figure.axes[1].texts
+    area, inside = figure.axes[1].get_window_extent(), words.get_window_extent()
+    assert area.contains(*inside.min)
+    assert area.contains(*inside.max)
 
 
 README = Path(__file__).parents[3] / "harness" / "README.md"

@@ -5,6 +5,7 @@ import json
 import shutil
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -45,8 +46,9 @@ class Cluster:
     def __init__(self, folder: Path, processes: ExitStack, *options: str) -> None:
         self.folder, self.processes = folder, processes
         self.scheduler = self.start("scheduler", "--port", "0", *options)
-        wait_until((folder / "scheduler.json").exists)
-        self.address = json.loads((folder / "scheduler.json").read_text())["address"]
+        told = folder / "scheduler.json"
+        wait_until(lambda: told.exists() and told.stat().st_size > 0)
+        self.address = json.loads(told.read_text())["address"]
 
     def add_workers(self, count: int, *options: str) -> list[subprocess.Popen[str]]:
         more = ("--nthreads", "1", "--no-nanny", *options)
@@ -129,6 +131,39 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     everything = written(twenty, out)
     assert len(everything) == CASE_COUNT
     assert kept.items() <= everything.items()
+
+
+def test_when_all_workers_are_gone_a_line_says_so_and_the_run_ends_and_goes_on_later(
+    cluster: Cluster,
+    twenty: Study,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(cluster_module, "WORKER_PATIENCE", 1.0)
+    out, (worker,), ended = tmp_path / "out", cluster.add_workers(1), threading.Event()
+
+    def kill() -> None:
+        wait_until(lambda: len(list(out.glob("*/cases/*.nc"))) >= 5)
+        worker.kill()
+        if not ended.wait(20.0):
+            cluster.add_workers(1)  # or this test had no end
+
+    threading.Thread(target=kill).start()
+    run = ["run", str(twenty.source), "--out", str(out), "--dask", cluster.address]
+    code = main(run)
+    ended.set()
+    assert code == 2
+    told = [line for line in capsys.readouterr().err.splitlines() if "workers" in line]
+    assert told[0].endswith(
+        "all workers of the Dask cluster are gone; the cases wait 1 s for another"
+    )
+    assert told[1:] == ["harness: the workers of the Dask cluster are lost, and no other has come"]
+    kept = written(twenty, out)
+    assert 5 <= len(kept) < CASE_COUNT
+    cluster.add_workers(1)
+    assert main(run) == 0
+    assert kept.items() <= written(twenty, out).items()
 
 
 DEADLY = """

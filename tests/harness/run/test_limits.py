@@ -1,5 +1,6 @@
 """What a case may take of memory and time is looked at before it begins."""
 
+import dataclasses
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,8 +19,10 @@ from harness.run.resources import (
     predicted_time,
 )
 from harness.run.run_study import on_this_machine, run_study
+from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.bearing.on_ground import CircularFooting
@@ -91,9 +94,10 @@ def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
 def test_the_size_of_a_block_on_a_base_is_that_of_its_grid(angle: float, friction: float) -> None:
     """It slides, or stays where it is. The corners of base and block fill no rectangle."""
     scene = SlidingBlock(cells_per_length=40, grid_angle=angle, friction=friction)
-    size, (columns, rows) = scene.run_size(), scene.build().grid.cell_counts
+    size, plan, (columns, rows) = scene.run_size(), scene.plan(), scene.build().grid.cell_counts
     assert (columns - 1) * (rows - 1) < size.cell_count < 1.25 * columns * rows
-    assert size.particle_count == scene.plan().particle_count
+    assert size.particle_count == plan.particle_count
+    assert size.step_count == pytest.approx((scene.start + scene.duration) / plan.time_step)
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -146,6 +150,26 @@ def test_what_is_sampled_on_the_way_counts_as_memory(scene: CatalogueScene) -> N
     """The arrays of these runs take a tenth of it."""
     with pytest.raises(TooLarge, match="GB of memory"):
         check_memory(scene, 2e9)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        SlidingBlock(time_step_fraction=1e-12),
+        CircularFooting(speed_ratio=1e-12),
+        FullFlowCylinder(speed_ratio=1e-300),
+    ],
+    ids=lambda scene: type(scene).__name__,
+)
+def test_what_has_more_steps_than_can_be_counted_is_refused_before_the_run(
+    scene: CatalogueScene,
+) -> None:
+    with pytest.raises(SceneError, match=r"^needs .* time steps, where at most 1e\+12 can be"):
+        scene.run()
+    name, parameters = scene.catalogue_name(), dataclasses.asdict(scene)
+    case = Case(scene=name, scene_version=scene.version, parameters=parameters, label=name)
+    assert predicted_time(case) == 0.0
+    assert compute(case).outcome.status == "refused"
 
 
 def test_a_long_standing_wave_takes_no_more_than_a_short_one() -> None:

@@ -18,7 +18,7 @@ from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
-from mpm_warp.errors import ParameterError
+from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 from tests.harness.conftest import Depth
@@ -68,9 +68,12 @@ def random_scene(source: random.Random, name: str) -> CatalogueScene:
     while True:
         known = {key: it for key, it in parameters_of(scene).items() if source.random() < share}
         try:
-            return scene(**{key: drawn(source, it) for key, it in known.items()})
-        except ParameterError:
+            made = scene(**{key: drawn(source, it) for key, it in known.items()})
+            made.run_size()
+        except (ParameterError, SceneError):
             share *= 0.9
+        else:
+            return made
 
 
 def random_cases(count: int) -> list[Case]:

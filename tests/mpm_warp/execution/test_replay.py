@@ -1,6 +1,7 @@
 """Replay of steps: the same bits with any number of threads, and however steps are divided."""
 
 import gc
+import multiprocessing
 import threading
 import time
 import weakref
@@ -127,6 +128,33 @@ def test_steps_are_the_same_however_they_are_parted(
     for count in (1, 15, 16, 17, 3, 48):
         parted.advance(count)
     assert_same_bits(whole, parted)
+
+
+def test_steps_are_counted_beyond_what_the_state_of_a_loop_holds() -> None:
+    early, late = (Simulation(CONE.build()) for _ in range(2))
+    late.step_count = late._healthy_step = 2**31 - 16
+    for simulation in (early, late):
+        simulation.advance(40)
+    assert_same_bits(early, late)
+
+
+@pytest.mark.usefixtures("all_take_part")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_fork_goes_on_with_threads_of_its_own() -> None:
+    """It has none of those of its parent, for which it would wait without end."""
+    parent, alone = (Simulation(CONE.build(), Execution(threads=count)) for count in (2, 1))
+    parent.advance(40)
+    alone.advance(80)
+
+    def go_on() -> None:
+        parent.advance(40)
+        assert_same_bits(parent, alone)
+
+    child = multiprocessing.get_context("fork").Process(target=go_on)
+    child.start()
+    child.join(60.0)
+    child.kill()
+    assert child.exitcode == 0
 
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:

@@ -150,6 +150,9 @@ def test_what_the_runs_took_is_told() -> None:
     assert float(results.particle_updates) == 5e6
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1.0)
+    # Each run by what it takes: the case is a small part of what a case with its runs does.
+    updates = CONE.own_size.particle_updates
+    assert fractions[0] == pytest.approx(updates / CONE.run_size().particle_updates)
 
 
 def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:

@@ -1,6 +1,7 @@
 """`harness new`, and what is told of scenes and studies: `list`, `describe`, `plan`, `status`."""
 
 import re
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from harness.cli.main import main
 from harness.study.files import read_toml, study_names
 from harness.study.study import Study, load_study
 from mpm_warp.parameters import parameters_of
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes import catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import HEAD, Command, study_in
 
@@ -153,13 +154,18 @@ def test_a_value_that_fewer_cases_complete_with_is_told(
     assert told.splitlines() == [f"harness: {line}" for line in lines]
 
 
-def test_list_names_studies_and_scenes(command: Command) -> None:
+def test_list_names_studies_and_scenes(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package whose scene cannot be loaded takes nothing from the others."""
+    lost = EntryPoint("lost", "nowhere:Scene", catalogue.GROUP)
+    everything = {**catalogue._all_scenes(), "lost": lost}
+    monkeypatch.setattr(catalogue, "_all_scenes", lambda: everything)
     listed = command("list").out
     for name in study_names():
         assert f"  {name} " in listed
         assert f" {load_study(name).title}\n" in listed
     for name in scene_names():
         assert f"  {name} " in listed
+    assert "scene 'lost': the entry point 'nowhere:Scene' of an unknown package cannot be" in listed
 
 
 def test_describe_gives_unit_default_range_and_meaning(command: Command) -> None:

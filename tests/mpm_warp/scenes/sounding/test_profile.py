@@ -269,6 +269,18 @@ def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
     assert ground.stress_anisotropy[rows[1]] == pytest.approx(test.stress_anisotropy, rel=1e-12)
 
 
+def test_normally_consolidated_cam_clay_may_change_its_k0() -> None:
+    """Its yield surface goes through the stress at rest, wherever the stretch begins and ends."""
+    own: dict[str, Any] = {"material": "modified_cam_clay", "vertical_overconsolidation_ratio": 1.0}
+    sounding = offered(profile=K0.replace("0.8", "0.3"), from_depth=4.03, to_depth=6.0, **own)
+    ground = sounding.ground_passed
+    at_rest, mean = ground.of_law["earth_pressure_at_rest"], ground.of_law["mean_effective_stress"]
+    deviator = 2.0 * ground.stress_anisotropy * ground.strength
+    np.testing.assert_allclose(
+        deviator, 3.0 * mean * (1.0 - at_rest) / (1.0 + 2.0 * at_rest), rtol=1e-12
+    )
+
+
 def test_k0_and_ground_water_give_the_stress_anisotropy_of_strengths_by_direction() -> None:
     own: dict[str, Any] = {"strength_compression": 50e3, "strength_extension": 30e3}
     own |= {"strength_simple_shear": 40e3, "from_depth": 3.0}
