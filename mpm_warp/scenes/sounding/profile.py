@@ -66,8 +66,9 @@ class Profile:
     def __post_init__(self) -> None:
         given = {name: getattr(self, name) for name in OWN}
         own = {name: _numbers(name, value) for name, value in given.items() if value is not None}
-        weight = np.full_like(own["strength"], UNIT_WEIGHT)
-        own = {"shear_modulus": 100.0 * own["strength"], "unit_weight": weight} | own
+        strength = _numbers("strength", self.strength)
+        weight = np.full_like(strength, UNIT_WEIGHT)
+        own = {"shear_modulus": 100.0 * strength, "unit_weight": weight} | own
         of_law = {name: _numbers(name, values) for name, values in self.of_law.items()}
         for name, values in {**own, "of_law": of_law}.items():
             object.__setattr__(self, name, values)
