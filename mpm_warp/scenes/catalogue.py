@@ -159,6 +159,11 @@ class CatalogueScene(ABC):
         """How large a run is, worked out at once; None where any that is allowed is small."""
         return None if self.end_time is None else size_in_grid(self.build(), self.end_time)
 
+    @property
+    def loads_solvers(self) -> bool:
+        """Whether what it gives needs solvers of SciPy, which take memory once they are loaded."""
+        return False
+
     def plan(self) -> Plan:
         """The arrays and launches of a run."""
         return make_plan(self.build())
