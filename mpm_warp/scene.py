@@ -56,10 +56,14 @@ class Part(Checked):
         needs: kinds of parts without which there is none of this kind.
         not_beside: kinds of parts that a scene cannot have beside one of this kind, each with what
             to do instead, or "".
+        cell_bytes, point_bytes: memory that it adds for a cell with its share of nodes, and for a
+            slot of a point [byte].
     """
 
     needs: "ClassVar[tuple[type[Part], ...]]" = ()
     not_beside: "ClassVar[tuple[tuple[type[Part], str], ...]]" = ()
+    cell_bytes: ClassVar[float] = 0.0
+    point_bytes: ClassVar[float] = 0.0
 
     def check(self, scene: "Scene") -> None:
         """Raise `SceneError` where the part does not fit grid and material."""

@@ -8,24 +8,26 @@ and at last the distribution of the ratio. Run it twice: kernels that are compil
 """
 
 import dataclasses
+import importlib
 import itertools
 import multiprocessing
 import random
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from harness.archive.conventions import COMPLETED
-from harness.run.resources import PROCESS_MEMORY, UPDATE_RATE
-from harness.run.worker import compute
+from harness.run.resources import UPDATE_RATE, predicted_memory
+from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 from mpm_warp.simulation import Simulation
-from tests.harness.run.test_random_cases import random_scene
 
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40
 """Memory of a case at most, and from where on no larger one is looked for [byte]; draws at most."""
@@ -35,6 +37,9 @@ SECONDS, STEPS = 1.0, 20_000
 
 def drawn(seed: str, name: str) -> dict[str, Any]:
     """Parameters of a case that is not too large, of some draws the largest."""
+    # Here, because it loads pytest: the processes of the cases are to be as a worker is.
+    from tests.harness.run.test_random_cases import random_scene
+
     source, best, most = random.Random(seed), dict[str, Any](), -1.0
     for _ in range(DRAWS):
         made = random_scene(source, name)
@@ -57,13 +62,20 @@ def is_short(scene: CatalogueScene) -> bool:
 
 def run(connection: Connection, name: str, parameters: dict[str, Any], whole: bool) -> None:
     """Run a case in this process; send the peak of its memory [byte], None where it has no end."""
+    load_libraries()
     status = COMPLETED
     if whole:
         version = scene_class(name).version
         case = Case(scene=name, scene_version=version, parameters=parameters, label=name)
-        status = compute(case).outcome.status
+        with TemporaryDirectory() as folder:
+            status = run_case(case, Path(folder)).status
     else:
-        Simulation(scene_class(name)(**parameters).build()).advance(2)
+        scene = scene_class(name)(**parameters)
+        simulation = Simulation(scene.build())
+        simulation.advance(2)
+        simulation.check()
+        if scene.loads_solvers:
+            importlib.import_module("scipy.integrate")  # as its result would
     lines = Path("/proc/self/status").read_text().splitlines()
     (peak,) = (1024.0 * int(it.split()[1]) for it in lines if it.startswith("VmHWM"))
     connection.send(peak if status == COMPLETED else None)
@@ -98,8 +110,9 @@ def ratios(names: Iterable[str], seed: str) -> Iterable[float]:
         if peak is None:
             print(f"{name}: cannot be run: {parameters}", flush=True)
             continue
-        counted = size.byte_count - (0.0 if whole else size.curve_bytes)
-        ratio = (PROCESS_MEMORY + counted) / peak
+        if not whole:
+            size = replace(size, curve_bytes=0.0)
+        ratio = predicted_memory(scene, size) / peak
         how = "to its end" if whole else "two steps"
         print(f"{name:20} {how} {peak / 1e6:6.1f} MB, predicted {ratio:.3f} of it", flush=True)
         yield ratio

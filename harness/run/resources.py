@@ -20,14 +20,16 @@ from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.execution.execution import device_names
 from mpm_warp.results import variable
 from mpm_warp.scenes import CatalogueScene, scene_class
+from mpm_warp.scenes.run_size import RunSize
 
 LONG = 24 * 3600.0
 """Time of a case beyond which a run reports it before it begins [s]."""
-PROCESS_MEMORY = 318e6
-"""What a process takes beside the run of a case: the interpreter and its libraries [byte].
+PROCESS_MEMORY, SOLVER_MEMORY = 312e6, 24e6
+"""What a process takes beside the run of a case: the interpreter and its libraries, Dask with 30 MB
+among them, which xarray loads where it is installed; and the solvers of SciPy, where a scene needs
+them [byte].
 
-The smallest cases take 295 MB, 315 MB where they load solvers of SciPy. The first run of a kernel,
-which compiles it, takes 50 MB more for a moment.
+The first run of a kernel, which compiles it, takes 50 MB more for a moment.
 """
 SNAPSHOT_BYTES = 150.0
 """What a material point takes in a snapshot: as it is taken, gathered and written [byte]."""
@@ -87,16 +89,19 @@ def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -
     The limit is that of its process [byte]; snapshots of the soil are kept until its end.
     """
     size = scene.run_size()
-    if size is None:
-        return
-    needed = PROCESS_MEMORY + size.byte_count
-    needed += snapshot_count * size.particle_count * SNAPSHOT_BYTES
-    if needed > limit:
+    if size is not None and (needed := predicted_memory(scene, size, snapshot_count)) > limit:
         raise TooLarge(
             f"needs about {needed / 1e9:.3g} GB of memory for {size.cell_count:,} cells and "
             f"{size.particle_count:,} material points, where a case may take {limit / 1e9:.3g} GB: "
             "try fewer cells or a smaller domain, fewer --workers, or a higher --memory-limit"
         )
+
+
+def predicted_memory(scene: CatalogueScene, size: RunSize, snapshot_count: int = 0) -> float:
+    """Peak memory of the process of a case, at most 10 % too much [byte]."""
+    in_libraries = PROCESS_MEMORY + (SOLVER_MEMORY if scene.loads_solvers else 0.0)
+    in_snapshots = snapshot_count * size.particle_count * SNAPSHOT_BYTES
+    return in_libraries + size.byte_count + in_snapshots
 
 
 def tell_of_long_cases(cases: Sequence[Case]) -> None:

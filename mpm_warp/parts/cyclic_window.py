@@ -92,18 +92,17 @@ class CyclicWindow(MovingGrid):
         position, mass, cell, stress = (
             plan.initial(f"particle.{name}") for name in ("position", "mass", "cell", "stress")
         )
+        state = plan.initial("particle.state") if scene.material.state else None
         row = seed_rows(grid, 1, scene.particles_per_side)
-        empty = np.flatnonzero(cell[:, 0] < 0)
-        depth, in_row = np.divmod(np.arange(len(empty)), len(row.volume))
-        position[empty] = row.position[in_row]
-        position[empty, 1] -= (1 + depth) * (grid.rows[1] - grid.rows[0])
-        material = scene.material
-        mass[empty] = material.density * row.volume[in_row]
-        if material.state:
-            state = plan.initial("particle.state")
-            state[empty] = material.state_at(stress[empty], position[empty])
-        column = np.full(len(cell), -1)
-        column[empty] = row.cell[in_row, 0]
+        height = grid.rows[1] - grid.rows[0]
+        column = np.full(len(cell), -1, dtype=np.int32)
+        in_rows = np.flatnonzero(cell[:, 0] < 0).reshape(-1, len(row.volume))
+        for depth, slots in enumerate(in_rows, start=1):
+            position[slots] = row.position - np.array([0.0, depth * height])
+            mass[slots] = scene.material.density * row.volume
+            column[slots] = row.cell[:, 0]
+            if state is not None:
+                state[slots] = scene.material.state_at(stress[slots], position[slots])
         plan.add_array(RESTING_COLUMN, "int", column, (grid.column_count,), may_be_none=True)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:

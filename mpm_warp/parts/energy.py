@@ -66,6 +66,7 @@ class EnergyBalance(Part):
     """Samples where the work of the body goes; the soil has a bulk viscosity then."""
 
     needs = (MovingGrid, SurfaceContact, EnergyAudit)
+    cell_bytes, point_bytes = 88.0, 16.0
 
     def check(self, scene: Scene) -> None:
         """Check that there is a bulk viscosity, and an elastic energy: constant moduli."""

@@ -38,6 +38,8 @@ class FreeSurface(Part):
     No cell has a mass-matrix correction, which is that of full ones.
     """
 
+    cell_bytes = 16.0
+
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add "cell.full_mass", from which on a cell acts with all of its stress, and the like."""
         for name, values in self._of_cells(scene, 0.0).items():

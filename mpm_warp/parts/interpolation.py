@@ -39,6 +39,8 @@ class ConservativeInterpolation(Part):
     For soil that streams along a wall for long. The grid has horizontal rows.
     """
 
+    cell_bytes = 112.0
+
     def check(self, scene: Scene) -> None:
         """Check that the grid has horizontal rows."""
         refuse_together("ConservativeInterpolation", scene.grid.polar, "a grid of rays")

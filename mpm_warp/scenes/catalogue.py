@@ -160,6 +160,11 @@ class CatalogueScene(ABC):
         """
         return None if self.end_time is None else size_in_grid(self.build(), self.end_time)
 
+    @property
+    def loads_solvers(self) -> bool:
+        """Whether what it gives needs solvers of SciPy, which take memory once they are loaded."""
+        return False
+
     def plan(self) -> Plan:
         """The arrays and launches of a run."""
         return make_plan(self.build())

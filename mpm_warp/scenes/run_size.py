@@ -8,12 +8,17 @@ import numpy as np
 
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import STEP_COUNTS
 
-POINT_BYTES, STATE_BYTES = 118.0, 16.0
-"""Memory of a material point, and of a number that its law remembers, set-up included [byte]."""
+CELL_BYTES, POLAR_BYTES = 664.0, 104.0
+"""Memory of a cell with its share of nodes, 40 numbers of it sums of the shares; and the integrals
+that a grid of rays keeps besides [byte]. The watch takes 48 of it."""
+POINT_BYTES, NUMBER_BYTES = 104.0, 8.0
+"""Memory of a slot of a point, of which the watch takes 24, and of a number that its law needs
+besides [byte]. Set-up has less at a time."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +29,8 @@ class RunSize:
         cell_count: cells of the grid.
         particle_count: material points, slots for those that enter included.
         step_count: steps to the end of the run; 0 where they are not known beforehand.
-        bytes_per_cell: memory of a cell with its share of nodes, what set-up takes included.
-        bytes_per_particle: memory of a material point, likewise.
+        bytes_per_cell: memory of a cell with its share of nodes.
+        bytes_per_particle: memory of a material point.
         curve_bytes: memory of what is sampled on the way, of curves made of it, and of what
             compares them.
 
@@ -36,7 +41,7 @@ class RunSize:
     cell_count: int
     particle_count: int
     step_count: float = 0.0
-    bytes_per_cell: float = 735.0
+    bytes_per_cell: float = CELL_BYTES
     bytes_per_particle: float = POINT_BYTES
     curve_bytes: float = 0.0
 
@@ -51,8 +56,7 @@ class RunSize:
     def byte_count(self) -> float:
         """Memory of a run beside that of any process that runs one [byte].
 
-        The defaults are from peaks of random cases of up to 500,000 cells with 4 to 25 points;
-        `python -m tests.memory` measures them again.
+        `python -m tests.memory` compares it with that of random cases.
         """
         in_grid = self.cell_count * self.bytes_per_cell
         return in_grid + self.particle_count * self.bytes_per_particle + self.curve_bytes
@@ -76,12 +80,22 @@ def size_in_grid(scene: Scene, duration: float) -> RunSize:
         slots += window.spare_fraction_in(grid)
         wave_speed += window.first_speed
     time_step = scene.time_step_fraction * shortest_crossing(grid) / wave_speed
+    polar = POLAR_BYTES if grid.polar else 0.0
     return RunSize(
         cell_count=grid.cell_count,
         particle_count=round(grid.cell_count * scene.particles_per_side**2 * slots),
         step_count=duration / time_step,
-        bytes_per_particle=POINT_BYTES + STATE_BYTES * len(scene.material.state),
+        bytes_per_cell=CELL_BYTES + polar + sum(part.cell_bytes for part in scene.parts),
+        bytes_per_particle=POINT_BYTES
+        + law_bytes(scene.material)
+        + sum(part.point_bytes for part in scene.parts),
     )
+
+
+def law_bytes(material: Material) -> float:
+    """Memory of what a point has of its law: what it remembers, what varies in ground [byte]."""
+    varying = 0 if material.variation is None else len(material.properties) + 1
+    return NUMBER_BYTES * (len(material.state) + varying)
 
 
 size_of_body = partial(RunSize, bytes_per_cell=53.0, bytes_per_particle=260.0)

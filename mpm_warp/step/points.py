@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import warp as wp
+from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location
@@ -71,7 +72,24 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
 
     `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
     """
-    grid, material = scene.grid, scene.material
+    material = scene.material
+    _add_seed(plan, scene, spare_fraction)
+    position = plan.initial("particle.position")
+    if material.variation is not None:
+        properties = material.properties_at(position)
+        plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
+        if material.variation.adhesion_ratio is not None:
+            plan.add_array(ADHESION_RATIO, "real", material.ratio_at(position, "adhesion_ratio"))
+    if material.state:
+        state = material.state_at(plan.initial("particle.stress"), position)
+        plan.add_array("particle.state", f"vec{len(material.state)}", state)
+    common = material.law().properties_type(*material.properties)
+    plan.given["properties"] = common if material.variation is None else PROPERTIES
+
+
+def _add_seed(plan: Plan, scene: Scene, spare_fraction: float) -> None:
+    """Add what all particles have, one array after the other: of a large run two are too many."""
+    grid, density = scene.grid, scene.material.density
     seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     count = plan.particle_count = len(seed.volume)
     slots = count + round(spare_fraction * count)
@@ -79,29 +97,19 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     bounds = share_bounds(count, plan.share_count)
     shift = share_bounds(slots, plan.share_count) - bounds
     taken = np.arange(count) + np.repeat(shift[:-1], np.diff(bounds))
-    position = np.full((slots, 2), grid.outer_radius)
-    mass = np.zeros(slots)
-    cell = np.full((slots, 2), -1, dtype=np.int32)
-    position[taken] = seed.position
-    mass[taken] = material.density * seed.volume
-    cell[taken] = seed.cell
-    plan.add_array("particle.position", "vec2", position)
+
+    def in_slots(values: NDArray[Any], empty: float) -> NDArray[Any]:
+        array = np.full((slots, *values.shape[1:]), empty, dtype=values.dtype)
+        array[taken] = values
+        return array
+
+    plan.add_array("particle.position", "vec2", in_slots(seed.position, grid.outer_radius))
     plan.add_zeros("particle.velocity", "vec2", slots)
-    stress = scene.stress_at_rest_at(position)
-    plan.add_array("particle.stress", "vec4", stress)
-    plan.add_array("particle.mass", "real", mass, least=0.0)
-    counts = (grid.column_count, grid.row_count)
+    position = plan.initial("particle.position")
+    plan.add_array("particle.stress", "vec4", scene.stress_at_rest_at(position))
+    plan.add_array("particle.mass", "real", in_slots(density * seed.volume, 0.0), least=0.0)
+    cell, counts = in_slots(seed.cell, -1), (grid.column_count, grid.row_count)
     plan.add_array("particle.cell", "vec2i", cell, counts, may_be_none=spare_fraction > 0.0)
-    if material.variation is not None:
-        properties = material.properties_at(position)
-        plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
-        if material.variation.adhesion_ratio is not None:
-            plan.add_array(ADHESION_RATIO, "real", material.ratio_at(position, "adhesion_ratio"))
-    if material.state:
-        state = material.state_at(stress, position)
-        plan.add_array("particle.state", f"vec{len(material.state)}", state)
-    common = material.law().properties_type(*material.properties)
-    plan.given["properties"] = common if material.variation is None else PROPERTIES
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:

@@ -19,7 +19,13 @@ from harness.errors import HarnessError, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import read_file
 from harness.references.registry import all_entries, one_entry
-from harness.run.resources import UPDATE_RATE, spoken_time, tell_of_likely_failures
+from harness.run.resources import (
+    PROCESS_MEMORY,
+    UPDATE_RATE,
+    predicted_memory,
+    spoken_time,
+    tell_of_likely_failures,
+)
 from harness.study.cases import Case
 from harness.study.description import scene_rows, study_rows, study_text, tell_of_unusual_values
 from harness.study.files import STUDY_NAME, find_study, study_names
@@ -127,13 +133,17 @@ def show_plan(options: argparse.Namespace) -> int:
     if len(study.cases) > 1:
         _show_cases(study.cases)
         return DONE
-    scene = _scene_of(study.cases[0])
-    scene.run_size()  # refuses what has more steps than can be counted
+    (case,) = study.cases
+    scene = _scene_of(case)
+    size = scene.run_size()  # refuses what has more steps than can be counted
     with _at_work(1, f"planning {study.name}") as bar:
         plan = scene.plan()
         text = _plan_text(plan, scene.step_count_bound(plan))
         bar.update()
     print(text)
+    if size is not None:
+        memory = predicted_memory(scene, size, len(case.snapshots))
+        print(f"memory of the process: {memory / 1e6:.1f} MB")
     return DONE
 
 
@@ -169,11 +179,12 @@ def _case_row(case: Case) -> tuple[str, float | None]:
         scene = _scene_of(case)
         size = scene.run_size()
         if size is not None:
-            points, memory, steps = size.particle_count, size.byte_count, size.step_count
+            points, steps = size.particle_count, size.step_count
+            memory = predicted_memory(scene, size, len(case.snapshots))
         else:
             plan = scene.plan()
             points = plan.particle_count
-            memory = float(sum(array.byte_count for array in plan.arrays.values()))
+            memory = PROCESS_MEMORY + sum(array.byte_count for array in plan.arrays.values())
             steps = float(scene.step_count_bound(plan) or 0)
     except (ParameterError, SceneError) as error:
         return f"{'refused':>12}  {'':9}  {'':12}  {'':9}  {case.label}: {error}", 0.0

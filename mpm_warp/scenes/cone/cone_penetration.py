@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
+import numpy as np
 import xarray as xr
 
 from mpm_warp.execution.execution import Execution
@@ -22,13 +23,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, ConeTestByDefault
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.scenes.run_size import (
-    POINT_BYTES,
-    STATE_BYTES,
-    RunSize,
-    of_several,
-    shortest_crossing,
-)
+from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -49,8 +44,6 @@ rough shaft come to hold the many small ones from near the axis, with friction m
 SANE_INERTIA, GREATEST_INERTIA = 5.0, 10.0
 """rho V^2 / su up to which nearly all random cases complete, and beyond which few do: the soil is
 thrown off, and the transfers dissipate much of the work."""
-BALANCE_BYTES = 24.0
-"""Memory of what the energy balance keeps of a point [byte]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,7 +119,11 @@ class ConePenetration(ConeTestByDefault):
 
     def build(self) -> Scene:
         """The soil around the penetrometer; its contact is a `PenetrometerContact`."""
-        strength, grid, material = self.undrained_shear_strength, self._grid, self.clay
+        return self.build_in(self._grid)
+
+    def build_in(self, grid: Grid) -> Scene:
+        """The same in a grid of other rows and columns around the penetrometer."""
+        strength, material = self.undrained_shear_strength, self.clay
         source = TravellingSource(
             radius=self.cone_radius,
             height=SOURCE_HEIGHT * self.penetrometer.cone_height,
@@ -176,23 +173,20 @@ class ConePenetration(ConeTestByDefault):
     @property
     def own_size(self) -> RunSize:
         """The size of a run without the further ones."""
-        grid, window, size = self._grid, self.window, self.cell_size
-        # Above and below the cone all cells at the surface are alike: one row of them will do.
+        grid, size = self._grid, self.cell_size
+        columns = grid.columns * (grid.outer_radius - self.cone_radius)
+        # All but the cells at the surface are larger, and those above and below the cone are alike.
         around_cone = self.penetrometer.fitted_grid(
             rows_on_face=self.penetrometer.rows_on_face(size),
-            columns=grid.columns * (grid.outer_radius - self.cone_radius),
+            columns=np.unique(columns[[0, 1, -1]]),
             depth_below=size,
             height_above=size,
         )
-        wave_speed = self.clay.pressure_wave_speed + window.first_speed
-        time_step = self.time_step_fraction * shortest_crossing(around_cone) / wave_speed
-        slots = grid.cell_count * self.particles_per_cell * (1.0 + window.spare_fraction)
-        audited = BALANCE_BYTES if self.energy_audit == "balance" else 0.0
-        return RunSize(
+        slots = grid.cell_count * self.particles_per_cell * (1.0 + self.window.spare_fraction)
+        return replace(
+            size_in_grid(self.build_in(around_cone), self.end_time),
             cell_count=grid.cell_count,
             particle_count=round(slots),
-            step_count=self.end_time / time_step,
-            bytes_per_particle=POINT_BYTES + STATE_BYTES * len(self.clay.state) + audited,
             # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
             curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )

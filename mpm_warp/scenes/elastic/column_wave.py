@@ -82,6 +82,11 @@ class ElasticColumnWave(CatalogueScene):
         sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / self._followed_periods)
         return replace(size, curve_bytes=SAMPLE_BYTES * sampled)
 
+    @property
+    def loads_solvers(self) -> bool:
+        """See `CatalogueScene`: for the decay of the standing wave."""
+        return self.excitation == "standing_wave"
+
     def build(self) -> Scene:
         """The column, and the pressure on its top where there is one."""
         grid, fixed = column(self.cell_count)

@@ -109,6 +109,11 @@ class Impact(CatalogueScene):
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
 
     @property
+    def loads_solvers(self) -> bool:
+        """See `CatalogueScene`: for the shock."""
+        return True
+
+    @property
     def end_time(self) -> float:
         """Time until the shock has passed the bar, up to a section's height [s]."""
         return TRAVEL * LENGTH / self.shock.front_speed

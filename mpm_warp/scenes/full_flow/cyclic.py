@@ -105,6 +105,11 @@ class CyclicPenetration(FullFlowPenetrometer):
         )
 
     @property
+    def loads_solvers(self) -> bool:
+        """See `CatalogueScene`: for the fit of the degradation."""
+        return self.remoulded_strength_ratio < 1.0
+
+    @property
     def end_time(self) -> float:
         """Time to the end of the last cycle [s]."""
         return 2.0 * self.cycle_count * self.window.passage_time

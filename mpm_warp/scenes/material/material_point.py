@@ -33,8 +33,6 @@ from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, Strain
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
-INTEGRATOR_BYTES = 20e6
-"""Memory of the integrators of SciPy that are loaded for clay that changes on its paths."""
 RANDOM_PATHS = 200
 """Paths in random directions, on which the stress must stay within the yield surface."""
 CHANGING: dict[str, Value] = {
@@ -105,8 +103,12 @@ class MaterialPoint(PointScene):
             cell_count=0,
             particle_count=PATH_COUNT + RANDOM_PATHS,
             step_count=self.step_count,
-            curve_bytes=INTEGRATOR_BYTES if isinstance(self.clay, EinavRandolph) else 0.0,
         )
+
+    @property
+    def loads_solvers(self) -> bool:
+        """See `CatalogueScene`: for clay that changes on its paths."""
+        return isinstance(self.clay, EinavRandolph)
 
     def build(self) -> StrainPaths:
         """The paths whose stress is known, then random ones that start without stress."""

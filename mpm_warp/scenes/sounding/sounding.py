@@ -21,7 +21,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
-from mpm_warp.scenes.run_size import RunSize, of_several
+from mpm_warp.scenes.run_size import RunSize, law_bytes, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
 from mpm_warp.simulation import Simulation
@@ -215,8 +215,14 @@ class Sounding(SoundingTest):
         test = self._test
         size = test.run_size()
         of_way = self.travel / (test.penetration * test.cone_radius)
+        varying = law_bytes(self.clay) - law_bytes(test.clay)
+        surface = PassingSurface.cell_bytes if self.starts_at_surface else 0.0
         return replace(
-            size, step_count=of_way * size.step_count, curve_bytes=of_way * size.curve_bytes
+            size,
+            step_count=of_way * size.step_count,
+            bytes_per_cell=size.bytes_per_cell + surface,
+            bytes_per_particle=size.bytes_per_particle + varying,
+            curve_bytes=of_way * size.curve_bytes,
         )
 
     @property

@@ -1,6 +1,7 @@
 """What a case may take of memory and time is looked at before it begins."""
 
 import dataclasses
+import re
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -24,6 +25,12 @@ from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
+from mpm_warp.parts.energy import EnergyBalance
+from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.plan.plan import Plan
+from mpm_warp.planning import make_plan
+from mpm_warp.scene import Part
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.bearing.on_ground import CircularFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
@@ -33,7 +40,7 @@ from mpm_warp.scenes.cavity.cylinder_and_sphere import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
-from mpm_warp.scenes.run_size import shortest_crossing
+from mpm_warp.scenes.run_size import NUMBER_BYTES, law_bytes, shortest_crossing
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.harness.conftest import Command, values
 
@@ -44,6 +51,10 @@ pytestmark = pytest.mark.slow
 HUGE = ConePenetration(
     cells_per_radius=100, domain_radius=1000, domain_above=500, domain_below=500, cell_growth=0.1
 )
+
+
+def byte_count(plan: Plan) -> int:
+    return sum(array.byte_count for array in plan.arrays.values())
 
 
 @pytest.mark.parametrize(
@@ -80,13 +91,41 @@ def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
 ) -> None:
     """Set-up takes up to half of it besides."""
     size, plan = scene.run_size(), scene.plan()
-    taken = sum(array.byte_count for array in plan.arrays.values())
+    taken = byte_count(plan)
     in_grid = size.byte_count - size.curve_bytes
     assert 0.2 * in_grid < taken < in_grid
     bound = scene.step_count_bound(plan)
     if bound is not None:
         # Both are from the same time step; the bound is a whole number.
         assert size.step_count == pytest.approx(bound, abs=1.0)
+
+
+@pytest.mark.parametrize("part", [ConservativeInterpolation, EnergyBalance])
+def test_a_part_says_what_memory_it_adds(part: type[Part]) -> None:
+    scene = ConePenetration(energy_audit="balance", material="von_mises").build()
+    grid, plan = scene.grid, make_plan(scene)
+    slots = plan.arrays["particle.mass"].shape[0]
+    told = part.cell_bytes * grid.cell_count + part.point_bytes * slots
+    without = make_plan(scene.without(part))
+    # There are more nodes than cells.
+    assert told <= byte_count(plan) - byte_count(without) < 1.1 * told
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        CavitySphere(remoulded_strength_ratio=0.5, ductility=5),
+        Sounding(profile="depth [m], strength [kPa]; 0, 20; 10, 40"),
+    ],
+    ids=["what it remembers", "what varies"],
+)
+def test_the_law_says_what_memory_a_point_takes(scene: CatalogueScene) -> None:
+    built = scene.build()
+    arrays = make_plan(built).arrays
+    of_law = [name for name in (PROPERTIES, ADHESION_RATIO, "particle.state") if name in arrays]
+    slots = arrays["particle.mass"].shape[0]
+    taken = sum(arrays[name].byte_count for name in of_law) / slots
+    assert 0.0 < taken <= law_bytes(built.material) <= taken + NUMBER_BYTES
 
 
 @pytest.mark.parametrize("angle", [0.0, 20.0, 90.0, -135.0])
@@ -107,7 +146,7 @@ def test_the_size_of_every_scene_is_predicted(name: str) -> None:
     assert size.particle_count >= plan.particle_count
     # Small runs have little but the numbers that a run has whatever its size.
     few = 50e3
-    assert sum(array.byte_count for array in plan.arrays.values()) < size.byte_count + few
+    assert byte_count(plan) < size.byte_count + few
 
 
 @pytest.mark.parametrize(
@@ -132,9 +171,22 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     settings = ["--set", "adhesion_factor=0", "--set", "cells_per_radius=[1, 60]"]
     options = ["--out", tmp_path / "results", "--workers", 2, "--memory-limit", "0.8GB"]
     told = command("run", small_file, *options, *settings, code=1).err
-    assert "cells_per_radius=60.0: refused: needs about 1.25 GB" in told
+    assert "cells_per_radius=60.0: refused: needs about 1.23 GB" in told
     assert "where a case may take 0.4 GB" in told
     assert "cells_per_radius=1.0: completed" in told
+
+
+def test_the_plan_says_the_memory_by_which_a_run_refuses(
+    small_file: Path, tmp_path: Path, command: Command
+) -> None:
+    settings = ["adhesion_factor=0", "adhesion_factor=[0, 1]"]
+    told = "".join(command("plan", small_file, "--set", setting).out for setting in settings)
+    (taken,) = {float(megabytes) for megabytes in re.findall(r"([\d.]+) MB", told)}
+    (case,) = load_study(str(small_file), settings[:1]).cases
+    scene = scene_class(case.scene)(**case.parameters)
+    check_memory(scene, (taken + 0.1) * 1e6)
+    with pytest.raises(TooLarge):
+        check_memory(scene, (taken - 0.1) * 1e6)
 
 
 @pytest.mark.parametrize(
