@@ -106,8 +106,9 @@ def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
 
 def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
     """What `interpret` found, with the simulated sounding at the test's depths, and the misfit."""
+    depth, at = found.depth.values, simulated.depth.values
     net, friction, excess, ground = (
-        np.interp(found.depth, simulated.depth, simulated[name], left=np.nan, right=np.nan)
+        np.interp(depth, at, simulated[name].values, left=np.nan, right=np.nan)
         for name in ("net_resistance", "sleeve_friction", "excess_pore_pressure", "strength")
     )
     pressure = excess + found.water_pressure.values

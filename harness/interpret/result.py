@@ -1,6 +1,7 @@
 """The result of an interpretation: a dataset, and sentences to be quoted."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -46,9 +47,11 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
     layers = [layer.title for layer in site.layers]
     found = test.assign_coords(percentile=list(PERCENTILES), cause=causes, layer=layers)
     for dims, quantities in FOUND.items():
-        unknown = np.full([found.sizes[dim] for dim in dims], np.nan)
-        for name, told in quantities.items():
-            found = found.assign(labelled(dims=dims, **{name: (unknown.copy(), *told)}))
+        shape = [found.sizes[dim] for dim in dims]
+        told: dict[str, Any] = {
+            name: (np.full(shape, np.nan), *said) for name, said in quantities.items()
+        }
+        found = found.assign(labelled(dims=dims, **told))
     modes = "; ".join(f"{layer.title}: {layer.strength}" for layer in site.layers)
     return found.assign_attrs(
         title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use)

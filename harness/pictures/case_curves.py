@@ -179,8 +179,8 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
             axes[1].set(xlim=(0.0, high), ylim=(0.0, None))
             slopes = over_cases(dataset, SLOPE)[shown]
             for slope in np.unique(slopes[np.isfinite(slopes)]):
-                line = [0.0, high], [0.0, slope * high]
-                axes[1].plot(*line, ls="--", lw=0.8, color="0.4", scaley=False)
+                ends = [0.0, high], [0.0, slope * high]
+                axes[1].plot(*ends, ls="--", lw=0.8, color="0.4", scaley=False)
     dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
     return captioned(figure, dataset, dashed, left_out, legend=axes[0])
 

@@ -154,7 +154,7 @@ class Series(NamedTuple):
     label: str = ""
 
     @property
-    def style(self) -> dict[str, str]:
+    def style(self) -> dict[str, Any]:
         """Colour and marker, as matplotlib calls them."""
         return {"color": self.colour, "marker": self.marker}
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -112,7 +113,7 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
 
 ROWS = ConePenetration().cells_per_radius
 INDEX = r"$I_{\mathrm{r}}$"
-LAW = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
+LAW: dict[str, Any] = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
 PROFILE = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.6"
 
 
@@ -223,14 +224,15 @@ def test_effects_of_random_cases_are_found_again() -> None:
 
 
 def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
-    (axes,) = drawn("a few cases")[1]["cases"].axes
+    figure = drawn("a few cases")[1]["cases"]
+    (axes,) = figure.axes
     assert texts(axes.get_yticklabels()) == [
         "as most",
         "material = von mises",
         "$α$ = 1, $β$ = 120",
         "$β$ = 90",
     ]
-    assert "1 of 4 cases did not complete" in caption_of(axes.figure)
+    assert "1 of 4 cases did not complete" in caption_of(figure)
     bottom, top = axes.get_ylim()
     assert bottom > top, "the first case is the uppermost"
 
