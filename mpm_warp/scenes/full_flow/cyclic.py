@@ -151,12 +151,12 @@ class CyclicPenetration(FullFlowPenetrometer):
         of_remoulded = "remoulded over intact resistance, fitted"
         before = f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0"
         of_intact = "resistance factor of intact clay, fitted"
-        left = "root mean square of what it leaves, over the fitted resistance of intact clay"
+        of_misfit = "root mean square of what it leaves, over the fitted resistance of intact clay"
         fitted = ratio | labelled(
             fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
             fitted_remoulded_ratio=(remoulded, "1", of_remoulded, before),
             fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
-            fit_misfit=(fit.misfit, "1", "misfit of the fit", left),
+            fit_misfit=(fit.misfit, "1", "misfit of the fit", of_misfit),
         )
         if not self.body.planar:
             return fitted
