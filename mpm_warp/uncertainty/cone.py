@@ -38,7 +38,7 @@ from mpm_warp.uncertainty.laws import (
     ErrorLaws,
     growth_measure,
 )
-from mpm_warp.uncertainty.steadiness import ALL_PASSED, left_to_come
+from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
 
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
@@ -98,7 +98,7 @@ class ConeRun(TestRun):
         """What is still to come, what more points change, and the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
-            "steadiness": left_to_come(resistance),
+            "steadiness": STILL_TO_COME * last_change(resistance),
             "points": POINTS * self.factor,
             "noise": NOISE * float(np.linalg.norm(weights)),
         }
