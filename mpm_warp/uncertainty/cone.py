@@ -159,7 +159,7 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
         uncertainty is not a number, and `why_no_uncertainty` says why.
     """
     laws = run.laws
-    parts = {name: float(value) for name, value in laws.half_widths(run.factor).items()}
+    parts = {name: float(value) for name, value in laws.half_widths().items()}
     parts["speed"] += APPROACH * run.factor
     reasons = [
         *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),

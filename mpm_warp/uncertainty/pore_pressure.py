@@ -8,7 +8,7 @@ simulated:
 
     u1    error  A h                                half width  0.6 h, 0.01 F
     u2    error  w S h F - (1 - w) Q h^2, Q = 2 ln(233 / Ir)
-          half width  (1 - w) h^2, 0.019 F, w (X h + 0.8 max(0, h - 0.35)) F, 0.8 w (1 - w) v F,
+          half width  (1 - w) h^2, 0.019 F, w (X h + 0.5 max(0, h - 0.35)) F, 0.8 w (1 - w) v F,
                       0.1 w F ln(Ir / 300);   X = max(0.1, |S| / 2)
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
@@ -59,7 +59,7 @@ SMEARED, SHAFT_LEFT = 1.0, 0.019
 """Half widths of u2: over h^2, and over F."""
 WEDGE_LEFT, LEAST_LEFT = 0.5, 0.1
 """Half width of S over S, and its least."""
-RESOLVED, WIDE, THIN_WEDGE = 0.35, 0.8, 0.8
+RESOLVED, WIDE, THIN_WEDGE = 0.35, 0.5, 0.8
 """Width of the cells that the wedge needs; half widths of u2: over w F and what they are wider, and
 over w (1 - w) v F."""
 STIFF_WEDGE, WEDGE_KNOWN = 0.1, 300.0
