@@ -38,7 +38,7 @@ from mpm_warp.uncertainty.laws import (
     ErrorLaws,
     growth_measure,
 )
-from mpm_warp.uncertainty.steadiness import ALL_PASSED, left_to_come
+from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
 
 POINTS, NOISE = 0.001, 0.015
 """Half widths: of what more points change, over Nc; of the noise of a run."""
@@ -98,7 +98,7 @@ class ConeRun(TestRun):
         """What is still to come, what more points change, and the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
-            "steadiness": left_to_come(resistance),
+            "steadiness": STILL_TO_COME * last_change(resistance),
             "points": POINTS * self.factor,
             "noise": NOISE * float(np.linalg.norm(weights)),
         }
@@ -159,7 +159,7 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
         uncertainty is not a number, and `why_no_uncertainty` says why.
     """
     laws = run.laws
-    parts = {name: float(value) for name, value in laws.half_widths(run.factor).items()}
+    parts = {name: float(value) for name, value in laws.half_widths().items()}
     parts["speed"] += APPROACH * run.factor
     reasons = [
         *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),

@@ -65,9 +65,12 @@ TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
 """T of E_top; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
 BOUND_ERROR, BOUND = 4.5, 0.8
 """P of E_bound, and its half width: between Ir 25 and 500, smooth and rough, Delta -0.5 and 0.5 a
-Poisson's ratio of 0.45 in place of 0.49 takes off 3.8 to 4.9 times the difference."""
-MESH, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.004
-"""Half widths: of B; of W; of C; of what a default window changes, over Nc."""
+Poisson's ratio of 0.45 in place of 0.49 takes off 3.7 to 5.4 times the difference."""
+MESH, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.03
+"""Half widths: of B; of W; of C; of what a default window changes in Nc."""
+STIFF_MESH, STIFF_FROM = 0.08, 300.0
+"""Half width of the law of the mesh in stiff clay, over ln(Ir), and the rigidity index above which
+it counts: at 1000, smooth, 20 rows beside the face are 0.11 above 5, both corrected."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth."""
@@ -123,12 +126,14 @@ class ErrorLaws:
         rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self.top
         return rest + BOUND_ERROR * self.bounded
 
-    def half_widths(self, factor: Value) -> dict[str, Value]:
+    def half_widths(self) -> dict[str, Value]:
         """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
+        mesh = MESH * self.cell_size + WIDE * _excess_width(self.cell_size)
+        in_stiff = STIFF_MESH * np.maximum(0.0, np.log(self.rigidity_index / STIFF_FROM))
         return {
-            "mesh": MESH * self.cell_size + WIDE * _excess_width(self.cell_size),
+            "mesh": np.hypot(mesh, in_stiff),
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
-            "domain": DOMAIN * factor * self.extent_ratio**2,
+            "domain": DOMAIN * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
             "top": TOP * self.top + self._top_in_high_stress,
             "speed": INERTIA * self.inertia,

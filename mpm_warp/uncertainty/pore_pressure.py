@@ -8,16 +8,18 @@ simulated:
 
     u1    error  A h                                half width  0.6 h, 0.01 F
     u2    error  w S h F - (1 - w) Q h^2, Q = 2 ln(233 / Ir)
-          half width  h^2, 0.019 F, 0.2 w h F, 0.8 w (1 - w) v F, 0.1 w F ln(Ir / 300)
+          half width  (1 - w) h^2, 0.019 F, w (X h + 0.5 max(0, h - 0.35)) F, 0.8 w (1 - w) v F,
+                      0.1 w F ln(Ir / 300);   X = max(0.1, |S| / 2)
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
 The parts of a half width add up as squares. A follows the rigidity index Ir, S that and a: what is
 read in the wedge. Q is what rows smear that are read outside of it; it is the same from an Ir of
-500 on, and its half width is part of h^2. v tells how deep the wedge is: 1 up to an Ir of 100, 0
-from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the pressure at the
-filter may be that within or that outside. The last part counts above an Ir of 300, where the wedge
-is thin too. Beyond an Ir of 50 to 500 both half widths grow. How all of it was measured is in
-`scenes/cone/README.md`.
+500 on, and its half width is part of (1 - w) h^2. X leaves half of the correction open; cells wider
+than those of 5 rows beside the face do not resolve the wedge. v tells how deep the wedge is: 1 up
+to an Ir of 100, 0 from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the
+pressure at the filter may be that within or that outside. The last part counts above an Ir of 300,
+where the wedge is thin too. Beyond an Ir of 50 to 500 both half widths grow. How all of it was
+measured is in `scenes/cone/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -34,7 +36,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
 from mpm_warp.uncertainty.laws import BOUND_ERROR
-from mpm_warp.uncertainty.steadiness import left_to_come
+from mpm_warp.uncertainty.steadiness import last_change
 
 Value = Floats | float
 
@@ -55,10 +57,17 @@ DEEPEST, NONE_AT = 100.0, 500.0
 """Rigidity indices up to which the wedge is deepest, and from which on there is none."""
 SMEARED, SHAFT_LEFT = 1.0, 0.019
 """Half widths of u2: over h^2, and over F."""
-WEDGE, THIN_WEDGE = 0.2, 0.8
-"""Half widths of u2: over w h F, and over w (1 - w) v F."""
+WEDGE_LEFT, LEAST_LEFT = 0.5, 0.1
+"""Half width of S over S, and its least."""
+RESOLVED, WIDE, THIN_WEDGE = 0.35, 0.5, 0.8
+"""Width of the cells that the wedge needs; half widths of u2: over w F and what they are wider, and
+over w (1 - w) v F."""
 STIFF_WEDGE, WEDGE_KNOWN = 0.1, 300.0
 """Half width of u2 over w F ln(Ir), and the rigidity index above which it counts."""
+SETTLING = 0.5
+"""Half width of what is still to come of u1 and u2, over the last change of their means."""
+NOISE = {"face": 0.006, "shoulder": 0.012}
+"""Half widths of the noise of these means, over F."""
 BOUND = {"face": 1.5, "shoulder": 4.0}
 """Half widths of P, of u1 and u2."""
 RANGE = 0.3
@@ -95,13 +104,15 @@ def shoulder_error(
     """
     share = share_of_wedge(adhesion_factor)
     depth = np.interp(np.log(rigidity_index), np.log([DEEPEST, NONE_AT]), [1.0, 0.0])
-    in_wedge = share * _wedge_error(adhesion_factor, rigidity_index) * cell_size * factor
+    slope = _wedge_error(adhesion_factor, rigidity_index)
+    in_wedge = share * slope * cell_size * factor
+    left_in_wedge = np.maximum(LEAST_LEFT, WEDGE_LEFT * np.abs(slope)) * cell_size
     smeared = SMEARED_ERROR * np.log(NOT_SMEARED / np.minimum(rigidity_index, STIFFEST))
     beyond = np.maximum(0.0, np.log(rigidity_index / WEDGE_KNOWN))
     half_width = _added(
-        SMEARED * cell_size**2,
+        SMEARED * (1.0 - share) * cell_size**2,
         SHAFT_LEFT * factor,
-        WEDGE * share * cell_size * factor,
+        share * (left_in_wedge + WIDE * max(0.0, cell_size - RESOLVED)) * factor,
         THIN_WEDGE * share * (1.0 - share) * depth * factor,
         STIFF_WEDGE * share * factor * beyond,
         _beyond_range(rigidity_index),
@@ -119,10 +130,10 @@ def stated_pressures(
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
-    What is still to come, by the last change of the curves, is added to the half widths. Strength
-    is su [Pa], `bounded` what a bound takes off Poisson's ratio; `of_cone` are the other arguments
-    of `shoulder_error`. Where these laws do not hold (`is_known`) there is no correction, and the
-    uncertainties are not numbers.
+    What is still to come, by the last change of the curves, and the noise of their means are added
+    to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
+    `of_cone` are the other arguments of `shoulder_error`. Where these laws do not hold (`is_known`)
+    there is no correction, and the uncertainties are not numbers.
     """
     stated = {}
     for place in ("face", "shoulder"):
@@ -134,8 +145,9 @@ def stated_pressures(
             off, of_laws = error(factor, **of_cone)
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
             correction = float(off) + BOUND_ERROR * bounded
-            of_bound = BOUND[place] * bounded
-            half_width = math.hypot(float(of_laws), left_to_come(curve), of_bound)
+            to_come = SETTLING * last_change(curve)
+            of_mean = math.hypot(to_come, NOISE[place] * factor)
+            half_width = math.hypot(float(of_laws), of_mean, BOUND[place] * bounded)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,

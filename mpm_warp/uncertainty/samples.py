@@ -109,7 +109,7 @@ def sample_error(
     factor = resistance / around
     if measured is None:
         correction = laws.correction
-        parts = laws.half_widths(factor) | {"points": POINTS * factor}
+        parts = laws.half_widths() | {"points": POINTS * factor}
         of_method = laws.why_none_holds(largest_cell=LARGEST_CELL)
     else:
         correction, half_widths = measured.at(depth)

@@ -66,10 +66,10 @@ def steady_mean(curve: xr.DataArray) -> tuple[float, str]:
     return float(last.mean()), f"over the last {len(last) * SAMPLE_SPACING:g} radii"
 
 
-def left_to_come(resistance: Floats) -> float:
-    """Half width of the change that is still to come, in the unit of a curve; NaN if short."""
+def last_change(curve: Floats) -> float:
+    """How far the mean of a curve over two radii is from that over the two before; NaN if short."""
     before, last = (
-        resistance[begin:end].mean() if resistance.size >= 2 * STEADY_SAMPLES else math.nan
+        curve[begin:end].mean() if curve.size >= 2 * STEADY_SAMPLES else math.nan
         for begin, end in ((-2 * STEADY_SAMPLES, -STEADY_SAMPLES), (-STEADY_SAMPLES, None))
     )
-    return STILL_TO_COME * abs(float(last - before))
+    return abs(float(last - before))

@@ -18,14 +18,21 @@ WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Cells per cone radius, extents of the window over those of `default_extents`, and speed over that
 of shear waves in stiff clay, by accuracy."""
-SOFT_CELLS_PER_RADIUS = 2.31
-"""The same where accuracy is quick, below the rigidity index `STIFF`: four rows, not three."""
+IN_SOFT_CLAY: dict[str, dict[str, float]] = {
+    "quick": {"cells_per_radius": 2.31},
+    "standard": {"cells_per_radius": 3.46, "cell_growth": 0.3},
+    "fine": {},
+}
+"""What of these is otherwise below the rigidity index `STIFF`, where laws take the error off: four
+rows beside the face, not three; six, not five. There the factor is small, and tests are short."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
 """Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
 the lower it is."""
 COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
 """Poisson's ratios that the bound of it is by default at least and at most."""
-DERIVED_BY_ERROR = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
+SOFT_BOUND = 0.475
+"""The same at most below the rigidity index `STIFF`, accuracy standard."""
+DERIVED_BY_ERROR = ("cells_per_radius", "cell_growth", "speed_ratio", "poissons_ratio_bound")
 """What follows by default from whether the error of a test is known."""
 STIFF, SOFT_SPEED_RATIO = 100.0, 0.05
 """Rigidity index below which the speed follows the inertia rho V^2 / su, and up to what speed."""
@@ -48,8 +55,8 @@ class ConeTestByDefault(ConeTest):
         # Soil that the cone has never passed has then left the window.
         approach = above + 1.0 if self.approach is None else self.approach
         by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
-        return extents | {
-            "cells_per_radius": self._cells_per_radius,
+        method = {
+            "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
             "speed_ratio": self._speed_ratio,
             "poissons_ratio_bound": self._bound,
             "shaft_adhesion_factor": self.adhesion_factor,
@@ -57,12 +64,14 @@ class ConeTestByDefault(ConeTest):
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
+        return extents | method | (IN_SOFT_CLAY[self.accuracy] if self._is_soft else {})
 
     @property
     def _bound(self) -> float:
         """Poisson's ratio of the greatest bulk modulus over su that is simulated by default.
 
-        It is bounded where laws take the error of the test off, that of the bound too.
+        It is bounded where laws take the error of the test off, that of the bound too; more so in
+        soft clay, whose cells are smaller.
         """
         if self.poissons_ratio_bound is not None or not self._error_is_known:
             return INCOMPRESSIBLE
@@ -71,7 +80,9 @@ class ConeTestByDefault(ConeTest):
             return INCOMPRESSIBLE
         over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
         of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
-        return min(INCOMPRESSIBLE, max(COMPRESSIBLE, of_bulk_modulus))
+        has_more_cells = self._is_soft and self.accuracy == "standard"
+        greatest = SOFT_BOUND if has_more_cells else INCOMPRESSIBLE
+        return min(greatest, max(COMPRESSIBLE, of_bulk_modulus))
 
     def laws(self, way: float) -> ErrorLaws:
         """The laws of the error after a way, over the cone's radius."""
@@ -91,11 +102,8 @@ class ConeTestByDefault(ConeTest):
         return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
 
     @property
-    def _cells_per_radius(self) -> float:
-        """Cells per radius by default: more in quick tests in soft clay, whose factor is small."""
-        if self.accuracy == "quick" and self.rigidity_index < STIFF and self._error_is_known:
-            return SOFT_CELLS_PER_RADIUS
-        return CELLS_PER_RADIUS[self.accuracy]
+    def _is_soft(self) -> bool:
+        return self.rigidity_index < STIFF and self._error_is_known
 
     @property
     def _error_is_known(self) -> bool:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from mpm_warp.parameters import Derived, parameter
+from mpm_warp.parameters import Derived, parameter, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.uncertainty.laws import ErrorLaws
@@ -188,17 +188,24 @@ class ConeTest(FittedToCone, FieldClayScene):
     accuracy: str = parameter(
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
-        "window by 1.3, takes some ten times as long, and has half of the uncertainty; quick "
+        "window by 1.3, takes some ten times as long, and has two thirds of the uncertainty; quick "
         "takes a fifth to a tenth of the time, and has up to twice the uncertainty",
         choices=("quick", "standard", "fine"),
     )
     cells_per_radius: float = parameter(
         None,
         "cells per cone radius at the cone, about: they are square, and a whole number of "
-        "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick, "
-        "2.31 below Ir 100 in clay as above)",
+        "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick; "
+        "below Ir 100 in clay as above 3.46 and, quick, 2.31)",
         minimum=1,
         maximum=100,
+    )
+    cell_growth: float = redefined(
+        ConeInGround,
+        "cell_growth",
+        default=Derived(0.4),
+        meaning="growth of the cells' width per distance from the penetrometer (0.3 by default "
+        "below Ir 100 in perfectly plastic Tresca clay, accuracy standard)",
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16, 25))
@@ -206,7 +213,8 @@ class ConeTest(FittedToCone, FieldClayScene):
         None,
         "greatest Poisson's ratio simulated: bounds the bulk modulus, and so the steps (default: "
         "0.4999; where laws of the error take its effect off, that of a bulk modulus of 5000 su, "
-        "10000 su where accuracy is fine, 250 su where it is quick, but 0.45 at least)",
+        "10000 su where accuracy is fine, 250 su where it is quick, but 0.45 at least; below Ir "
+        "100, accuracy standard, 0.475)",
         minimum=0,
         maximum=0.4999,
     )

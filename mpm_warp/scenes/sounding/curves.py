@@ -112,7 +112,8 @@ def error_of_samples(
     surface = {}
     if sounding.starts_at_surface:
         passed = sounding.surface_passed
-        why = f"surface: it is in the window to a depth of {sounding.start_depth + passed:.4g} m"
+        left = sounding.start_depth + passed
+        why = f"surface: the surface is in the window to a depth of {left:.4g} m"
         surface = {why: laws.way < passed / radius}
     return sample_error(
         laws,

@@ -151,7 +151,7 @@ def test_differences_and_ratios_of_random_cases_are_inside() -> None:
     assert max(found) <= 0.8
     errors = fine - np.array(known)[:, 0]
     # Of two cases: their mean square in common over the whole mean square.
-    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.04, abs=0.005)
+    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.09, abs=0.005)
 
 
 def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:

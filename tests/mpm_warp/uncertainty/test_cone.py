@@ -34,6 +34,28 @@ PARTS = (
     *("steadiness", "speed", "points", "noise"),
 )
 
+TWICE_THE_WINDOW = {
+    25: (8.152, 8.181),
+    50: (9.695, 9.679),
+    100: (11.241, 11.268),
+    250: (13.094, 13.129),
+    500: (14.606, 14.655),
+}
+"""By rigidity index, Nc on 4 rows as simulated in the window by default and in one twice as large,
+adhesion factor 0.5: means over the last 8 of 10 radii after the first end."""
+GROWN: dict[tuple[float, float, float], tuple[float, ...]] = {
+    (25, 0.5, 0): (8.032, 8.046, 8.077, 8.073),
+    (25, 0, -0.3): (7.802, 7.799, 7.852, 7.836),
+    (50, 0.5, 0): (9.587, 9.605, 9.613, 9.639),
+    (50, 1, 0.3): (9.711, 9.724, 9.754, 9.789),
+    (100, 0, 0): (10.281, 10.298, 10.333, 10.362),
+    (100, 0.5, 0): (11.105, 11.118, 11.147, 11.186),
+    (100, 1, -0.3): (12.444, 12.454, 12.488, 12.531),
+    (250, 0.5, 0): (12.987, 13.004, 13.032, 13.077),
+}
+"""By rigidity index, adhesion factor and Delta, Nc on 5 rows as simulated with cells that grow by
+0.14, 0.2, 0.3 and 0.4: such means over 6 radii."""
+
 
 def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) -> xr.Dataset:
     """What is stated of the first samples of a run with the cone factor 10."""
@@ -104,6 +126,34 @@ def test_only_cells_of_three_rows_are_wide() -> None:
     assert error(4) == pytest.approx(slope * math.sqrt(3.0) / 4.0)
     beyond = math.sqrt(3.0) / 3.0 - LARGEST_CELL
     assert error(3) == pytest.approx(slope * math.sqrt(3.0) / 3.0 + WIDE_ERROR * beyond)
+
+
+@pytest.mark.parametrize("index", TWICE_THE_WINDOW)
+def test_a_window_of_twice_the_extents_has_the_same_factor(index: float) -> None:
+    test = ConePenetration(
+        rigidity_index=index, adhesion_factor=0.5, cells_per_radius=2.31, cell_growth=0.4
+    )
+    twice = {name: 2.0 * extent for name, extent in test.default_extents.items()}
+    corrected, half_widths = [], []
+    for changed, simulated in zip(({}, twice), TWICE_THE_WINDOW[index], strict=True):
+        run = dataclasses.replace(test, **changed, approach=None, penetration=None)
+        # The run went 10 radii beyond its first end, by default it goes 4.5 at most.
+        laws = run.laws(way=run.penetration + 10.0 - 4.5 - 4.0)
+        corrected.append(simulated + float(laws.correction))
+        half_widths += [float(laws.half_widths()[it]) for it in ("domain", "bottom")]
+    assert abs(corrected[1] - corrected[0]) <= math.hypot(*half_widths)
+
+
+@pytest.mark.parametrize("case", GROWN)
+def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, float, float]) -> None:
+    growths = (0.14, 0.2, 0.3, 0.4)
+    corrected = [
+        simulated - GROWTH_ERROR * growth_measure(CELL, growth)
+        for growth, simulated in zip(growths, GROWN[case], strict=True)
+    ]
+    half_widths = [growth_uncertainty(CELL, growth) for growth in growths]
+    for value, half_width in zip(corrected[1:], half_widths[1:], strict=True):
+        assert abs(value - corrected[0]) <= math.hypot(half_width, half_widths[0])
 
 
 @pytest.mark.parametrize(

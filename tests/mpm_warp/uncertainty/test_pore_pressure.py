@@ -9,6 +9,8 @@ import xarray as xr
 from mpm_warp.uncertainty.laws import BOUND_ERROR
 from mpm_warp.uncertainty.pore_pressure import (
     BOUND,
+    NOISE,
+    SETTLING,
     face_error,
     share_of_wedge,
     shoulder_error,
@@ -24,6 +26,7 @@ U2: dict[str, tuple[float, float, Series]] = {
     "half rough": (100, 0.5, {5: 4.42, 10: 3.96, 14: 3.93}),
     "rough": (100, 1.0, {3: 4.33, 5: 4.34, 7: 4.20, 10: 4.12}),
     "rough, small window": (100, 1.0, {5: 4.10, 10: 3.98, 14: 3.92}),
+    "between, coarse": (100, 0.75, {4: 4.69, 5: 4.21, 7: 4.13, 10: 4.08}),
     "soft": (50, 0.0, {5: 4.63, 7: 4.82, 10: 4.91}),
     "softer": (30, 0.0, {4: 3.46, 5: 3.73, 7: 3.98, 10: 4.08, 14: 4.05}),
     "softer, half rough": (30, 0.5, {4: 3.34, 5: 3.34, 7: 3.34, 10: 3.36, 14: 3.40}),
@@ -43,6 +46,12 @@ U1: dict[str, tuple[float, float, Series]] = {
     "stiff, half rough": (300, 0.5, {5: 11.40, 10: 11.28}),
     "stiff": (500, 0.0, {5: 12.55, 7: 12.24, 10: 12.41}),
 }
+LAST_CHANGE = """-0.6 0.0 -0.2 -2.5 -1.3 -6.6 -2.8 -6.9 -1.8 1.3 -3.3 2.4 3.2 -13.5 -0.4 -0.3 9.0
+-2.5 -0.7 0.3 0.3 -0.4 -1.8 -4.0 -3.7 0.2 -3.8 -5.2 -2.0 -0.2 -1.5 -2.4 -1.7"""
+STILL_CAME = """0.2 0.9 -0.2 -0.6 -0.2 -1.0 -1.2 1.3 0.2 -0.3 0.0 -0.1 -0.6 -0.5 -0.4 1.1 1.6
+0.5 -0.3 -0.0 0.1 0.1 -0.7 -2.4 -0.4 0.7 -0.7 0.3 1.3 0.7 -0.4 0.3 0.9"""
+"""Change of the mean of u2 at the end of a run, and what its mean 8 to 16 radii beyond differs by,
+in percent of u2: Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds 0.02 to 0.06."""
 
 
 def check(error: object, series: tuple[float, float, Series]) -> None:
@@ -97,7 +106,7 @@ def test_share_of_the_wedge() -> None:
 
 @pytest.mark.parametrize("is_known", [True, False])
 def test_stated_pressures(is_known: bool) -> None:
-    """What is still to come is 1.5 times the last change; without a law nothing is corrected.
+    """What is still to come is half of the last change; without a law nothing is corrected.
 
     What a bound of Poisson's ratio takes off is that of the cone factor.
     """
@@ -125,8 +134,16 @@ def test_stated_pressures(is_known: bool) -> None:
         )
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
-        expected = math.hypot(of_laws, 1.5 * 0.2, 0.02 * BOUND[place]) if is_known else math.nan
+        of_mean = math.hypot(0.5 * 0.2, 5.0 * NOISE[place])
+        expected = math.hypot(of_laws, of_mean, 0.02 * BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
+
+
+def test_what_still_comes_of_u2_is_within_its_half_width() -> None:
+    """With 95 %, in runs that were not used to set it."""
+    change, came = (np.array(them.split(), dtype=float) for them in (LAST_CHANGE, STILL_CAME))
+    within = np.abs(came) <= np.hypot(SETTLING * change, 100.0 * NOISE["shoulder"])
+    assert within.mean() >= 0.95
 
 
 def test_the_sleeve_friction_may_be_as_low_as_beside_remoulded_clay() -> None:

@@ -24,7 +24,7 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     default = Sounding()
     extent = default.default_extents[name]
     half = Sounding(**{name: 0.5 * extent})
-    expected = 15.0 * (DOMAIN * FACTOR) ** 2  # (2^2)^2 - 1
+    expected = 15.0 * DOMAIN**2  # (2^2)^2 - 1
     assert stated(half)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected)
 
 
@@ -79,6 +79,6 @@ def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None
     of_top = 11.0 * (2e3 + 1.5e3 * below_top)
     error = error_of_samples(from_top, below_top, of_top)
     assert np.isnan(error.half_width[0])
-    assert error.reason.startswith("surface: it is in the window to a depth of ")
+    assert error.reason.startswith("surface: the surface is in the window to a depth of ")
     is_deep = below_top > 2.0
     assert (error.half_width[is_deep] <= 0.02 * of_top[is_deep]).all()

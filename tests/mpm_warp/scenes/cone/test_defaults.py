@@ -30,6 +30,14 @@ SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
         (64.0, SOFTENING, "speed_ratio", 0.03),
         (99.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 4.0),
         (100.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 3.0),
+        (99.0, {}, "relative_cell_size", math.sqrt(3.0) / 6.0),
+        (100.0, {}, "relative_cell_size", math.sqrt(3.0) / 5.0),
+        (99.0, {}, "cell_growth", 0.3),
+        (100.0, {}, "cell_growth", 0.4),
+        (99.0, {"accuracy": "quick"}, "cell_growth", 0.4),
+        (64.0, {"uncertainty": "measured"}, "cell_growth", 0.4),
+        (64.0, SOFTENING, "relative_cell_size", math.sqrt(3.0) / 5.0),
+        (99.0, {}, "poissons_ratio_bound", 0.475),
     ],
 )
 def test_speed_and_cells_follow_the_clay(
@@ -109,7 +117,7 @@ def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: st
 def test_further_runs_have_the_method_of_the_test_whose_error_they_measure(index: float) -> None:
     test = ConePenetration(rigidity_index=index, uncertainty="measured")
     assert why_not_as_measured(test.build(), test._expected) == []
+    changed = {"mesh": "cells_per_radius", "growth": "cell_growth", "speed": "speed_ratio"}
     for choice, further in test.further_tests().items():
-        changed = {"mesh": "cells_per_radius", "speed": "speed_ratio"}.get(choice)
-        for name in {*DERIVED_BY_ERROR} - {changed}:
+        for name in {*DERIVED_BY_ERROR} - {changed.get(choice)}:
             assert getattr(further, name) == getattr(test, name)
