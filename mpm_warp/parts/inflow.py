@@ -11,6 +11,9 @@ the point, v velocity of the nodes, N shape functions at the point.
 
     w = v_p - N v, |w| at most W:    v_p <- N v + w W / |w| beyond
 
+Where a scene bounds it more closely, by s, it is at most the greater of s and of OVER_CELL times
+the difference of v at opposite corners of the cell: what sound soil may have within a coarse one.
+
 No point moves by its w; it is what the point brings to the nodes in the next step beside their own
 velocity. A point that stays near a tip, a shoulder or a pole for long gathers more and more of it,
 for it gets the same changes as those that hurry past, and would at last be faster than waves. That
@@ -42,20 +45,25 @@ VELOCITY_BOUND = "velocity.bound"
 SHARE_OF_WAVE, OVER_WINDOW = 0.5, 4.0
 """W is the lesser of these, over the speed of the pressure wave and the greatest of the grid; in
 sound runs points have up to 0.12 and 2.7 of it."""
+OVER_CELL = 2.0
+"""Closest bound where it is greater than s, over the difference of the velocities in the cell."""
 
 
-def add_inflow(plan: Plan, scene: Scene, *, stray_speed: float) -> None:
+def add_inflow(plan: Plan, scene: Scene, *, window_speed: float, stray_speed: float) -> None:
     """Add what lets a layer enter, when the plan has all arrays of its particles.
 
-    Beside the velocity of the soil a point has `stray_speed` at most [m/s]. Of every array
-    "particle.x" the plan gets "layer.x", its values in a layer that enters, and the launch
-    "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
+    The greatest speed of the window is `window_speed`, the closer bound s `stray_speed` [m/s]. Of
+    every array "particle.x" the plan gets "layer.x", its values in a layer that enters, and the
+    launch "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
     """
+    W = min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed)
     plan.between_steps[VELOCITY_BOUND] = plan.launch(
         bound_velocity,
         len(plan.initial("particle.cell")),
         stride=scene.grid.column_count + 1,
-        W=min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, stray_speed),
+        W=W,
+        s=min(W, stray_speed),
+        over_cell=OVER_CELL,
         speed_limit=plan.speed_limit,
     )
     plan.remedy += f", or {REMEDY}"
@@ -216,6 +224,8 @@ def bound_velocity(
     particle_cell: wp.array[wp.vec2i],
     particle_position: wp.array[vec2],
     W: real,
+    s: real,
+    over_cell: real,
     speed_limit: real,
     particle_velocity: wp.array[vec2],
 ):
@@ -225,8 +235,13 @@ def bound_velocity(
     if i < 0:
         return
     where = natural(particle_position[p], grid_columns[i], grid_rows[j], fitted_radius)
-    here = between_nodes(node_velocities, j * stride + i, stride, where[0], where[1])
+    node = j * stride + i
+    here = between_nodes(node_velocities, node, stride, where[0], where[1])
     v = vec2(here[0], here[1])
     w = particle_velocity[p] - v
-    if wp.length(w) > W and wp.length(w) < speed_limit:
-        particle_velocity[p] = v + (W / wp.length(w)) * w
+    rising = node_velocities[node + stride + 1] - node_velocities[node]
+    falling = node_velocities[node + 1] - node_velocities[node + stride]
+    differ = wp.max(wp.length(vec2(rising[0], rising[1])), wp.length(vec2(falling[0], falling[1])))
+    most = wp.min(W, wp.max(s, over_cell * differ))
+    if wp.length(w) > most and wp.length(w) < speed_limit:
+        particle_velocity[p] = v + (most / wp.length(w)) * w

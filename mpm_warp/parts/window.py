@@ -14,7 +14,7 @@ import warp as wp
 from mpm_warp.arguments import POSITIVE, Checked, Range, check_number, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, zero
-from mpm_warp.parts.inflow import OVER_WINDOW, Inflow, add_inflow
+from mpm_warp.parts.inflow import Inflow, add_inflow
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
 
@@ -105,8 +105,9 @@ class Window(MovingGrid):
 
     Attributes:
         approach: a hurried start, or none.
-        stray_speed: bound on the speed of a point beside that of the soil at it, where it is to be
-            closer than that of every window (`mpm_warp.parts.inflow`) [m/s], > 0; none by default.
+        stray_speed: bound on the speed of a point beside that of the soil at it, where the soil
+            moves evenly and it is to be closer than that of every window (`mpm_warp.parts.inflow`)
+            [m/s], > 0; none by default.
         spare_fraction: slots for particles beyond those of the full grid, over their number,
             dimensionless, > 0.
     """
@@ -162,8 +163,8 @@ class Window(MovingGrid):
             approach_travel=0.0 if approach is None else approach.travel,
             slowing_travel=0.0 if approach is None else approach.slowing_travel,
         )
-        of_every_window = OVER_WINDOW * self.first_speed
-        add_inflow(plan, scene, stray_speed=min(of_every_window, self.stray_speed or math.inf))
+        closer = self.stray_speed or math.inf
+        add_inflow(plan, scene, window_speed=self.first_speed, stray_speed=closer)
 
     def between_steps(self, run: Run, scene: Scene) -> BetweenSteps:
         """What lets soil enter."""

@@ -91,17 +91,22 @@ def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
     """Raise `InaccurateRun` where a cone factor is far above all that soil can give.
 
     That is `LARGEST_OVER_CAVITY` times the limit pressure of a spherical cavity and the shear on
-    the face, by law and contact of the scene that was built, over the strength su [Pa].
+    the face, by law and contact of the scene that was built, over the strength su [Pa]; and what
+    the inertia of the soil adds where its wall moves as fast as the face of the cone moves out,
+    3/2 rho v^2 (Rayleigh 1917, Phil. Mag. 34:94-98).
     """
     contact = built[PenetrometerContact]
     # With friction soil still bears no more shear than su.
     face_shear = 1.0 if contact.friction > 0.0 else contact.face_adhesion / strength
     estimate = _cavity_pressure(built) / strength + face_shear / math.tan(contact.half_angle)
-    factor, bound = float(results.cone_factor), LARGEST_OVER_CAVITY * estimate
+    outward = built[Window].speed * math.sin(contact.half_angle)
+    inertia = 1.5 * built.material.density * outward**2 / strength
+    factor, bound = float(results.cone_factor), LARGEST_OVER_CAVITY * estimate + inertia
     if factor > bound:
         raise InaccurateRun(
             f"the cone factor {factor:.3g} is above {bound:.3g}, twice what cavity expansion and "
-            "the face can give: try a lower speed_ratio, or more cells_per_radius",
+            "the face can give, and what inertia adds: try a lower speed_ratio, or more "
+            "cells_per_radius",
             results,
         )
 

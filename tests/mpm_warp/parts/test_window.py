@@ -117,6 +117,30 @@ def test_a_point_is_at_most_as_much_faster_than_the_soil_as_the_bound(cone: Scen
     assert (velocity[~present] == 1e3 * bound).all()
 
 
+@pytest.mark.parametrize(("differ", "bound"), [(0.0, 1.0), (0.4, 1.0), (0.7, 1.4), (9.0, 4.0)])
+def test_a_closer_bound_leaves_what_sound_soil_has_within_a_cell(
+    cone: Scene, differ: float, bound: float
+) -> None:
+    """Where the soil moves evenly it is the one given, else twice what a cell's velocities differ.
+
+    It is never above that of every window. Velocities are over a quarter of that bound; points are
+    so fast across that it hardly matters how fast the soil moves up.
+    """
+    window = cone[Window]
+    simulation = Simulation(
+        cone.with_parts(dataclasses.replace(window, stray_speed=window.first_speed))
+    )
+    grid, unit = cone.grid, window.first_speed
+    column = np.arange(grid.node_count) % (grid.column_count + 1)
+    of_soil = simulation.array("node.velocities")
+    of_soil[:, 1] = unit * differ * (column % 2)
+    present = np.flatnonzero(simulation.array("particle.cell")[:, 0] >= 0)
+    velocity = simulation.array("particle.velocity")
+    velocity[present] = np.array([50.0 * unit, 0.0])
+    simulation.launch(simulation.plan.between_steps[VELOCITY_BOUND])
+    np.testing.assert_allclose(velocity[present, 0], bound * unit, rtol=0.02)
+
+
 def test_no_point_at_the_tip_outruns_waves_where_a_cone_is_fast_in_soft_soil() -> None:
     """Ir 7.7 at 0.42 of the shear wave's speed: without the bound a point reaches the wave's."""
     test = ConePenetration(

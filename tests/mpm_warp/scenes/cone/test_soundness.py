@@ -57,16 +57,21 @@ def test_the_resistance_may_still_change_by_a_twentieth(variation: float, is_res
         ({"material": "von_mises"}, 2 / math.sqrt(3)),
         # 20 mm/s over 17.85 mm is 1.12 1/s: 2.05 log cycles.
         ({"rate_factor": 0.1, "reference_strain_rate": 0.01}, 1.205),
+        ({"speed_ratio": 0.3}, 1.0),
     ],
 )
-def test_no_cone_factor_is_twice_the_estimate(changed: dict[str, Any], share: float) -> None:
+def test_no_cone_factor_is_above_twice_the_estimate_and_inertia(
+    changed: dict[str, Any], share: float
+) -> None:
     test = dataclasses.replace(SHORT, **changed)
     # The shear on the face of 60 degrees: the adhesion over tan(30 degrees).
     estimate = 4 / 3 * share * (1 + math.log(100 / share))
     estimate += test.adhesion_factor * math.sqrt(3)
-    for factor in (1.99, 2.01):
-        results = xr.Dataset({"cone_factor": factor * estimate})
-        with nullcontext() if factor < 2 else pytest.raises(InaccurateRun, match=r"is above"):
+    # The face of 60 degrees moves out at half the speed of the cone.
+    bound = 2 * estimate + 3 / 2 * 100 * (test.speed_ratio / 2) ** 2
+    for factor in (0.999, 1.001):
+        results = xr.Dataset({"cone_factor": factor * bound})
+        with nullcontext() if factor < 1 else pytest.raises(InaccurateRun, match=r"is above"):
             check_bound(results, test.build(), test.undrained_shear_strength)
 
 
