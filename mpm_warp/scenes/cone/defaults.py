@@ -13,6 +13,8 @@ from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
 from mpm_warp.uncertainty.steadiness import steady_penetration
 
+CELL_GROWTH = 0.4
+"""Growth of the cells' width per distance from the penetrometer."""
 CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
@@ -57,6 +59,7 @@ class ConeTestByDefault(ConeTest):
         by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
         method = {
             "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
+            "cell_growth": CELL_GROWTH,
             "speed_ratio": self._speed_ratio,
             "poissons_ratio_bound": self._bound,
             "shaft_adhesion_factor": self.adhesion_factor,

@@ -203,8 +203,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     cell_growth: float = redefined(
         ConeInGround,
         "cell_growth",
-        default=Derived(0.4),
-        meaning="growth of the cells' width per distance from the penetrometer (0.3 by default "
+        default=None,
+        meaning="growth of the cells' width per distance from the penetrometer (default: 0.4; 0.3 "
         "below Ir 100 in perfectly plastic Tresca clay, accuracy standard)",
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
