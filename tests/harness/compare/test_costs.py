@@ -196,9 +196,9 @@ def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
 def test_fixed_settings_that_are_not_as_by_default_are_told(
     tmp_path: Path, two_soils: xr.Dataset
 ) -> None:
-    dataset = two_soils.assign(cell_growth=((), 0.8, {"role": "parameter"}))
+    dataset = two_soils.assign(time_step_fraction=((), 0.5, {"role": "parameter"}))
     found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
-    assert found.settings == {"cell_growth": 0.8, "cells_per_radius": 2.0}
+    assert found.settings == {"time_step_fraction": 0.5, "cells_per_radius": 2.0}
 
 
 def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Path) -> None:
