@@ -22,10 +22,12 @@ in J3, and M in it that in compression, 1 / M + 1 / 3 in extension its inverse:
 import functools
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec2, vec3, vec4, vec7, zero
 from mpm_warp.materials.von_mises import j2
+from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
 
 PART, MOST_PARTS = 0.1, 40
 """Elastic change of q in one part of a step, over M p_c, and most parts of a step."""
@@ -37,7 +39,9 @@ WATER = 5
 """Place of K_w / n among the properties (M, a, b, r, G, K_w / n, least p)."""
 
 three = wp.constant(real(3.0))
-rounding, tolerance = wp.constant(real(1e-13)), wp.constant(real(1e-10))
+# Of p_c. At the tip twice that is beyond the surface, half of what the watch allows.
+rounding = wp.constant(real(0.25 * YIELD_ROUNDINGS * np.finfo(float).eps))
+tolerance = wp.constant(real(1e-10))
 tiny = wp.constant(real(1e-60))  # of J2 [Pa2]: it has no direction
 small = wp.constant(real(1e-3))
 longest, most_parts = wp.constant(real(PART)), wp.constant(real(MOST_PARTS))

@@ -14,6 +14,7 @@ from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest,
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
+from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
 from mpm_warp.scenes.material.material_point import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
@@ -233,6 +234,14 @@ def test_no_strain_takes_it_out_of_its_yield_surface(ratio: float) -> None:
         # Total stress with its pore pressure has roundings that count where p_c is small.
         rounding = 64.0 * np.finfo(float).eps * np.abs(stress).max(axis=1) / state[:, 1]
         assert (excess < 1e-9 + rounding).all()
+
+
+def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> None:
+    """At the tip of the ellipse, where all of normally consolidated soil is at the start."""
+    random = np.random.default_rng(1)
+    gradient = 10.0 ** random.uniform(-17.0, -9.0, (300, 1)) * random.uniform(-1.0, 1.0, (300, 5))
+    _, _, excess = ends(clay(), gradient, 50)
+    assert (excess <= YIELD_ROUNDINGS * np.finfo(float).eps).all()
 
 
 @pytest.mark.parametrize(
