@@ -169,7 +169,8 @@ def _has_digest(path: Path, content: bytes) -> bool:
     if near or _STATEMENT.encode() in content:
         raise _damage(path, "its digest is missing")
     if not content.startswith(_HDF5):
-        raise ArchiveError(f"{path}: cannot be read: it is no netCDF-4 file")
+        remedy = "; give what `harness run` has written of it" if path.suffix == ".toml" else ""
+        raise ArchiveError(f"{path}: cannot be read: it is no netCDF-4 file{remedy}")
     if not _SUPERBLOCK <= _end(content) <= len(content):
         raise _damage(path, "its end is missing")
     return False

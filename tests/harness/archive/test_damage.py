@@ -164,6 +164,14 @@ def test_a_file_that_would_take_more_than_it_can_hold_is_not_read(tmp_path: Path
 DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
 
 
+@pytest.mark.parametrize("command", ("report", "plot"))
+def test_a_study_in_place_of_its_results_is_told_what_to_give(
+    command: str, small: Study, refusal: Refusal
+) -> None:
+    line = refusal(arguments(command, small.source))
+    assert line.endswith("; give what `harness run` has written of it")
+
+
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_collected_file_of_no_use_is_one_line_and_collected_again(

@@ -1,11 +1,18 @@
 """Laws of materials on strain paths."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from mpm_warp import Material, Simulation
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.scenes.material.strain_paths import StrainPaths
+
+STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
+"""The defaults of p0', lambda, kappa and v of modified Cam clay."""
+SHARE = 1.0 - KAPPA / LAMBDA
 
 
 def points_on(
@@ -24,3 +31,8 @@ def returned(material: Material, trial: Floats) -> Floats:
     simulation.assign("particle.stress", trial)
     simulation.advance(1)
     return simulation.array("particle.stress").copy()
+
+
+def cam_clay(ratio: float = 1.0, **changed: Any) -> ModifiedCamClay:
+    given = {"density": 1700.0, "poissons_ratio": 0.49} | changed
+    return ModifiedCamClay(isotropic_overconsolidation_ratio=ratio, **given)

@@ -1,7 +1,6 @@
 """Modified Cam clay: closed forms, an independent integrator, and clays at random."""
 
 import math
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -9,9 +8,8 @@ import numpy as np
 import pytest
 import scipy
 
-import mpm_warp
-from mpm_warp import CavityCylinder, CavitySphere, ConePenetration, ElementTest, Scene
-from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
+from mpm_warp import ElementTest
+from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
 from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
@@ -19,17 +17,8 @@ from mpm_warp.scenes.material.material_point import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear, refused
-from tests.mpm_warp.materials.conftest import points_on
-from tests.mpm_warp.materials.rates import cavity_wall, integrated
-
-STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0
-"""The defaults of p0', lambda, kappa and v."""
-SHARE = 1.0 - KAPPA / LAMBDA
-
-
-def clay(ratio: float = 1.0, **changed: Any) -> ModifiedCamClay:
-    given = {"density": 1700.0, "poissons_ratio": 0.49} | changed
-    return ModifiedCamClay(isotropic_overconsolidation_ratio=ratio, **given)
+from tests.mpm_warp.materials.conftest import KAPPA, LAMBDA, SHARE, STRESS, V, cam_clay, points_on
+from tests.mpm_warp.materials.rates import integrated
 
 
 def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
@@ -72,7 +61,7 @@ def test_the_strain_along_a_path_is_of_first_order(start: float) -> None:
 
     Plane strain from a K0 start is no proportional path: the deviator turns.
     """
-    material = clay(1.3)
+    material = cam_clay(1.3)
     q = 2.0 * start * material.undrained_strength("simple_shear")
     direction, deviator = np.array([-0.5, 0.0, 0.5]), np.array([-q / 3, -q / 3, 2.0 * q / 3.0])
     strain = 0.02
@@ -92,7 +81,7 @@ def test_the_strain_along_a_path_is_of_first_order(start: float) -> None:
 
 def test_the_shear_modulus_at_half_of_the_strength_is_that_of_the_rates() -> None:
     """Half of su over the strain at which it is reached; samples are 6 % of the strain apart."""
-    material = clay()
+    material = cam_clay()
     path = integrated(material, np.array([-0.5, 0.0, 0.5]), 0.1, deviator=np.zeros(3))
     half = 0.5 * material.undrained_strength("plane_strain")
     strain = scipy.optimize.brentq(lambda it: 0.5 * (path(it)[2] - path(it)[0]) - half, 1e-4, 0.1)
@@ -134,14 +123,14 @@ def test_drained_compression_follows_the_kappa_and_the_lambda_line() -> None:
         (-0.05, math.exp(-swell * 0.05), R),
     ):
         gradient = np.array([[-e_v / 3.0, 0.0, 0.0, -e_v / 3.0, -e_v / 3.0]])
-        _, state, _ = ends(clay(R), gradient, 100)
+        _, state, _ = ends(cam_clay(R), gradient, 100)
         np.testing.assert_allclose(state[0, :2], [STRESS * expected, STRESS * size], rtol=1e-9)
 
 
 def test_the_pore_water_bears_what_the_skeleton_does_not() -> None:
     """Total mean stress = p' + u, du = K_w / n de_v; K at the stiffest end has the given nu."""
     for ratio in (1.0, 8.0):
-        material = clay(ratio, poissons_ratio=0.495)
+        material = cam_clay(ratio, poissons_ratio=0.495)
         e_v = 1e-4
         gradient = np.array([[-e_v, 0.0, 0.0, 0.0, 0.0]])
         stress, state, _ = ends(material, gradient, 10)
@@ -189,7 +178,7 @@ def test_random_clays_end_at_their_critical_states() -> None:
     gradients = np.array(list(TESTS.values()))
     for _ in range(100):
         kappa = random.uniform(0.005, 0.1)
-        material = clay(
+        material = cam_clay(
             ratio=float(np.exp(random.uniform(0.0, math.log(50.0)))),
             critical_state_ratio=random.uniform(0.4, 1.6),
             swelling_slope=kappa,
@@ -210,7 +199,7 @@ def test_random_clays_end_at_their_critical_states() -> None:
 def test_brittle_clay_keeps_the_direction_of_its_deviator() -> None:
     """In two steps to 1 to 12 times the strain of its strength: what is compressed stays so."""
     slopes = {"swelling_slope": 0.01, "compression_slope": 0.014, "specific_volume": 1.5}
-    material = clay(8.0, critical_state_ratio=1.5, **slopes)
+    material = cam_clay(8.0, critical_state_ratio=1.5, **slopes)
     strain = material.strength / material.ground_shear_modulus * np.linspace(1.0, 12.0, 400)
     compression = np.array([TESTS["triaxial_compression"]])
     stress, state, _ = ends(material, strain[:, None] * compression, 2)
@@ -226,7 +215,7 @@ def test_no_strain_takes_it_out_of_its_yield_surface(ratio: float) -> None:
     gradient[:100] *= 10.0
     tip = np.array([[-0.2, 0.0, 0.0, -0.2, -0.2], [1.0, 0.0, 0.0, 1.0, 1.0]])
     for M in (0.4, 1.6):
-        material = clay(ratio, critical_state_ratio=M)
+        material = cam_clay(ratio, critical_state_ratio=M)
         stress, state, excess = ends(material, np.concatenate([gradient, tip]), 200)
         assert np.isfinite(stress).all()
         assert (state[:, 0] >= FLOOR * STRESS).all()
@@ -240,7 +229,7 @@ def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> Non
     """At the tip of the ellipse, where all of normally consolidated soil is at the start."""
     random = np.random.default_rng(1)
     gradient = 10.0 ** random.uniform(-17.0, -9.0, (300, 1)) * random.uniform(-1.0, 1.0, (300, 5))
-    _, _, excess = ends(clay(), gradient, 50)
+    _, _, excess = ends(cam_clay(), gradient, 50)
     assert (excess <= YIELD_ROUNDINGS * np.finfo(float).eps).all()
 
 
@@ -271,147 +260,12 @@ def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> 
     ],
 )
 def test_a_law_made_by_hand_is_checked_too(changed: dict[str, Any], message: str) -> None:
-    refused(partial(clay, **changed), SceneError, message)
-    refused(partial(clay, **changed), SceneError, "ModifiedCamClay: ")
-
-
-@pytest.mark.parametrize(("ratio", "at_rest"), [(1.0, None), (4.0, None), (4.0, 0.8)])
-def test_a_vertical_overconsolidation_ratio_is_that_of_the_stress_before(
-    ratio: float, at_rest: float | None
-) -> None:
-    """The greatest stress was on the yield surface; the scene starts from the K0 of today."""
-    M = 1.2
-    sine = 3.0 * M / (6.0 + M)
-    now = (1.0 - sine) * ratio**sine if at_rest is None else at_rest
-    vertical = 3.0 * STRESS / (1.0 + 2.0 * now)
-    normal = now / ratio**sine
-    p, q = (ratio * vertical * it for it in ((1.0 + 2.0 * normal) / 3.0, 1.0 - normal))
-    own: dict[str, Any] = {"critical_state_ratio": M, "vertical_overconsolidation_ratio": ratio}
-    own["earth_pressure_at_rest"] = at_rest
-    test: Any = mpm_warp.ConePenetration(material="modified_cam_clay", **own)
-    size = float(test.clay.state_at(np.zeros(4), np.zeros(2))[1])
-    assert size == pytest.approx(p + q**2 / (M**2 * p), rel=1e-12)
-    deviator = float(test.stress_at_rest[0] - test.stress_at_rest[1])
-    assert deviator == pytest.approx((1.0 - now) * vertical, rel=1e-12)
-    assert replace(test, stress_anisotropy=0.1).stress_anisotropy == 0.1
-    if ratio == 1.0:
-        assert size == pytest.approx(STRESS + (deviator / M) ** 2 / STRESS, rel=1e-12)
-    with pytest.raises(ParameterError, match="equal in all directions"):
-        mpm_warp.TBarPenetration(material="modified_cam_clay", **own)
+    refused(partial(cam_clay, **changed), SceneError, message)
+    refused(partial(cam_clay, **changed), SceneError, "ModifiedCamClay: ")
 
 
 def test_a_strain_path_outside_the_yield_surface_is_refused() -> None:
     """Of whoever builds the path by hand too, with no scene that looks at its parameters."""
     stress = np.array([[STRESS, -STRESS, 0.0, 0.0]])
     with pytest.raises(SceneError, match="the stress of the ground is outside the yield surface"):
-        StrainPaths(material=clay(), gradient=np.zeros((1, 5)), stress=stress, step_count=1)
-
-
-def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
-    """Su in simple shear and G / su, where none is given; what follows from them follows."""
-    given: dict[str, Any] = {"material": "modified_cam_clay"}
-    scene: Any = mpm_warp.ConePenetration(**given)
-    su = STRESS / math.sqrt(3.0) * 0.5**SHARE
-    assert scene.undrained_shear_strength == pytest.approx(su)
-    assert scene.rigidity_index == pytest.approx(0.6 * V * STRESS / KAPPA / su)
-    other = replace(scene, isotropic_overconsolidation_ratio=8.0)
-    assert other.undrained_shear_strength == pytest.approx(su * 8.0**SHARE)
-    stiffer = replace(scene, swelling_slope=0.01)
-    assert stiffer.domain_radius == pytest.approx(4.0 * math.sqrt(stiffer.rigidity_index))
-    own = replace(scene, undrained_shear_strength=15e3)
-    assert own.undrained_shear_strength == 15e3
-    assert own.rigidity_index == pytest.approx(0.6 * V * STRESS / KAPPA / 15e3)
-    as_default = mpm_warp.ConePenetration(**given, undrained_shear_strength=20e3)
-    assert as_default.undrained_shear_strength == 20e3
-    assert replace(as_default, cone_radius=0.02).undrained_shear_strength == 20e3
-    index = mpm_warp.ConePenetration(**given, rigidity_index=100.0).rigidity_index
-    assert index == 100.0
-    tresca = replace(scene, material="tresca", **dict.fromkeys(scene.of_other_laws))
-    assert (tresca.undrained_shear_strength, tresca.rigidity_index) == (20e3, 100.0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kind", "ratio", "start"),
-    [
-        *((CavityCylinder, ratio, "isotropic") for ratio in (1.0, 2.0, 5.0)),
-        *((CavityCylinder, ratio, "vertical") for ratio in (1.0, 2.0, 5.0)),
-        *((CavitySphere, ratio, "isotropic") for ratio in (1.0, 2.0, 5.0)),
-    ],
-)
-def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, start: str) -> None:
-    """Total and pore pressure at the wall, within 1 %; the path of each point is known.
-
-    A vertical overconsolidation ratio is one with its K0.
-    """
-    cylinder = kind is CavityCylinder
-    given: dict[str, Any] = {f"{start}_overconsolidation_ratio": ratio}
-    given |= {} if cylinder else {"cells_per_radius": 6}
-    scene = kind.offered()(material="modified_cam_clay", expansion=2.0, **given)
-    result = scene.run()
-    m, k, material = scene.exponent, scene.factor, scene.clay
-    direction = np.array([1.5, -1.5, 0.0] if cylinder else [2.0, -1.0, -1.0]) / 3.0
-    q = material.deviator_at_rest or 0.0
-    deviator = np.array([-q / 3.0, -q / 3.0, 2.0 * q / 3.0])
-    path = integrated(material, direction, 1.1 * m * math.log(2.0), deviator=deviator)
-    expansion = float(result.expansion[-1])
-    total, _ = cavity_wall(material, path, m * math.log(expansion), factor=k)
-    pressure = float(result.cavity_pressure[-1]) * scene.undrained_shear_strength
-    assert pressure == pytest.approx(total, rel=0.01)
-    distance = float(result.distance[0])
-    rest = distance**m - 1.0 + 2.0 ** -float(m)
-    _, water = cavity_wall(material, path, math.log(distance**m / rest), factor=k)
-    assert float(result.excess_pore_pressure[0]) == pytest.approx(water, rel=0.01)
-
-
-class Drifting(ModifiedCamClay):
-    """It says that its pores hold half as much water as they do."""
-
-    def mean_stress_change(
-        self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
-    ) -> Floats:
-        return super().mean_stress_change(0.5 * volume_strain, properties, state)
-
-
-@pytest.mark.slow
-def test_a_cone_goes_through_it_and_the_watch_knows_its_volume(short_test: ConePenetration) -> None:
-    """Soil enters with the state of its place; a mean stress that drifts is noticed."""
-    material = clay(2.0)
-    scene: Scene = replace(short_test.build(), material=material)
-    simulation = Simulation(scene)
-    simulation.travel_to(1.5 * short_test.cone_radius)
-    simulation.check()
-    present = simulation.array("particle.cell")
-    inside = present[:, 0] >= 0
-    p, size, pressure = simulation.array("particle.state")[inside].T
-    entered = present[inside][:, 1] == 0
-    np.testing.assert_allclose(p[entered], STRESS, rtol=0.05)
-    np.testing.assert_allclose(size[entered], 2.0 * STRESS, rtol=0.01)
-    assert pressure.max() > STRESS
-    # At R = 2 points begin at the critical state: what yields keeps its effective stress.
-    np.testing.assert_allclose(p, STRESS, rtol=0.05)
-    slot = int(np.flatnonzero(inside)[5])
-    simulation.array("particle.stress")[slot, 2] = STRESS
-    with pytest.raises(SimulationDiverged, match=f"stress of particle {slot} .* outside the yield"):
-        simulation.check()
-    with pytest.raises(SimulationDiverged, match="mean stress of particle"):
-        Simulation(replace(scene, material=Drifting(**vars(material)))).advance(500)
-
-
-@pytest.mark.slow
-def test_a_cone_at_critical_state_meets_what_it_meets_in_von_mises_soil() -> None:
-    """R = 2, same su and G: within U of quick tests, 1.7 %; water that gives adds 1 %."""
-    ratio: dict[str, Any] = {"isotropic_overconsolidation_ratio": 2.0}
-    test = mpm_warp.ConePenetration(material="modified_cam_clay", accuracy="quick", **ratio)
-    same = ConePenetration(
-        material="von_mises",
-        accuracy="quick",
-        undrained_shear_strength=float(test.undrained_shear_strength),
-        rigidity_index=float(test.rigidity_index),
-    )
-    one, other = test.run(), same.run()
-    assert float(one.cone_factor) == pytest.approx(float(other.cone_factor), rel=0.017)
-    shoulder = "pore_pressure_factor_shoulder"
-    assert float(one[shoulder]) == pytest.approx(float(other[shoulder]), rel=0.017)
-    assert np.isnan(one.cone_factor_uncertainty)
-    assert "not in modified_cam_clay, but further runs may" in str(one.why_no_uncertainty.values)
+        StrainPaths(material=cam_clay(), gradient=np.zeros((1, 5)), stress=stress, step_count=1)
