@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 
 from harness.archive.atomic_files import write_whole
 from harness.pictures.drawing.plot_parts import series
-from mpm_warp.grid.fitted import Floats, bilinear
-from mpm_warp.parts.contact import nodal_areas
+from mpm_warp.grid.fitted import Floats, bilinear, nodal_areas
 
 
 class NodalValues:

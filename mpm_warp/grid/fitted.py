@@ -158,6 +158,16 @@ class Grid(Checked):
         """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
         return np.tile([1.0, 0.0], (self.row_count + 1, 1))
 
+    @property
+    def wall_vectors(self) -> Floats:
+        """Integrals of N n over the inner surface for its nodes, n into the soil.
+
+        In m2 per radian, or in m in plane strain; shape [row_count + 1, 2].
+        """
+        weight = self.weight(self.surface_radius)
+        along = np.diff(self.rows), -np.diff(self.surface_radius)
+        return np.stack([nodal_areas(weight, length) for length in along], axis=-1)
+
     def width(self, column: Integers, row: Integers, eta: Floats) -> Floats:
         """Of cells at natural heights [m], shape [...]."""
         span = self.fitted_radius - self._followed(column, row, eta)
@@ -281,6 +291,16 @@ def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
     with np.errstate(divide="ignore"):
         lengths: Floats = 1.0 / np.sqrt(np.sum(gradients**2, axis=(1, 2)))
     return lengths
+
+
+def nodal_areas(weight: Floats, length: Floats) -> Floats:
+    """Integrals of N w over a line of nodes, shape [node_count], by the lengths between them [m].
+
+    The weight w is linear between nodes: r for areas per radian [m], 1 in plane strain.
+    """
+    to_lower = length * (weight[:-1] / 3.0 + weight[1:] / 6.0)
+    to_upper = length * (weight[:-1] / 6.0 + weight[1:] / 3.0)
+    return np.append(to_lower, 0.0) + np.insert(to_upper, 0, 0.0)
 
 
 def bilinear(xi: Floats, eta: Floats) -> tuple[Floats, Floats, Floats]:

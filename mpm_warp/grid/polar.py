@@ -82,10 +82,7 @@ class PolarGrid(Grid):
 
     @cached_property
     def wall_vectors(self) -> Floats:
-        """Integrals of N n over the inner surface for its nodes, n away from the origin.
-
-        In m2 per radian, or in m in plane strain; shape [row_count + 1, 2].
-        """
+        """See `Grid`."""
         angle = self.rows[:-1, None] + ETA * np.diff(self.rows)[:, None]
         normals = np.stack([np.sin(angle), np.cos(angle)], axis=-1)
         radius = self.surface_radius[:-1, None]

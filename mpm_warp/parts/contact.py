@@ -49,16 +49,6 @@ UNIT_ROUNDING = 1e-6
 """What the length of a unit normal may differ from 1 by."""
 
 
-def nodal_areas(weight: Floats, length: Floats) -> Floats:
-    """Integrals of N w over a line of nodes, shape [node_count], by the lengths between them [m].
-
-    The weight w is linear between nodes: r for areas per radian [m], 1 in plane strain.
-    """
-    to_lower = length * (weight[:-1] / 3.0 + weight[1:] / 6.0)
-    to_upper = length * (weight[:-1] / 6.0 + weight[1:] / 3.0)
-    return np.append(to_lower, 0.0) + np.insert(to_upper, 0, 0.0)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurfaceContact(Part):
     """Contact of nodes of the grid with a rigid body whose surface goes through them.
@@ -72,7 +62,7 @@ class SurfaceContact(Part):
         normal_areas: areas on which the normal traction acts [m2], shape [node_count].
         adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
             the strength of the soil varies or changes, that beside soil of the material's own.
-        friction: Coulomb coefficient, dimensionless, >= 0.
+        friction: Coulomb coefficient, dimensionless, >= 0; default: 0.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
@@ -86,7 +76,7 @@ class SurfaceContact(Part):
     normals: Floats = field(metadata=array_of("nodes", 2))
     normal_areas: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
     adhesion_forces: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
-    friction: float = checked(NOT_NEGATIVE)
+    friction: float = checked(NOT_NEGATIVE, default=0.0)
     in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
     speed: float = checked(unit="m/s", default=0.0)
     on_axis: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))

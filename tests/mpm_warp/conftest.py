@@ -20,7 +20,7 @@ from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parts.boundaries import FarField, Fixed
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.moving_wall import MovingWall
@@ -159,10 +159,7 @@ def cone(fitted: Grid) -> Scene:
     """Clay in a window that travels with a cone and its shaft: a scene with most of the parts."""
     clay = Tresca(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0, strength=20e3)
     row = np.flatnonzero(fitted.rows >= 0.0)  # from the tip upward
-    radius, height = fitted.surface_radius[row], fitted.rows[row]
-    vectors = np.stack(
-        [nodal_areas(radius, -np.diff(height)), nodal_areas(radius, np.diff(radius))], axis=-1
-    )
+    vectors = -fitted.wall_vectors[row]
     vectors[0, 0] = 0.0  # on the axis nothing moves sideways
     areas = np.linalg.norm(vectors, axis=1)
     return Scene(
@@ -179,7 +176,6 @@ def cone(fitted: Grid) -> Scene:
                 normals=vectors / areas[:, None],
                 normal_areas=areas,
                 adhesion_forces=0.5 * clay.strength * areas,
-                friction=0.0,
                 in_situ_stress=400e3,
             ),
             Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),

@@ -7,11 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid, graded
+from mpm_warp.grid.fitted import Floats, Grid, graded, nodal_areas
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import parameter, redefined
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
@@ -143,7 +143,6 @@ class Footing(OnGround):
             normals=np.tile([0.0, 1.0], (len(column), 1)),
             normal_areas=areas,
             adhesion_forces=self.adhesion_factor * STRENGTH * areas,
-            friction=0.0,
             in_situ_stress=NO_PARTING,
             speed=self.speed,
         )

@@ -150,9 +150,7 @@ class Cavity(ClayScene):
         """Expand the cavity, and compare its pressure with the exact one, where that is known."""
         grid, exact = soil_scene(simulation).grid, self.exact
         # Of the wall's nodes, per radian; of a sphere together r^2 less 0.6 % at 4 cells.
-        areas = np.full(2, 0.5 * RADIUS * self.cell_size)
-        if isinstance(grid, PolarGrid):
-            areas = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
+        areas = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
         area = float(areas.sum())
         times, radii, on_rows = [simulation.time], [RADIUS], list[Floats]()
 

@@ -11,8 +11,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.grid.fitted import Floats, Grid, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact
 
 _RADIUS = 17.85
 """Of the standard penetrometer [mm]."""

@@ -79,16 +79,13 @@ class ThickCylinder(CatalogueScene):
             fitted_radius=outer,
             planar=planar,
         )
-        # `wall` holds the integrals of N n over the inner wall.
-        if isinstance(grid, PolarGrid):
-            wall = grid.wall_vectors
-            fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])  # two planes of symmetry
-        else:
-            wall = np.outer(np.full(2, 0.5 * INNER_RADIUS * height), [1.0, 0.0])
-            fixed = Fixed.on(grid, vertical=["everywhere"])
+        fixed = Fixed.on(grid, vertical=["everywhere"])
+        if planar:  # two planes of symmetry
+            fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])
         # Of the order of the lowest frequency, shear wave speed over mean radius.
         damping = 2 * material.shear_wave_speed / (0.5 * (INNER_RADIUS + grid.outer_radius))
-        load = NodalLoad(nodes=grid.node(0, np.arange(grid.row_count + 1)), forces=PRESSURE * wall)
+        wall = grid.node(0, np.arange(grid.row_count + 1))
+        load = NodalLoad(nodes=wall, forces=PRESSURE * grid.wall_vectors)
         return Scene(grid=grid, material=material, parts=(load, Damping(damping), fixed))
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

@@ -69,7 +69,6 @@ class FullFlow(Bearing):
 
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact all around the body."""
-        assert isinstance(grid, PolarGrid)
         vectors = -grid.wall_vectors
         vectors[[0, -1], 0] = 0.0  # nothing moves off the line of travel
         areas = np.linalg.norm(vectors, axis=1)
@@ -79,7 +78,6 @@ class FullFlow(Bearing):
             normals=vectors / areas[:, None],
             normal_areas=areas,
             adhesion_forces=self.adhesion_factor * STRENGTH * areas,
-            friction=0.0,
             in_situ_stress=NO_PARTING,
             speed=self.speed,
         )

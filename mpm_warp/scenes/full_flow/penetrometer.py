@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid, growing
+from mpm_warp.grid.fitted import Floats, Grid, growing, nodal_areas
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
-from mpm_warp.parts.contact import SurfaceContact, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
@@ -89,7 +89,7 @@ class RoundBody:
         radius, height = grid.surface_radius[rows], grid.rows[rows]
         weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)
-        vectors = np.stack([-nodal_areas(weight, rise), nodal_areas(weight, lean)], axis=-1)
+        vectors = -grid.wall_vectors[rows]
         on_axis = np.flatnonzero(radius == 0.0)
         vectors[on_axis, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
@@ -99,7 +99,6 @@ class RoundBody:
             normals=vectors / normal_areas[:, None],
             normal_areas=normal_areas,
             adhesion_forces=adhesion * nodal_areas(weight, of_body),
-            friction=0.0,
             in_situ_stress=in_situ_stress,
             on_axis=on_axis,
         )

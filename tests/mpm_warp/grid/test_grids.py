@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.grid.fitted import Floats, Grid, GroundGrid, graded
+from mpm_warp.grid.fitted import Floats, Grid, GroundGrid, graded, nodal_areas
 from mpm_warp.grid.location import make_location
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import vec5
@@ -166,6 +166,15 @@ def dilation_error(rows: int, *, planar: bool) -> float:
 def test_uniform_dilation_is_of_second_order_in_the_angle(planar: bool) -> None:
     coarse, fine = (dilation_error(rows, planar=planar) for rows in (8, 16))
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.1)
+
+
+def test_nodal_areas_integrate_linear_functions_exactly() -> None:
+    """Of r over a line of slope: the whole, and its first moment along the line."""
+    radius = np.array([0.0, 0.5, 0.8, 2.0])
+    length = 2.0 * np.diff(radius)
+    area = nodal_areas(radius, length)
+    assert area.sum() == pytest.approx(2.0 * 0.5 * 2.0**2, rel=1e-13)
+    assert area @ radius == pytest.approx(2.0 * 2.0**3 / 3.0, rel=1e-13)
 
 
 def test_wall_vectors_add_up_to_the_projected_wall() -> None:

@@ -12,7 +12,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.contact import SurfaceContact, contact_law, nodal_areas
+from mpm_warp.parts.contact import SurfaceContact, contact_law
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
@@ -90,15 +90,6 @@ PRESSURE = 1e3
 def surface(cone: Scene) -> SurfaceContact:
     """Of the cone and its shaft."""
     return cone[SurfaceContact]
-
-
-def test_nodal_areas_integrate_linear_functions_exactly() -> None:
-    """Of r over a line of slope: the whole, and its first moment along the line."""
-    radius = np.array([0.0, 0.5, 0.8, 2.0])
-    length = 2.0 * np.diff(radius)
-    area = nodal_areas(radius, length)
-    assert area.sum() == pytest.approx(2.0 * 0.5 * 2.0**2, rel=1e-13)
-    assert area @ radius == pytest.approx(2.0 * 2.0**3 / 3.0, rel=1e-13)
 
 
 def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(

@@ -131,7 +131,6 @@ def test_the_share_in_touch_is_of_the_area_that_something_presses(in_situ_stress
         normals=np.tile([-1.0, 0.0], (4, 1)),
         normal_areas=areas,
         adhesion_forces=np.zeros(4),
-        friction=0.0,
         in_situ_stress=in_situ_stress,
     )
     parted = -in_situ_stress * areas
