@@ -266,9 +266,7 @@ def make_grid_to_body(axisymmetric: bool, damped: bool) -> Any:
         gradient += time_step * (
             half * (wp.transpose(gradient) * gradient) - stretching * stretching
         )
-        hoop = real(0.0)
-        if wp.static(axisymmetric):
-            hoop = v[0] / x[0]
+        hoop = v[0] / x[0] if wp.static(axisymmetric) else zero
         L = vec5(gradient[0, 0], gradient[0, 1], gradient[1, 0], gradient[1, 1], hoop)
 
         motion = motion_of(L, time_step)

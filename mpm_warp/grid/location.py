@@ -38,14 +38,10 @@ def make_location(polar: bool) -> Location:
     """Location functions of a polar grid or of one with horizontal rows."""
 
     @wp.func
-    def horizontal(x: vec2) -> vec2:
+    def on_grid(x: vec2) -> vec2:
+        if wp.static(polar):
+            return vec2(wp.length(x), wp.atan2(x[0], x[1]))
         return x
-
-    @wp.func
-    def distance_and_angle(x: vec2) -> vec2:
-        return vec2(wp.length(x), wp.atan2(x[0], x[1]))
-
-    on_grid = distance_and_angle if polar else horizontal
 
     @wp.func
     def natural(x: vec2, column: vec3, row: vec5, fitted_radius: real) -> vec2:
@@ -87,15 +83,10 @@ def make_location(polar: bool) -> Location:
         return wp.vec2i(i, j)
 
     @wp.func
-    def outside_surface_of_rows(x: vec2, row: vec5) -> vec2:
+    def outside_surface(x: vec2, row: vec5) -> vec2:
+        if wp.static(polar):
+            return wp.max(row[3] / wp.length(x), one) * x
         surface = row[3] + wp.clamp((x[1] - row[0]) * row[2], zero, one) * row[4]
         return vec2(wp.max(x[0], surface), x[1])
 
-    @wp.func
-    def outside_surface_of_rays(x: vec2, row: vec5) -> vec2:
-        distance = wp.length(x)
-        if distance < row[3]:
-            return (row[3] / distance) * x
-        return x
-
-    return Location(natural, settle, outside_surface_of_rays if polar else outside_surface_of_rows)
+    return Location(natural, settle, outside_surface)

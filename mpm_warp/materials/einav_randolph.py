@@ -27,7 +27,7 @@ import warp as wp
 from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.kernel_types import one, real, two, vec2, vec4
+from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
 from mpm_warp.materials.elasticity import elastic_increment
 from mpm_warp.materials.perfectly_plastic import (
     STRENGTH,
@@ -170,11 +170,8 @@ def _make_functions(
     @wp.func
     def recalled(state: Any) -> vec2:
         """(1 - S, R - 1)."""
-        lost, rate_effect = real(0.0), real(0.0)
-        if wp.static(softens):
-            lost = state[0]
-        if wp.static(depends_on_rate):
-            rate_effect = state[wp.static(int(softens))]
+        lost = state[0] if wp.static(softens) else zero
+        rate_effect = state[wp.static(int(softens))] if wp.static(depends_on_rate) else zero
         return vec2(lost, rate_effect)
 
     @wp.func

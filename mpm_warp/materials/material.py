@@ -275,27 +275,12 @@ def built_name(part: object) -> str:
     return f"{kind.__module__}.{kind.__qualname__}".replace("<locals>.", "")
 
 
-@wp.func
-def own_of_point(values: wp.array(dtype=Any), point: int):
-    """What an array holds for a point."""
-    return values[point]
-
-
-@wp.func
-def common_to_points(values: Any, point: int):
-    """What is the same for all points."""
-    return values
-
-
 @functools.cache
 def _make_of_point(varies: bool, remembers: bool, state_type: Any) -> Any:
-    properties_of = own_of_point if varies else common_to_points
-
     @wp.func
     def of_point(properties: Any, states: wp.array[state_type], point: int):
-        state = state_type()
-        if wp.static(remembers):
-            state = states[point]
-        return properties_of(properties, point), state
+        own = properties[point] if wp.static(varies) else properties
+        state = states[point] if wp.static(remembers) else state_type()
+        return own, state
 
     return of_point

@@ -201,12 +201,9 @@ def _make_surface_contact(travelling: bool) -> Any:
             return
         v = node_velocities[node]
         n = contact_normals[k]
-        d = vec2(v[0], v[1])
-        if wp.static(travelling):
-            # The body sinks through the soil at the speed at which the soil passes the grid.
-            d += vec2(zero, window_motion[1])
-        else:
-            d += vec2(zero, speed)
+        # In a grid that travels it sinks at the speed at which the soil passes the grid.
+        sinking = window_motion[1] if wp.static(travelling) else speed
+        d = vec2(v[0], v[1]) + vec2(zero, sinking)
         in_situ = contact_pressure[k] * time_step
         pressing = m * wp.dot(d, n) + in_situ
         J = contact_law(m, d, n, pressing, friction, contact_adhesion[k] * time_step, in_situ)
