@@ -70,49 +70,6 @@ def k_in_extension(M: real) -> real:
     return three * root * root
 
 
-@functools.cache
-def make_is_outside(by_angle: bool) -> Any:
-    """The function (s, J2, p, p_c, properties) -> whether f > 0, beyond rounding; finds no root."""
-
-    @wp.func
-    def is_outside(s: vec4, J2: real, p: real, pc: real, properties: vec7) -> bool:
-        M = properties[0]
-        square = p * (pc - p + rounding * pc)  # w^2 on the surface
-        if square < k_in_compression(M) * J2:
-            return True
-        if wp.static(by_angle):
-            if square < k_in_extension(M) * J2:
-                w, AB = wp.sqrt(square), cubic(s, J2, M)
-                return w * (square - AB[0]) < AB[1]
-        return False
-
-    return is_outside
-
-
-@functools.cache
-def make_k_along(by_angle: bool) -> Any:
-    """The function (s, J2, guess of w^2, properties) -> k in the direction of s."""
-
-    @wp.func
-    def k_along(s: vec4, J2: real, guess: real, properties: vec7) -> real:
-        M = properties[0]
-        k = k_in_compression(M)
-        if wp.static(by_angle):
-            if tiny < J2:
-                AB = cubic(s, J2, M)
-                w = wp.sqrt(wp.clamp(guess, k * J2, k_in_extension(M) * J2))
-                for _k in range(wp.static(ROOTS)):  # Halley's method
-                    f, df = w * (w * w - AB[0]) - AB[1], three * w * w - AB[0]
-                    change = f * df / (df * df - three * w * f)
-                    w -= change
-                    if wp.abs(change) <= last_change * w:
-                        break
-                k = w * w / J2
-        return k
-
-    return k_along
-
-
 @wp.func
 def deviator(tensor: vec4) -> vec4:
     """The tensor less its mean."""
@@ -139,20 +96,6 @@ def moduli(stress: vec4, properties: vec7, state: vec3) -> vec2:
     """(G, K) of skeleton and water."""
     p = state[0]
     return vec2(shear_modulus(p, properties), properties[1] * p + properties[wp.static(WATER)])
-
-
-@functools.cache
-def make_yield_function(by_angle: bool) -> Any:
-    """The function of `Law.yield_function`: distance from the middle of the ellipse, p_c / 2."""
-    k_along = make_k_along(by_angle)
-
-    @wp.func
-    def measure_and_size(stress: vec4, properties: vec7, state: vec3) -> vec2:
-        J2, p, middle = j2(stress), state[0], half * state[1]
-        k = k_along(deviator(stress), J2, p * (state[1] - p), properties)
-        return vec2(wp.sqrt(k * J2 + (p - middle) * (p - middle)), middle)
-
-    return measure_and_size
 
 
 @wp.func
@@ -200,9 +143,46 @@ def to_surface(trial: real, size: real, square: real, rate: real, properties: ve
 
 
 @functools.cache
-def make_update(by_angle: bool) -> Any:
-    """The function of `Law.update`; M follows the Lode angle where `by_angle` says so."""
-    is_outside, k_along = make_is_outside(by_angle), make_k_along(by_angle)
+def make_functions(by_angle: bool) -> tuple[Any, Any]:
+    """The functions of `Law.update` and `Law.yield_function`; `by_angle`: M by the Lode angle."""
+
+    @wp.func
+    def is_outside(s: vec4, J2: real, p: real, pc: real, properties: vec7) -> bool:
+        # Whether f > 0, beyond rounding; finds no root.
+        M = properties[0]
+        square = p * (pc - p + rounding * pc)  # w^2 on the surface
+        if square < k_in_compression(M) * J2:
+            return True
+        if wp.static(by_angle):
+            if square < k_in_extension(M) * J2:
+                w, AB = wp.sqrt(square), cubic(s, J2, M)
+                return w * (square - AB[0]) < AB[1]
+        return False
+
+    @wp.func
+    def k_along(s: vec4, J2: real, guess: real, properties: vec7) -> real:
+        # k in the direction of s, by a guess of w^2.
+        M = properties[0]
+        k = k_in_compression(M)
+        if wp.static(by_angle):
+            if tiny < J2:
+                AB = cubic(s, J2, M)
+                w = wp.sqrt(wp.clamp(guess, k * J2, k_in_extension(M) * J2))
+                for _k in range(wp.static(ROOTS)):  # Halley's method
+                    f, df = w * (w * w - AB[0]) - AB[1], three * w * w - AB[0]
+                    change = f * df / (df * df - three * w * f)
+                    w -= change
+                    if wp.abs(change) <= last_change * w:
+                        break
+                k = w * w / J2
+        return k
+
+    @wp.func
+    def measure_and_size(stress: vec4, properties: vec7, state: vec3) -> vec2:
+        # Distance from the middle of the ellipse, p_c / 2.
+        J2, p, middle = j2(stress), state[0], half * state[1]
+        k = k_along(deviator(stress), J2, p * (state[1] - p), properties)
+        return vec2(wp.sqrt(k * J2 + (p - middle) * (p - middle)), middle)
 
     @wp.func
     def consolidate_and_shear(
@@ -237,4 +217,4 @@ def make_update(by_angle: bool) -> Any:
         total = s + mean * vec4(one, one, zero, one)
         return total, vec3(p, pc, state[2] + water)
 
-    return consolidate_and_shear
+    return consolidate_and_shear, measure_and_size

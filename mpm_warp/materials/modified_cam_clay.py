@@ -36,8 +36,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.cam_clay_return import (
     WATER,
-    make_update,
-    make_yield_function,
+    make_functions,
     moduli,
     strength_at_critical_state,
 )
@@ -276,7 +275,7 @@ class ModifiedCamClay(Material):
 
     def update(self) -> Any:
         """Elastic, or back to the surface, in as many parts as the step needs."""
-        return make_update(self._by_angle)
+        return make_functions(self._by_angle)[0]
 
     def moduli(self) -> Any:
         """G and K with the water, at the effective stress."""
@@ -284,7 +283,7 @@ class ModifiedCamClay(Material):
 
     def yield_function(self) -> Any:
         """(Distance of (q / M, p) from the middle of the ellipse, p_c / 2)."""
-        return make_yield_function(self._by_angle)
+        return make_functions(self._by_angle)[1]
 
     def strength_function(self) -> Any:
         """M p / sqrt(3) at the critical state: what shear leaves as it is."""

@@ -123,11 +123,11 @@ class PerfectlyPlastic(UndrainedClay):
 
     def update(self) -> Any:
         """Return to the yield surface from outside."""
-        return _make_update(type(self))
+        return _make_functions(type(self))[0]
 
     def yield_function(self) -> Any:
         """(f, su)."""
-        return _make_yield_function(type(self))
+        return _make_functions(type(self))[1]
 
 
 @functools.cache
@@ -149,19 +149,14 @@ def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
 
 
 @functools.cache
-def _make_yield_function(criterion: type[PerfectlyPlastic]) -> Any:
-    measure, shape_of = criterion.measure, make_shape(criterion)
+def _make_functions(criterion: type[PerfectlyPlastic]) -> tuple[Any, Any]:
+    """The update and the yield function."""
+    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
+    shape_of = make_shape(criterion)
 
     @wp.func
     def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:
         return vec2(measure(stress, shape_of(properties, state)), properties[wp.static(STRENGTH)])
-
-    return measure_and_strength
-
-
-@functools.cache
-def _make_update(criterion: type[PerfectlyPlastic]) -> Any:
-    within, nearest, shape_of = criterion.within, criterion.nearest, make_shape(criterion)
 
     @wp.func
     def elastic_then_return(
@@ -174,4 +169,4 @@ def _make_update(criterion: type[PerfectlyPlastic]) -> Any:
             return trial, state
         return nearest(trial, strength, shape), state
 
-    return elastic_then_return
+    return elastic_then_return, measure_and_strength
