@@ -145,10 +145,7 @@ class Body(Checked):
 
 
 def critical_time_step(
-    cell_size: float,
-    material: LinearElastic,
-    retardation_time: float | None,
-    thinning: float = 1.0,
+    cell_size: float, material: LinearElastic, retardation_time: float | None, thinning: float = 1.0
 ) -> float:
     """Time in which a wave crosses a cell, shorter where there is damping [s].
 

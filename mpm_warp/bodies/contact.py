@@ -83,12 +83,7 @@ def add_contact(
     plan.add_launch(extents, plan.particle_count)
     plan.add_launch(pressing_of_nodes, grid.node_count, closed=CLOSED_GAP * grid.cell_size)
     plan.add_launch(shared_pressure, over_nodes)
-    plan.add_launch(
-        body_contact,
-        over_nodes,
-        friction=contact.friction,
-        adhesion=contact.adhesion,
-    )
+    plan.add_launch(body_contact, over_nodes, friction=contact.friction, adhesion=contact.adhesion)
 
 
 @kernel

@@ -216,8 +216,7 @@ def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
         plan.add_array("body.retardation_time", "real", times)
         plan.add_zeros("particle.dissipated", "real", plan.particle_count)
     plan.add_launch(
-        make_grid_to_body(scene.grid.axisymmetric, scene.is_damped),
-        plan.particle_count,
+        make_grid_to_body(scene.grid.axisymmetric, scene.is_damped), plan.particle_count
     )
 
 

@@ -27,14 +27,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import (
-    FROM_ONE,
-    NOT_NEGATIVE,
-    array_of,
-    check_nodes,
-    check_whole,
-    checked,
-)
+from mpm_warp.arguments import FROM_ONE, NOT_NEGATIVE, array_of, check_nodes, check_whole, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, zero

@@ -160,8 +160,7 @@ class StepCost(CatalogueScene):
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         per_point = byte_count / simulation.plan.particle_count
         result = labelled(
-            role="headline",
-            update_rate=(float(np.median(rates)), "s-1", per_second, of_samples),
+            role="headline", update_rate=(float(np.median(rates)), "s-1", per_second, of_samples)
         )
         result |= labelled(
             role="measured",

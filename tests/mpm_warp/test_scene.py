@@ -52,10 +52,7 @@ def plane(rectilinear: Grid) -> Grid:
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
             "ConservativeInterpolation: not together with a grid of rays$",
         ),
-        (
-            {"parts": (RadialMotion(),)},
-            "radial motion: the grid is a Grid, must be a PolarGrid$",
-        ),
+        ({"parts": (RadialMotion(),)}, "radial motion: the grid is a Grid, must be a PolarGrid$"),
         ({"parts": (Fixed.on, WALL)}, r"Scene: parts\[0\] = <.*> must be of type Part$"),
     ],
 )

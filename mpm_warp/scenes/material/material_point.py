@@ -100,9 +100,7 @@ class MaterialPoint(PointScene):
     def run_size(self) -> RunSize:
         """A point on each path."""
         return RunSize(
-            cell_count=0,
-            particle_count=PATH_COUNT + RANDOM_PATHS,
-            step_count=self.step_count,
+            cell_count=0, particle_count=PATH_COUNT + RANDOM_PATHS, step_count=self.step_count
         )
 
     @property

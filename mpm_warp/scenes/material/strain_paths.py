@@ -90,9 +90,7 @@ def plan_strain_paths(
     if law.yield_function is not None:
         plan.add_array("particle.yield_excess", "real", np.full(count, -1.0))
     plan.add_launch(
-        _make_strain_path(law),
-        count,
-        properties=law.properties_type(*material.properties),
+        _make_strain_path(law), count, properties=law.properties_type(*material.properties)
     )
     return plan
 
