@@ -17,9 +17,9 @@ plane strain per unit thickness.
 """
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import warp as wp
@@ -62,6 +62,8 @@ class Grid(Checked):
             shape [row_count + 1]; 0 on the axis.
         fitted_radius: radius from which on the columns of nodes are upright [m].
         planar: whether strain is plane; r is then a Cartesian coordinate.
+        ground_level: height up to which there is soil before anything moves, above the lowest row
+            [m]; default: the grid is full.
 
     Raises:
         SceneError: a value is not allowed.
@@ -72,6 +74,7 @@ class Grid(Checked):
     surface_radius: Floats
     fitted_radius: float = checked(POSITIVE, unit="m")
     planar: bool = False
+    ground_level: float = math.inf
     polar = False
     """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
 
@@ -86,14 +89,13 @@ class Grid(Checked):
             raise SceneError(f"Grid: columns are from {ends}, must be from 0 and one of them 1")
         within = Range(minimum=0.0, below=self.fitted_radius)
         check_array("Grid: surface_radius", self.surface_radius, self.rows.shape, within)
+        if self.ground_level != math.inf:
+            above_bottom = Range(above=float(self.rows[0]))
+            check_number("Grid: ground_level", self.ground_level, above_bottom, unit="m")
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z) at radii [m]: r, or 1 in plane strain, [...]."""
         return np.ones_like(radius) if self.planar else radius
-
-    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
-        """Whether there is soil at positions [m] of shape [count, 2] before anything moves."""
-        return np.ones(len(position), dtype=np.bool_)
 
     @property
     def outer_radius(self) -> float:
@@ -248,36 +250,6 @@ class Grid(Checked):
     def cell_lengths(self) -> Floats:
         """See the function of that name, shape [cell_count]."""
         return cell_lengths(self.gradient_integrals, self.cell_volumes)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class GroundGrid(Grid):
-    """A grid with soil up to a level only.
-
-    Attributes:
-        ground_level: height of the surface of the ground before anything moves [m].
-
-    Raises:
-        SceneError: a value is not allowed, or there is no soil in the grid.
-    """
-
-    ground_level: float
-
-    @classmethod
-    def of(cls, grid: Grid, ground_level: float) -> Self:
-        """A grid with soil up to a level [m] only."""
-        return cls(
-            **{own.name: getattr(grid, own.name) for own in fields(Grid)}, ground_level=ground_level
-        )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        above_bottom = Range(above=float(self.rows[0]))
-        check_number("GroundGrid: ground_level", self.ground_level, above_bottom, unit="m")
-
-    def holds_soil(self, position: Floats) -> NDArray[np.bool_]:
-        """See `Grid`."""
-        return position[:, 1] < self.ground_level
 
 
 def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:

@@ -41,7 +41,7 @@ def seed_rows(grid: Grid, row_count: int, particles_per_side: int) -> Seed:
 
     At the centroids, the mass of each node comes out as the exact integral of its shape function
     where cells are upright; where they lean, along a cone, within 0.2 %. Particles are ordered by
-    height, then by radius: one layer after the other. They are only where the grid holds soil.
+    height, then by radius: one layer after the other. They are only below its ground level.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
     rows = [_seed_row(grid, row, particles_per_side) for row in range(row_count)]
@@ -63,7 +63,7 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
     volumes = grid.jacobian(column[:, None], row[:, None], xi, eta) / (4 * n * n)
     volume = volumes.sum(axis=1)
     position = np.sum(points * volumes[..., None], axis=1) / volume[:, None]
-    soil = grid.holds_soil(position)
+    soil = position[:, 1] < grid.ground_level
     return Seed(position[soil], volume[soil], np.stack([column, row], axis=-1)[soil])
 
 

@@ -16,7 +16,7 @@ from mpm_warp.bodies.body import Body, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Grid, GroundGrid, graded
+from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import LinearElastic
@@ -139,8 +139,8 @@ MADE = [
         surface_radius=[np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
         fitted_radius=NUMBERS,
         planar=["no"],
+        ground_level=[NAN, -1.0],
     ),
-    made(GroundGrid, GRID | {"ground_level": 1.0}, ground_level=[NAN, -1.0]),
     made(
         PolarGrid,
         GRID | {"surface_radius": ONES},

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, GroundGrid, graded
+from mpm_warp.grid.fitted import Floats, graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
@@ -63,7 +63,7 @@ class ConeSelfSimilar(CatalogueScene):
             depth_below=12.0 * RADIUS,
             height_above=RADIUS,
         )
-        grid = GroundGrid.of(fitted, ground_level=0.0)
+        grid = replace(fitted, ground_level=0.0)
         clay = Tresca(
             shear_modulus=self.rigidity_index * STRENGTH,
             poissons_ratio=POISSONS_RATIO,

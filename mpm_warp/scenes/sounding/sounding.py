@@ -9,7 +9,6 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.execution.execution import Execution
-from mpm_warp.grid.fitted import GroundGrid
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
@@ -195,7 +194,7 @@ class Sounding(SoundingTest):
         is left out: it is some gamma R / su, about 0.01, of the strength.
         """
         level = self.start_depth
-        grid, window = GroundGrid.of(scene.grid, level), scene[Window]
+        grid, window = replace(scene.grid, ground_level=level), scene[Window]
         seeded = len(seed_rows(grid, grid.row_count, scene.particles_per_side).volume)
         slots = (1.0 + window.spare_fraction) * grid.cell_count * scene.particles_per_side**2
         surface = PassingSurface(

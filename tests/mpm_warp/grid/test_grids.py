@@ -1,5 +1,6 @@
 """Geometry of the grids, fitted and of rays: exact integrals, whatever the shape of the cells."""
 
+import dataclasses
 import functools
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 import warp as wp
 
-from mpm_warp.grid.fitted import Floats, Grid, GroundGrid, graded, nodal_areas
+from mpm_warp.grid.fitted import Floats, Grid, graded, nodal_areas
 from mpm_warp.grid.location import make_location
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.kernel_types import vec5
@@ -89,7 +90,7 @@ def test_particles_give_nodes_their_exact_share(rectilinear: Grid) -> None:
 def test_there_is_no_particle_above_the_ground(rectilinear: Grid) -> None:
     """A level between the two layers of a row: what is below it is as in a grid that is full."""
     level = 0.5 * (rectilinear.rows[1] + rectilinear.rows[2])
-    ground = GroundGrid.of(rectilinear, level)
+    ground = dataclasses.replace(rectilinear, ground_level=level)
     full, seed = (seed_rows(it, it.row_count, 2) for it in (rectilinear, ground))
     below = full.position[:, 1] < level
     for found, expected in zip(seed, full, strict=True):

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from mpm_warp import ConservativeInterpolation, PassingSurface, Scene, Simulation, Window
-from mpm_warp.grid.fitted import GroundGrid
 
 LEVEL_ROW = 5
 """Number of the row of nodes at the surface."""
@@ -22,7 +21,8 @@ def ground(empty: Scene) -> Scene:
         dataclasses.replace(empty[Window], spare_fraction=3.0),
         PassingSurface(level=level, layer=layer, pic_fraction=0.25),
     )
-    return dataclasses.replace(in_window, grid=GroundGrid.of(empty.grid, level))
+    grid = dataclasses.replace(empty.grid, ground_level=level)
+    return dataclasses.replace(in_window, grid=grid)
 
 
 def _by_row(simulation: Simulation, ground: Scene, name: str) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpm_warp import FreeSurface, Grid, Scene, Simulation, Window
-from mpm_warp.grid.fitted import GroundGrid, nodal_areas
+from mpm_warp.grid.fitted import nodal_areas
 from mpm_warp.plan.plan import share_bounds
 from mpm_warp.planning import make_plan
 from tests.mpm_warp.conftest import cells_of, nodal_forces
@@ -76,7 +76,7 @@ def test_a_cell_at_the_surface_of_the_ground_bears_stress_as_far_as_it_is_filled
     row = 1
     assert not fitted.surface_radius[: row + 3].any()
     half_up = 0.5 * (fitted.rows[row] + fitted.rows[row + 1])
-    ground = GroundGrid.of(fitted, half_up)
+    ground = dataclasses.replace(fitted, ground_level=half_up)
     scene = dataclasses.replace(floating, grid=ground, particles_per_side=4, parts=(FreeSurface(),))
     simulation = Simulation(scene)
     simulation.array("particle.stress")[:] = [-3.0, -2.0, 1.0, -2.5]
