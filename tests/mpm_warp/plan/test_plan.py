@@ -90,7 +90,8 @@ def test_arguments_of_a_launch_go_by_their_names_in_the_kernel(plan: Plan) -> No
     launch = plan.launch(scale, 10, factor=3.0)
     assert launch.arguments == (OFFSET, plan.time_step, 3.0, "cell.volume", None)
     assert launch.dim == (10,)
-    assert launch.kernel is scale
+    assert launch.item_count == 10
+    assert (launch.kernel, launch.name) == (scale, "scale")
     plan.given["factor"] = 4.0
     plan.add_zeros("cell.power", "real", (4, 3))
     launch = plan.launch(scale, 10)
@@ -128,23 +129,15 @@ def test_records_stand_in_the_audited_step_where_they_are_asked_for(plan: Plan) 
     plan.add_launch(clear, 5, values=values)
     plan.add_launch(scale, 5, factor=2.0)
     cleared, scaled = plan.step
-    first, before, after, last = (plan.launch(clear, 5, values=values) for _ in range(4))
+    first, before, after, last, check = (plan.launch(clear, 5, values=values) for _ in range(5))
     plan.audit(last)
     plan.audit(before, before="scale")
     plan.audit(after, after="scale")
     plan.audit(first, before="clear")
     assert plan.audited_step == [first, cleared, before, scaled, after, last]
     assert plan.step == [cleared, scaled]
-
-
-def test_all_launches_are_listed_once(plan: Plan) -> None:
-    """Of a step, of what an audited step has besides, and of what the host orders between steps."""
-    plan.add_zeros("cell.volume", "real", 5)
-    plan.add_launch(scale, 5, factor=2.0)
-    audit, between = (plan.launch(clear, 5, values="cell.volume") for _ in range(2))
-    plan.audited_step = [audit, *plan.step]
-    plan.between_steps["check"] = between
-    assert plan.launches == [*plan.step, audit, between]
+    plan.between_steps["check"] = check
+    assert plan.launches == [cleared, scaled, first, before, after, last, check]  # each once
 
 
 @pytest.mark.parametrize("name", ["cell.volume", "cell_volume"])
@@ -213,13 +206,6 @@ def test_time_is_the_sum_of_the_steps(cavity: Scene, monkeypatch: pytest.MonkeyP
     assert simulation.array("wall.motion")[0, 0] == pytest.approx(simulation.time)
     simulation.advance_to(2.5 * CHECK_INTERVAL * first)
     assert simulation.time == pytest.approx(2.5 * CHECK_INTERVAL * first, abs=0.26 * first)
-
-
-def test_a_launch_has_the_name_of_its_kernel_and_knows_its_arrays() -> None:
-    launch = Launch(kernel=scale, dim=(10,), arguments=(OFFSET, 0.1, 3.0, "cell.volume"))
-    assert launch.name == "scale"
-    assert launch.arrays == ("cell.volume",)
-    assert launch.item_count == 10
 
 
 @pytest.mark.parametrize(("length", "count"), [(10, 4), (3, 4), (0, 4), (1001, 1), (7, 7)])

@@ -114,9 +114,7 @@ def test_clay_that_softens_loses_resistance_to_its_remoulded_strength(softened: 
     assert float(softened.fitted_cycles) < 3.0
     assert "error" not in softened
     assert abs(float(softened.energy_error)) < 0.05
-
-
-def test_a_cycle_is_two_passages_of_a_bar(softened: xr.Dataset) -> None:
+    # A cycle is two passages of a bar.
     told = float(softened.fitted_ductility) / float(softened.fitted_cycles)
     assert told == pytest.approx(2.0 * 3.7)
 
