@@ -13,9 +13,10 @@ elastic part tau / G; xi its plastic part; k strength.
 """
 
 import functools
+import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # loads its integrators where they are first used: no other scene waits for them
@@ -146,8 +147,7 @@ def _make_strain_path(law: Law) -> Any:
     return strain_path
 
 
-@dataclass(frozen=True, kw_only=True)
-class StrainPath:
+class StrainPath(NamedTuple):
     """A constant velocity gradient over a unit of time, and what the stress is at its end."""
 
     name: str  # what the point goes through
@@ -187,10 +187,7 @@ def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
         ("turn by 360 degrees", (0, -full, full, 0, 0), held, held),
         ("simple shear to strain 10", (0, SHEAR_STRAIN, 0, 0, 0), rest, (along, -along, across, 0)),
     )
-    return tuple(
-        StrainPath(name=name, gradient=gradient, start=start, exact=exact)
-        for name, gradient, start, exact in parts
-    )
+    return tuple(itertools.starmap(StrainPath, parts))
 
 
 def _proportional(
