@@ -1,4 +1,4 @@
-"""How near to yield points are: for the watch, and for a picture of the yielding zone."""
+"""How near to yield points are, for the watch."""
 
 import functools
 from typing import Any
@@ -30,20 +30,6 @@ def add_yield_check(plan: Plan, material: Material) -> None:
     plan.add_zeros("yield.margin", "real", blocks)
     plan.add_zeros("yield.particle", "int", blocks)
     plan.between_steps["yield_check"] = plan.launch(_make_yield_check(law), blocks, count=count)
-
-
-def add_yield_share(plan: Plan, material: Material) -> None:
-    """Add the launch "yield_share", ordered between steps; none where the material never yields.
-
-    It leaves in `yield.share` the shear stress of each slot over the shear strength, as the
-    material's own criterion measures them: 1 where it yields.
-    """
-    law = material.law()
-    if law.yield_function is None:
-        return
-    (count,) = plan.arrays["particle.mass"].shape
-    plan.add_zeros("yield.share", "real", count)
-    plan.between_steps["yield_share"] = plan.launch(_make_yield_share(law), count)
 
 
 @functools.cache
@@ -79,22 +65,3 @@ def _make_yield_check(law: Law) -> Any:
         yield_particle[block] = number
 
     return yield_check
-
-
-@functools.cache
-def _make_yield_share(law: Law) -> Any:
-    """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
-
-    @kernel
-    def yield_share(
-        particle_stress: wp.array[vec4],
-        particle_state: maybe(law.state_type),
-        properties: law.properties_argument,
-        yield_share: wp.array[real],
-    ):
-        p = wp.tid()
-        own, remembered = law.of_point(properties, particle_state, p)
-        measured = law.yield_function(particle_stress[p], own, remembered)
-        yield_share[p] = measured[0] / measured[1]
-
-    return yield_share

@@ -26,7 +26,6 @@ from mpm_warp.kernel_types import kernel, maybe, real, vec4, vec7
 from mpm_warp.materials.elasticity import make_plastic_step
 from mpm_warp.materials.material import Law
 from mpm_warp.materials.von_mises import j2
-from mpm_warp.materials.yield_check import add_yield_share
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan, Run
 from mpm_warp.scene import Part, Scene
 
@@ -49,13 +48,19 @@ class History(Part):
         run.assign("layer.origin", position - np.array([0.0, travel], dtype=position.dtype))
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
-        """Add the record of the plastic strain, and the share of its strength that soil bears."""
-        record = plan.launch(
-            _make_record_plastic_strain(scene.material.law()), plan.arrays["particle.mass"].shape
-        )
+        """Add the record of the plastic strain, and the share of its strength that soil bears.
+
+        The launch "yield_share", ordered between steps, leaves in `yield.share` the shear stress of
+        each slot over the shear strength, as the material's own criterion measures them: 1 where it
+        yields. There is none where the material never does.
+        """
+        law, slots = scene.material.law(), plan.arrays["particle.mass"].shape
+        record = plan.launch(_make_record_plastic_strain(law), slots)
         # The rates of cells are known, and the stress is still that before the law.
         plan.audit(record, before="grid_to_particles")
-        add_yield_share(plan, scene.material)
+        if law.yield_function is not None:
+            plan.add_zeros("yield.share", "real", slots)
+            plan.between_steps["yield_share"] = plan.launch(_make_yield_share(law), slots)
 
 
 def displacement(run: Run, travel: float) -> Floats:
@@ -93,3 +98,22 @@ def _make_record_plastic_strain(law: Law) -> Any:
         particle_plastic_strain[p] += steps * wp.sqrt(j2(relaxed)) / moduli[0]
 
     return record_plastic_strain
+
+
+@functools.cache
+def _make_yield_share(law: Law) -> Any:
+    """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
+
+    @kernel
+    def yield_share(
+        particle_stress: wp.array[vec4],
+        particle_state: maybe(law.state_type),
+        properties: law.properties_argument,
+        yield_share: wp.array[real],
+    ):
+        p = wp.tid()
+        own, remembered = law.of_point(properties, particle_state, p)
+        measured = law.yield_function(particle_stress[p], own, remembered)
+        yield_share[p] = measured[0] / measured[1]
+
+    return yield_share
