@@ -20,7 +20,7 @@ plastic multiplier.
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -104,26 +104,18 @@ def yield_function(clay: Anisotropic, stress: Floats, axis: Floats, ratio: float
     return float(((eta - (C - E)) / (C + E)) ** 2 + (zeta / H) ** 2 + (t / V) ** 2 - 1.0)
 
 
-def stress_after(
-    clay: Anisotropic,
-    gradient: tuple[float, ...],
-    *,
-    start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0),
-    softening: Softening = INTACT,
-) -> Floats:
-    """Stress (rr, zz, rz, tt) after a second at a velocity gradient (rr, rz, zr, zz, tt)."""
-    return stress_along(clay, gradient, np.ones(1), start=start, softening=softening)[0]
-
-
 def stress_along(
     clay: Anisotropic,
     gradient: tuple[float, ...],
-    times: Floats,
+    times: Iterable[float] = (1.0,),
     *,
     start: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0),
     softening: Softening = INTACT,
 ) -> Floats:
-    """Stresses at times [s], up to one second, shape [n, 4]; the others as in `stress_after`."""
+    """Stresses (rr, zz, rz, tt) at times [s], up to one second, shape [n, 4].
+
+    The velocity gradient is (rr, rz, zr, zz, tt).
+    """
     rr, rz, zr, zz, tt = gradient
     L = np.array([[rr, 0.0, rz], [0.0, tt, 0.0], [zr, 0.0, zz]])
     D, W = 0.5 * (L + L.T), 0.5 * (L - L.T)
