@@ -36,6 +36,7 @@ from mpm_warp.uncertainty.laws import (
     WIDEST_CELL,
     Condition,
     ErrorLaws,
+    finer_uncertainty,
     growth_measure,
 )
 from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
@@ -95,10 +96,11 @@ class ConeRun(TestRun):
         return those_that_hold(_not_settled(self.laws))
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
-        """What is still to come, what more points change, and the noise of all runs."""
+        """What is still to come, what finer cells and more points add, the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
             "steadiness": STILL_TO_COME * last_change(resistance),
+            "finer": finer_uncertainty(min(run.laws.cell_size for run in runs)),
             "points": POINTS * self.factor,
             "noise": NOISE * float(np.linalg.norm(weights)),
         }

@@ -31,7 +31,7 @@ CHANGING = "clay that softens or has a rate effect"
 FURTHER = "further runs may measure it (uncertainty = measured)"
 PARTS = (
     *("mesh", "growth", "domain", "bottom", "top", "range"),
-    *("steadiness", "speed", "points", "noise"),
+    *("steadiness", "speed", "finer", "points", "noise"),
 )
 
 TWICE_THE_WINDOW = {

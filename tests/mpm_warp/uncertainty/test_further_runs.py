@@ -89,7 +89,7 @@ def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
     finest = cell_size(CONE.further_tests()["mesh"])
     known = {"mesh": -0.5 * MESH * finest, "domain": 0.5 * DOMAIN / 1.4**2}
     others = set(cone.DIFFERENCES) - set(known)
-    check_parts(results, "cone_factor", known, *others, "steadiness", "points", "noise")
+    check_parts(results, "cone_factor", known, *others, "steadiness", "finer", "points", "noise")
     assert "cone_factor_uncertainty_bottom" not in results
 
 
