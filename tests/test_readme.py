@@ -120,6 +120,7 @@ def test_every_command_can_be_given(
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)
     main(["new", "my_study"])
+    Path("cpt.csv").write_text("depth [m],qc [MPa],fs [kPa]\n1,1,1\n")
     main(["new", "site", "--interpret", "cpt.csv"])
     parser = make_parser()
     for line in dict.fromkeys(commands(page)):

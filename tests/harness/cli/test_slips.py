@@ -85,6 +85,7 @@ MISTAKES = {
     "new text": "text.toml: is there already; edit it, or take another name",
     "new a/b": "is no name of a study: letters, digits, '_', '-' and '.'",
     "new mine --scene mesh_size": "--scene mesh_size: is a study; its scene is cone_penetration",
+    "new mine --scene sounding --interpret cpt.csv": "not allowed with argument --scene",
     "new mine --scene cone_bering": "unknown scene 'cone_bering'; did you mean 'cone_bearing'?",
     "status": "results: has no results; `harness run STUDY` makes them",
     "status strip_footing": "results: has no results of strip_footing",
