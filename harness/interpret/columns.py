@@ -207,6 +207,8 @@ def columns_in(
             f"{path}: has no column {', '.join(map(repr, lacking.values()))}{near}; name it under "
             f"columns of the site file, as columns = {{ {keys} }}"
         )
+    if unused := units.keys() - found.keys():
+        raise StudyError(f"{path}: has no column {min(unused)!r}; units of the site file has it")
     return {
         name: (place, _unit(path, name, headings[place], units.get(name)))
         for name, place in found.items()

@@ -85,6 +85,8 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # names of firms; numbers and keys are ASCII anyway
     reader = READERS.get(path.suffix.lower(), _csv)
+    if sounding is not None and reader in (_csv, _gef):
+        raise StudyError(f"{path}: sounding = {sounding!r}: the file has one test, without a name")
     try:
         found = reader(path, text, sounding)
     except csv.Error as error:

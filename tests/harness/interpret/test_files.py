@@ -361,6 +361,16 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
 }
 IN_A_SITE_FILE = {
+    "site: a name in a CSV": (
+        "[test]",
+        '[test]\nsounding = "A"',
+        "sounding = 'A': the file has one",
+    ),
+    "site: unit of no column": (
+        "[test]",
+        '[test]\nunits = { inclination = "deg" }',
+        "has no column 'inclination'; units of the site file has it",
+    ),
     "site: no TOML": ("[test]", "[test", "not valid TOML"),
     "site: no area ratio": ("area_ratio = 0.8\n", "", "area_ratio: is missing"),
     "site: upside down": ("to = 10", "to = 1", "must be > 2"),
