@@ -120,7 +120,10 @@ def load_site(path: Path) -> Site:
     """A site of its file; a `StudyError` names file, key and what is allowed."""
     if not path.is_file():
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
-    whole = _filled(Table(f"{path}:", read_toml(path)), SITE_KEYS, "test", "layer")
+    values = read_toml(path)
+    if "scene" in values and "test" not in values:
+        raise StudyError(f"{path}: is a study; `harness run {path}` runs it")
+    whole = _filled(Table(f"{path}:", values), SITE_KEYS, "test", "layer")
     use = whole.list("use")
     if use[:1] != [keys.MEASURES[0]] or any(measure not in keys.MEASURES for measure in use):
         raise whole.refuse("use", f"must be a list of {', '.join(keys.MEASURES)}, the tip first")

@@ -19,7 +19,10 @@ from mpm_warp.scenes import scene_names
 def status(options: argparse.Namespace) -> int:
     """Print how the cases of a study stand, or those of all results."""
     name = options.study
-    if name is None or (name in scene_names() and name not in study_names()):
+    is_of_many = name is None or (name in scene_names() and name not in study_names())
+    if (is_of_many or name.endswith(".nc")) and (options.set or options.traceback):
+        raise HarnessError("--set and --traceback are for a study; name it, or leave them out")
+    if is_of_many:
         _list_results(options.out, name)
         return DONE
     if name.endswith(".nc"):

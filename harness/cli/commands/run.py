@@ -167,26 +167,31 @@ def benchmark(options: argparse.Namespace) -> int:
     if options.action == "run":
         if options.folder is None:
             raise HarnessError("benchmark run: name the folder of the submission")
-        return INCOMPLETE if run_benchmark(options.folder, options.accuracy) else DONE
+        if options.against is not None:
+            raise HarnessError("benchmark run: compares nothing; leave out --against")
+        return INCOMPLETE if run_benchmark(options.folder, options.accuracy or "standard") else DONE
+    if options.accuracy is not None:
+        raise HarnessError("benchmark score: runs nothing; leave out --accuracy")
+    against = options.against or "mpm_warp_standard"
     cases = benchmark_cases()
     shipped = read_submissions(benchmark_folder() / "submissions")
     own = [] if options.folder is None else read_submissions(options.folder)
     given = {submission.name: submission for submission in [*shipped, *own]}
     submissions = [*given.values(), *formulas(cases)]
-    found = scores(cases, submissions, options.against)
+    found = scores(cases, submissions, against)
     prepare(options.out)
     base = options.out / "benchmark"
-    picture = image(benchmark_figure(found, options.against))
+    picture = image(benchmark_figure(found, against))
     write_csv(case_rows(found), base.with_suffix(".csv"))
     write_own(picture, base.with_suffix(".png"))
-    page = benchmark_page(submissions, found, picture, options.against)
+    page = benchmark_page(submissions, found, picture, against)
     write_own(page.encode(), base.with_suffix(".html"))
     _print_table(case_rows(found))
     print()
     _print_table(summary_rows(found))
     tell(
         "exact cases: against the exact value; others: against "
-        f"{options.against}, with its uncertainty; written: {base}.csv, .png, .html"
+        f"{against}, with its uncertainty; written: {base}.csv, .png, .html"
     )
     return DONE
 

@@ -8,6 +8,7 @@ import pytest
 from tests.harness.conftest import Refusal
 
 FILES = {
+    "site.toml": 'title = "t"\n[test]\nfile = "cpt.csv"\n',
     "file.txt": "",
     "..toml": "",
     "text.toml": 'title = "t"\nscene = cone_penetration\n',
@@ -94,6 +95,13 @@ MISTAKES = {
     "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
     "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
     "compare a.nc --tolerance=0.5": "is for two results",
+    "compare a.nc b.nc --standards": "--standards: is for one result; leave OTHER out",
+    "status --traceback": "are for a study; name it, or leave them out",
+    "status a.nc --set rigidity_index=50": "are for a study; name it, or leave them out",
+    "benchmark run a --against b": "compares nothing; leave out --against",
+    "benchmark score --accuracy fine": "runs nothing; leave out --accuracy",
+    "run site.toml": "site.toml: is a site file; `harness interpret site.toml` reads it",
+    "interpret single.toml": "single.toml: is a study; `harness run single.toml` runs it",
     "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
     "recommend s --error 1": "'1' is 100%: is 1% meant?",
     "recommend thick_cylinder --error 1% --results no": "harness: --results no: no such folder",
