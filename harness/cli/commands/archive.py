@@ -6,6 +6,7 @@ from pathlib import Path
 
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
+from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, tell
@@ -48,6 +49,8 @@ def _list_results(folder: Path, scene: str | None) -> None:
     rows = []
     for path in sorted(folder.glob("*.nc")):
         try:
+            if "study" not in read_attributes(path):
+                continue  # that of a measured test, say
             dataset = read_study(path)
         except ArchiveError as error:
             tell(str(error))

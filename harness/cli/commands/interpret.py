@@ -25,7 +25,7 @@ from harness.pictures.sounding import check_figure, interpretation_figure, sound
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text
-from mpm_warp.errors import InaccurateRun, SimulationDiverged
+from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
@@ -107,12 +107,12 @@ def _write_figure(figure: Figure, base: str) -> None:
 def _check(test: Interpreted, accuracy: str, base: str) -> None:
     """Simulate the sounding through the ground that was found; print and write the misfit."""
     site = test.site
-    sounding = sounding_of(site, test.found, accuracy)
-    seconds = sounding.run_size().particle_updates / UPDATE_RATE
-    tell(f"simulating the sounding, {accuracy}: about {seconds:,.0f} s on one idle core")
     try:
+        sounding = sounding_of(site, test.found, accuracy)
+        seconds = sounding.run_size().particle_updates / UPDATE_RATE
+        tell(f"simulating the sounding, {accuracy}: about {seconds:,.0f} s on one idle core")
         simulated = sounding.run()
-    except (InaccurateRun, SimulationDiverged) as error:
+    except (InaccurateRun, ParameterError, SceneError, SimulationDiverged) as error:
         raise HarnessError(f"{site.name}: the simulated sounding {error.status}: {error}") from None
     both = checked(test.found, simulated)
     write_netcdf(both.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))

@@ -178,6 +178,7 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     for reader in ("status", "report", "plot", "compare"):
         assert told in command(reader, "results/site_interpretation.nc", code=2).err
     np.testing.assert_allclose(strength.values[used], 1.0, rtol=2e-4)
+    assert command("status", code=2).err.startswith("harness: results: has no results")
     command("new", "mine", "--interpret", f"test.{kind}")
     assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
 

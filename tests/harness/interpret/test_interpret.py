@@ -185,6 +185,16 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert row.endswith(",no layer")
 
 
+def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.chdir(folder)
+    rows = (folder / "test.csv").read_text().splitlines()
+    (folder / "test.csv").write_text("\n".join([rows[0], rows[50]]))
+    *_, line = command("interpret", "site.toml", "--check", code=2).err.splitlines()
+    assert line.startswith("harness: site: the simulated sounding refused: to_depth = ")
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
