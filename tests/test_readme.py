@@ -17,8 +17,6 @@ from harness.interpret.description import is_site_file
 from harness.study.study import is_scene, load_study
 from mpm_warp.scenes import scene_class
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).parents[1]
 README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
@@ -60,6 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.slow
 def test_the_front_doors_python_runs(folder: Path) -> None:
     from_python, from_file = (run(block, folder) for block in blocks(README))
     assert f"`{from_python.strip()}`" in README.read_text()
@@ -67,6 +66,7 @@ def test_the_front_doors_python_runs(folder: Path) -> None:
     assert from_file.count("completed") == 5
 
 
+@pytest.mark.slow
 def test_a_study_of_ones_own_is_made_and_read(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -89,12 +89,14 @@ def test_a_study_of_ones_own_is_made_and_read(
     capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None:
     for block in blocks(OF_HARNESS)[1:]:
         if ".fields.nc" not in block:  # which needs snapshots: see test_view.py
             run(block, folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
     if page not in (README, OF_HARNESS, EXECUTED):
@@ -120,6 +122,7 @@ def test_every_command_can_be_given(
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)
     main(["new", "my_study"])
+    Path("cpt.csv").write_text("depth [m],qc [MPa],fs [kPa]\n1,1,1\n")
     main(["new", "site", "--interpret", "cpt.csv"])
     parser = make_parser()
     for line in dict.fromkeys(commands(page)):
@@ -203,3 +206,12 @@ def test_files_and_folders_that_a_page_names_are_there(page: Path) -> None:
     above = [it for it in page.parents if it.is_relative_to(ROOT)]
     folders = [*above, *(at / it for at in above for it in named if it.endswith("/"))]
     assert [it for it in named if not any((at / it).exists() for at in folders)] == []
+
+
+def test_functions_and_classes_that_a_page_calls_are_there() -> None:
+    sources = [
+        file.read_text() for it in ("mpm_warp", "harness") for file in ROOT.glob(f"{it}/**/*.py")
+    ]
+    defined = set(re.findall(r"^ *(?:def|class) (\w+)", "\n".join(sources), re.MULTILINE))
+    called = {page: re.findall(r"`(\w+)\(", page.read_text()) for page in PAGES}
+    assert {page: lost for page, it in called.items() if (lost := {*it} - defined)} == {}

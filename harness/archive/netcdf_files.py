@@ -139,7 +139,8 @@ def _reported(path: Path) -> Iterator[None]:
     try:
         yield
     except UNREADABLE as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
+        told = getattr(error, "strerror", None) or error
+        reason = " ".join(str(told).split()) or type(error).__name__
         raise ArchiveError(f"{path}: cannot be read: {reason}") from None
 
 

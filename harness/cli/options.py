@@ -84,8 +84,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "verify --scene": {"action": "extend", "default": []},
     "interpret --check": {"nargs": "?", "const": "quick", "choices": ("quick", "standard")},
     "benchmark action": {"choices": ("run", "score")},
-    "benchmark --accuracy": {"choices": ("quick", "standard", "fine"), "default": "standard"},
-    "benchmark --against": {"default": "mpm_warp_standard"},
+    "benchmark --accuracy": {"choices": ("quick", "standard", "fine")},
     "compare --tolerance": {"type": number("a number >= 0", or_zero=True)},
     "plot --format": {"choices": ("png", "pdf", "svg"), "default": ["png"]},
     "report --out": {"type": html_file, "default": Path("report.html")},
@@ -95,8 +94,8 @@ VALUES: dict[str, dict[str, Any]] = {
     "completion shell": {"choices": ("bash", "zsh", "fish")},
 }
 """How values are read that are neither a text nor a path, by the keys of the options."""
-EITHER = ("run --workers", "run --dask")
-"""Options of which one alone may be given."""
+EITHER = ("run --workers", "run --dask", "new --interpret", "new --scene")
+"""Options of a command of which one alone may be given."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -136,7 +135,7 @@ def make_parser() -> Parser:
             epilog=epilog(name),
         )
         command.set_defaults(function=told.function)
-        either = command.add_mutually_exclusive_group() if name == "run" else command
+        either = command.add_mutually_exclusive_group() if name in ("run", "new") else command
         for option in told.options:
             place = either if option.key in EITHER else command
             place.add_argument(*option.names, **_as_argument(option))

@@ -13,16 +13,17 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
 from harness.archive.conventions import (
+    CASE,
     COMPLETED,
     alike,
     case_dims,
     is_there,
     over_cases,
-    parameter_names,
     varied_names,
 )
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study
+from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError
 from harness.study.scene_part import method_of
@@ -96,14 +97,16 @@ def _has(file: Path, scene: str) -> bool:
 
 
 def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
-    """The cases of one scene of several, and what varies among them."""
+    """The cases of one scene of several; what does not vary among them has one value."""
     if "scene" not in dataset.coords:
         return dataset
     cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
-    alike = [
-        name for name, variable in cases.coords.items() if np.unique(variable.values).size == 1
-    ]
-    return cases.drop_vars(alike)
+    alike = {
+        name: variable.variable[0]
+        for name, variable in cases.coords.items()
+        if name != CASE and np.unique(variable.values).size == 1
+    }
+    return cases.assign_coords(alike).assign_attrs(scene=scene)
 
 
 def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:
@@ -127,14 +130,10 @@ def _measured(
     error = credited_error(dataset)
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
-    stored = parameter_names(dataset).items()
-    shared = {
-        name: _setting(dataset[own].item(), method[name])
-        for name, own in stored
-        if name in method and dataset[own].ndim == 0
-    }
     fixed = {
-        name: value for name, value in shared.items() if method[name].default not in (None, value)
+        name: _setting(dataset[own].item(), method[name])
+        for name, own in not_by_default(dataset).items()
+        if name in method
     }
     varied, found = _varied(method, dataset), []
     for values, cases in alike(dataset, varied).items():

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.files import Heading, TestFile, read_file
+from harness.interpret.files import Heading, NotNamedError, TestFile, read_file
 from harness.interpret.keys import AXES, TEST_KEYS
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
@@ -99,11 +99,10 @@ def read_columns(test: MeasuredTest) -> Columns:
     if len(file.rows) > MOST_ROWS:
         raise StudyError(f"{path}: has {len(file.rows)} rows; a test has at most {MOST_ROWS}")
     area_ratio, pre_drilled, notes = _of_the_cone(test, file)
-    found = _places(path, file.headings, test.columns)
+    found = columns_in(path, file.headings, test.columns, test.units)
     values = {
-        name: _unit(path, name, file.headings[place], test.units.get(name))
-        * _numbers(path, file, place, test.missing)
-        for name, place in found.items()
+        name: size * _numbers(path, file, place, test.missing)
+        for name, (place, size) in found.items()
     }
     places = np.array([f"{file.row} {number}" for number, _ in file.rows])
     if np.isnan(values["depth"]).any():
@@ -129,7 +128,7 @@ def read_columns(test: MeasuredTest) -> Columns:
                     "missing = [-9999]"
                 )
     angles = [values.pop(name) for name in AXES if name in values]
-    of_rods = _joined(file.headings[found["depth"]].name) in RODS
+    of_rods = _joined(file.headings[found["depth"][0]].name) in RODS
     if of_rods and not angles:
         notes.append("depth is the length of the rods; the file has no inclination")
     elif of_rods or AXES[0] in test.columns:
@@ -167,11 +166,20 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list
     return area_ratio, pre_drilled or 0.0, notes
 
 
-def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -> dict[str, int]:
-    """Which column holds what."""
+def columns_in(
+    path: Path,
+    headings: Sequence[Heading],
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+) -> dict[str, tuple[int, float]]:
+    """Which column holds what, and its unit in SI units; `columns` and `units` are given names.
+
+    Raises:
+        NotNamedError: a column or a unit is not known by its name.
+    """
     found, lacking = {}, {}
     for name, usual in NAMES.items():
-        wanted = given.get(name)
+        wanted = columns.get(name)
         names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]
         places = [
             place
@@ -182,7 +190,7 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
             places = [place for place in places if headings[place].name == name] or places
         if len(places) > 1:
             titles = ", ".join(headings[place].title for place in places)
-            raise StudyError(
+            raise NotNamedError(
                 f"{path}: {len(places)} columns may be {name}: {titles}; name one under columns of "
                 f'the site file, as columns = {{ {name} = "..." }}'
             )
@@ -195,11 +203,16 @@ def _places(path: Path, headings: Sequence[Heading], given: Mapping[str, str]) -
             next(iter(lacking.values())), [heading.title for heading in headings if heading.title]
         )
         keys = ", ".join(f'{name} = "..."' for name in lacking)
-        raise StudyError(
+        raise NotNamedError(
             f"{path}: has no column {', '.join(map(repr, lacking.values()))}{near}; name it under "
             f"columns of the site file, as columns = {{ {keys} }}"
         )
-    return found
+    if unused := units.keys() - found.keys():
+        raise StudyError(f"{path}: has no column {min(unused)!r}; units of the site file has it")
+    return {
+        name: (place, _unit(path, name, headings[place], units.get(name)))
+        for name, place in found.items()
+    }
 
 
 def _joined(name: str) -> str:
@@ -215,7 +228,7 @@ def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     usual = usual.partition("(")[0].strip().lower()  # as Graden(deg)
     if usual not in sizes:
         told = f"has unit {unit!r}" if unit else "has no unit"
-        raise StudyError(
+        raise NotNamedError(
             f"{path}: column {heading.title!r} {told}; allowed: {', '.join(known)}, in the "
             f'header as "{name} [{next(iter(known))}]", or under units of the site file'
         )

@@ -26,6 +26,10 @@ LARGEST_FILE = 20_000_000
 """Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
 
 
+class NotNamedError(StudyError):
+    """What the site file has to name: one of several soundings, a column, a unit."""
+
+
 @dataclass(frozen=True)
 class Heading:
     """Of a column.
@@ -71,6 +75,7 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
 
     Raises:
         StudyError: the file cannot be read, or is damaged; the message is one line.
+        NotNamedError: it has several tests, and `sounding` is None.
     """
     content = read_bounded(path, LARGEST_FILE, "a test")
     if b"\0" in content:
@@ -80,6 +85,8 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # names of firms; numbers and keys are ASCII anyway
     reader = READERS.get(path.suffix.lower(), _csv)
+    if sounding is not None and reader in (_csv, _gef):
+        raise StudyError(f"{path}: sounding = {sounding!r}: the file has one test, without a name")
     try:
         found = reader(path, text, sounding)
     except csv.Error as error:
@@ -326,7 +333,7 @@ def _one_of(path: Path, names: Sequence[str], wanted: str | None) -> str:
         return names[0]
     told = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
     if wanted is None:
-        raise StudyError(
+        raise NotNamedError(
             f"{path}: has {len(names)} tests: {told}; name one in the site file, as sounding = "
             f'"{names[0]}"'
         )

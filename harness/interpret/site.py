@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.interpret import keys
-from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS, Key
+from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS, Form, Key
 from harness.study.distributions import Input, read_input
 from harness.study.files import read_toml
 from harness.study.tables import StudyError, Table, is_number
@@ -120,7 +120,10 @@ def load_site(path: Path) -> Site:
     """A site of its file; a `StudyError` names file, key and what is allowed."""
     if not path.is_file():
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
-    whole = _filled(Table(f"{path}:", read_toml(path)), SITE_KEYS, "test", "layer")
+    values = read_toml(path)
+    if "scene" in values and "test" not in values:
+        raise StudyError(f"{path}: is a study; `harness run {path}` runs it")
+    whole = _filled(Table(f"{path}:", values), SITE_KEYS, "test", "layer")
     use = whole.list("use")
     if use[:1] != [keys.MEASURES[0]] or any(measure not in keys.MEASURES for measure in use):
         raise whole.refuse("use", f"must be a list of {', '.join(keys.MEASURES)}, the tip first")
@@ -191,19 +194,22 @@ def _layer(given: Table) -> Layer:
         raise table.refuse(
             "to", f"must be > {top:g}, where it begins, and <= {keys.LARGEST_DEPTH:g}"
         )
-    unused = "K0" if "stress_anisotropy" in table.values else "stress_anisotropy"
+    # A value that is not used is checked too: it would be wrong as soon as it is.
+    inputs = {
+        name: read_input(table, name, key.allowed)
+        for name, key in LAYER_KEYS.items()
+        if Form.INPUT in key.forms and table.values.get(name) not in (None, *key.choices)
+    }
     strength = table.word("strength", keys.MODES)
-    names = [*keys.INPUTS, "adhesion_factor", "K0", "stress_anisotropy"]
-    names.remove(unused)
-    if table.values["adhesion_factor"] == keys.BY_SLEEVE:
-        names.remove("adhesion_factor")
+    anisotropy = "stress_anisotropy" if "stress_anisotropy" in table.values else "K0"
+    names = [*keys.INPUTS, "adhesion_factor", anisotropy]
     if strength != keys.MODES[0]:
         names += ["simple_shear_ratio", "extension_ratio"]
     return Layer(
         title=table.text("title") if "title" in table.values else f"{top:g} to {bottom:g} m",
         top=top,
         bottom=bottom,
-        inputs={name: read_input(table, name, LAYER_KEYS[name].allowed) for name in names},
+        inputs={name: inputs[name] for name in names if name in inputs},
         laboratory_rate=_rate(table),
         strength=strength,
         model_error=_number(table, "model_error", LAYER_KEYS),

@@ -67,16 +67,17 @@ FINE = 400
 def curve_figure(dataset: xr.Dataset) -> Figure | None:
     """What was computed over one parameter, or over two that make no map, as a series each.
 
-    Cone factors have the envelope of the literature beside them, one alone too. The references have
-    their curves where these hold for all series; otherwise each series has the envelope in its own
-    colour. The stretches of a sounding are no curve: their picture joins them.
+    Cone factors have the envelope of the literature beside them, one alone too, where the scene has
+    the parameters that it depends on. The references have their curves where these hold for all
+    series; otherwise each series has the envelope in its own colour. The stretches of a sounding
+    are no curve: their picture joins them.
     """
     studied = Studied.of(dataset)
     if studied is None or not studied.is_combined or STRETCH in studied.varied:
         return None
     if refined(studied) or _is_map(studied) or len(studied.varied) > 2:
         return None
-    has_literature = studied.headline == COMPARED
+    has_literature = studied.headline == COMPARED and all(name in dataset for name in NEEDED)
     if not (studied.varied or has_literature):
         return None
     name = max(
@@ -86,7 +87,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     )
     along = studied.varied.get(name) or Values.of(dataset, name)
     figure, (axes,) = panels()
-    if has_literature:
+    if studied.headline == COMPARED:
         draw_experience(axes, dataset)
     groups = studied.groups(name, along.numbers)
     shown = series(groups)

@@ -117,12 +117,14 @@ def _status(dataset: xr.Dataset) -> str:
 def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     """A case of a collected dataset; what the dataset says of each case becomes an attribute."""
     keys = dataset.case_key
+    if key is None and keys.size == 1:
+        key = keys.values.item()
     places = np.argwhere(keys.values == key)
     if key is None or not len(places):
         problem = "no case is named" if key is None else f"no case {key}"
         near = did_you_mean(key or "", map(str, keys.values.flat))
         # There may be thousands of keys, none of which says anything.
-        listed = f"; there are {keys.size}, `harness status {dataset.attrs['study']}` lists them"
+        listed = f"; there are {keys.size}, `harness status {path}` lists them"
         raise ArchiveError(f"{path}: {problem}{near or listed}")
     cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
     own = ("case_key", "scene", "scene_version", *OF_CASE)

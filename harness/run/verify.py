@@ -11,8 +11,9 @@ import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
 from harness.run.resources import UPDATE_RATE
+from harness.study.scene_part import loaded_scenes
 from mpm_warp.results import labelled
-from mpm_warp.scenes import CatalogueScene, Verification, scene_class, scene_names
+from mpm_warp.scenes import CatalogueScene, Verification, scene_class
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,15 +91,16 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
     Raises:
         HarnessError: a scene that is named has none of these checks.
     """
+    scenes = {name: scene_class(name) for name in names} or loaded_scenes()
     checks = tuple(
         Check(scene=name, verification=verification)
-        for name in names or scene_names()
-        for verification in scene_class(name).verifications
+        for name, scene in scenes.items()
+        for verification in scene.verifications
         if verification.extreme == extreme
     )
     checked = {check.scene for check in checks}
     for name in names:
-        if not scene_class(name).verifications:
+        if not scenes[name].verifications:
             raise HarnessError(f"{name}: the scene has no exact solution")
         if name not in checked:
             other = "no extreme check" if extreme else "extreme checks alone: add --extreme"
@@ -111,15 +113,25 @@ QUICK_TIME = 20.0
 
 
 def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
-    """The cheapest check of each scene, of those that take little time."""
+    """The cheapest check of each scene, of those that take little time.
+
+    Raises:
+        HarnessError: there is none.
+    """
     by_scene: dict[str, Check] = {}
     for check in sorted(checks, key=lambda it: it.predicted_time):
         by_scene.setdefault(check.scene, check)
-    return tuple(
+    chosen = tuple(
         candidate
         for candidate in checks
         if candidate is by_scene[candidate.scene] and candidate.predicted_time < QUICK_TIME
     )
+    if not chosen:
+        names = ", ".join(dict.fromkeys(check.scene for check in checks))
+        raise HarnessError(
+            f"--quick: no check of {names} takes less than {QUICK_TIME:g} s; leave it out"
+        )
+    return chosen
 
 
 def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:

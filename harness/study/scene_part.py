@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from harness.errors import tell
 from harness.study.designs import (
     EITHER_FIXED_OR_VARIED,
     FULL,
@@ -20,8 +21,9 @@ from harness.study.designs import (
 from harness.study.distributions import is_distribution, read_input
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.tables import StudyError, Table, shown
+from mpm_warp.errors import UnknownSceneError
 from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_of
-from mpm_warp.scenes import CatalogueScene
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 LARGEST_STUDY = 100_000
 """Cases that a study may have; more than that is a slip in a list."""
@@ -32,6 +34,17 @@ SNAPSHOTS = "snapshots"
 """Key of the moments at which the soil is kept."""
 
 Scene = type[CatalogueScene]
+
+
+def loaded_scenes() -> dict[str, Scene]:
+    """All scenes, by name; of one that cannot be loaded a line tells why it is left out."""
+    loaded: dict[str, Scene] = {}
+    for name in scene_names():
+        try:
+            loaded[name] = scene_class(name)
+        except UnknownSceneError as error:
+            tell(f"left out: {error}")
+    return loaded
 
 
 def method_of(scene: Scene) -> tuple[str, ...]:

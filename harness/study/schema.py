@@ -19,11 +19,10 @@ from harness.study.compared import (
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.distributions import FORMS, PERCENTILE
 from harness.study.expressions import LONGEST
-from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, moment_of
+from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, Scene, loaded_scenes, moment_of
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
 from mpm_warp.arguments import Range
 from mpm_warp.parameters import Parameter, parameters_of
-from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.sounding.table import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -34,7 +33,8 @@ LINE: Schema = {"type": "string", "pattern": "\\S"}
 
 
 def study_schema() -> Schema:
-    """The schema of a study's definition."""
+    """The schema of a study's definition; a scene that cannot be loaded is told and left out."""
+    scenes = {name: _of_scene(scene) for name, scene in loaded_scenes().items()}
     references = _ids(REFERENCE_IDS, "cone factors of the literature")
     # Where the study, or its base, defines some of its own these may be named too.
     defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
@@ -46,7 +46,7 @@ def study_schema() -> Schema:
         "description": "largest deviation from a reference, or size of a result",
         "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
     }
-    scene_name = {"enum": list(scene_names())}
+    scene_name = {"enum": list(scenes)}
     properties: Schema = {
         "title": LINE | {"description": "one line on what the study shows"},
         "base": LINE | {"description": "study that holds where this one says nothing"},
@@ -62,10 +62,7 @@ def study_schema() -> Schema:
             "type": "object",
             "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
         },
-        "scenes": table_schema(
-            {name: _of_scene(name) for name in scene_names()},
-            description="what holds for one scene of several",
-        ),
+        "scenes": table_schema(scenes, description="what holds for one scene of several"),
         "compare": table_schema(
             {
                 "references": own,
@@ -91,8 +88,8 @@ def study_schema() -> Schema:
         "allOf": [
             # That of one scene says nothing of the other keys of a study.
             *(
-                _if("scene", name, {"properties": _of_scene(name)["properties"]})
-                for name in scene_names()
+                _if("scene", name, {"properties": tables["properties"]})
+                for name, tables in scenes.items()
             ),
             _if("design", LATIN_HYPERCUBE, {"required": ["samples", "seed", "vary"]}),
             _if("design", LIST, {"required": ["case"]}),
@@ -119,9 +116,8 @@ def _own_reference() -> Schema:
     return table_schema({"formula": formula, **texts, "range": ranges}, required=required)
 
 
-def _of_scene(name: str) -> Schema:
+def _of_scene(scene: Scene) -> Schema:
     """The tables that depend on the scene."""
-    scene = scene_class(name)
     parameters, over = parameters_of(scene).values(), scene.snapshots_over
 
     def of_each(schema: Callable[[Parameter], Schema]) -> Schema:

@@ -133,6 +133,8 @@ def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
 
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
     document = Table(f"{path}:", values)
+    if "test" in values and "scene" not in values:
+        raise StudyError(f"{path}: is a site file; `harness interpret {path}` reads it")
     document.allow(*OF_STUDY, *OF_SCENE)
     design = _design(document)
     scenes = _scenes(document)

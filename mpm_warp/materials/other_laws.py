@@ -18,6 +18,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material, register_name
 from mpm_warp.parameters import Parameter, Value, definition_of
 
@@ -57,8 +58,22 @@ class OtherLaw:
 
 @functools.cache
 def other_laws() -> Mapping[str, EntryPoint]:
-    """Where the laws are, by name; none is imported for that."""
-    return {offered.name: offered for offered in (*entry_points(group=GROUP), *OF_THIS_PACKAGE)}
+    """Where the laws are, by name; none is imported for that.
+
+    Raises:
+        ParameterError: two laws have the same name.
+    """
+    own = {offered.name: offered for offered in OF_THIS_PACKAGE}
+    theirs: dict[str, EntryPoint] = {}
+    for offered in entry_points(group=GROUP):
+        if offered.name in (*CRITERIA, *own, *theirs):
+            raise ParameterError(
+                "material",
+                f"material {offered.name!r}: the entry point {offered.value!r} has the name of "
+                "another law; rename it",
+            )
+        theirs[offered.name] = offered
+    return theirs | own
 
 
 def loaded_laws() -> tuple[str, ...]:

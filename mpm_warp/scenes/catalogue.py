@@ -261,7 +261,10 @@ GROUP = "mpm_warp.scenes"
 """Group of the entry points by which other packages offer scenes."""
 
 Offered = type[CatalogueScene] | EntryPoint
-"""A scene of this package, or where to find one of another."""
+"""A scene of this package, or where to find one of another.
+
+Where the package importlib_metadata is loaded, as by Dask, an entry point is one of its own class.
+"""
 
 
 def scene_names() -> tuple[str, ...]:
@@ -284,7 +287,7 @@ def scene_class(name: str) -> type[CatalogueScene]:
     if name not in scenes:
         raise UnknownSceneError(f"unknown scene {name!r}{nearest_name(name, scenes)}")
     scene = scenes[name]
-    return (_loaded(scene) if isinstance(scene, EntryPoint) else scene).offered()
+    return (scene if isinstance(scene, type) else _loaded(scene)).offered()
 
 
 @functools.cache
@@ -325,10 +328,10 @@ def _is_scene(found: object) -> bool:
 
 
 def _origin(scene: Offered) -> str:
-    if isinstance(scene, EntryPoint):
-        package = "an unknown package" if scene.dist is None else scene.dist.name
-        return f"the entry point {scene.value!r} of {package}"
-    return f"{scene.__module__}.{scene.__qualname__}"
+    if isinstance(scene, type):
+        return f"{scene.__module__}.{scene.__qualname__}"
+    package = "an unknown package" if scene.dist is None else scene.dist.name
+    return f"the entry point {scene.value!r} of {package}"
 
 
 def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
+from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, tell
@@ -19,7 +20,10 @@ from mpm_warp.scenes import scene_names
 def status(options: argparse.Namespace) -> int:
     """Print how the cases of a study stand, or those of all results."""
     name = options.study
-    if name is None or (name in scene_names() and name not in study_names()):
+    is_of_many = name is None or (name in scene_names() and name not in study_names())
+    if (is_of_many or name.endswith(".nc")) and (options.set or options.traceback):
+        raise HarnessError("--set and --traceback are for a study; name it, or leave them out")
+    if is_of_many:
         _list_results(options.out, name)
         return DONE
     if name.endswith(".nc"):
@@ -45,6 +49,8 @@ def _list_results(folder: Path, scene: str | None) -> None:
     rows = []
     for path in sorted(folder.glob("*.nc")):
         try:
+            if "study" not in read_attributes(path):
+                continue  # that of a measured test, say
             dataset = read_study(path)
         except ArchiveError as error:
             tell(str(error))

@@ -2,6 +2,7 @@
 
 import argparse
 import csv
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from harness.pictures.sounding import check_figure, interpretation_figure, sound
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text
-from mpm_warp.errors import InaccurateRun, SimulationDiverged
+from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
@@ -42,6 +43,8 @@ COLUMNS = {
     "feels another layer": ("near_border", 1.0),
 }
 """Columns of the table that is written, beside those of percentiles and causes."""
+LABORATORY = ("depth [m]", "strength [kPa]")
+"""Columns of a file of strengths."""
 ENDING = "_interpretation"
 TOGETHER = "soundings"
 """Name of what is written of several tests together."""
@@ -104,12 +107,12 @@ def _write_figure(figure: Figure, base: str) -> None:
 def _check(test: Interpreted, accuracy: str, base: str) -> None:
     """Simulate the sounding through the ground that was found; print and write the misfit."""
     site = test.site
-    sounding = sounding_of(site, test.found, accuracy)
-    seconds = sounding.run_size().particle_updates / UPDATE_RATE
-    tell(f"simulating the sounding, {accuracy}: about {seconds:,.0f} s on one idle core")
     try:
+        sounding = sounding_of(site, test.found, accuracy)
+        seconds = sounding.run_size().particle_updates / UPDATE_RATE
+        tell(f"simulating the sounding, {accuracy}: about {seconds:,.0f} s on one idle core")
         simulated = sounding.run()
-    except (InaccurateRun, SimulationDiverged) as error:
+    except (InaccurateRun, ParameterError, SceneError, SimulationDiverged) as error:
         raise HarnessError(f"{site.name}: the simulated sounding {error.status}: {error}") from None
     both = checked(test.found, simulated)
     write_netcdf(both.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
@@ -138,10 +141,23 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
 
 def read_points(path: Path) -> list[tuple[float, float]]:
     """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
-    rows = csv.DictReader(read_text(path, "a table of strengths").splitlines())
+    reader = csv.DictReader(read_text(path, "a table of strengths").splitlines())
     try:
-        return [(float(row["depth [m]"]), 1e3 * float(row["strength [kPa]"])) for row in rows]
-    except (csv.Error, KeyError, TypeError, ValueError):
-        raise HarnessError(
-            f"{path}: must be CSV with the columns depth [m] and strength [kPa]"
-        ) from None
+        rows, titles = list(reader), reader.fieldnames or ()
+    except csv.Error as error:
+        raise HarnessError(f"{path}: is no table: {error}") from None
+    if not {*LABORATORY} <= {*titles}:
+        raise HarnessError(f"{path}: must be CSV with the columns {' and '.join(LABORATORY)}")
+    points = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            depth, strength = (float(row[name]) for name in LABORATORY)
+        except (TypeError, ValueError):
+            depth = strength = math.nan
+        if not (0.0 <= depth < math.inf and 0.0 < strength < math.inf):
+            told = ", ".join(f"{name} = {row[name]}" for name in LABORATORY)
+            raise HarnessError(
+                f"{path}: row {number}: {told}: must be a depth >= 0 and a strength > 0"
+            )
+        points.append((depth, 1e3 * strength))
+    return points

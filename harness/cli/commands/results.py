@@ -32,6 +32,8 @@ def compare(options: argparse.Namespace) -> int:
     """Print a result beside the literature, or beside another result."""
     if options.tolerance is not None and options.other is None:
         raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
+    if options.standards and options.other is not None:
+        raise HarnessError("--standards: is for one result; leave OTHER out")
     dataset = read_study(options.file)
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
@@ -114,6 +116,7 @@ def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
     check_replaceable(options.out)  # before all is drawn
     datasets = [read_study(file) for file in options.file]
+    prepare(options.out.parent)
     with _result_of(*options.file):
         failed = write_report(datasets, options.out)
     return _list_pictures([options.out], failed, debug=options.debug)

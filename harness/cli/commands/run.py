@@ -28,14 +28,15 @@ from harness.errors import HarnessError, tell
 from harness.pictures.drawing.plot_parts import image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
+from harness.run.collect_and_clean import counted
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device, spoken_time
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
 from harness.study.description import tell_of_unusual_values
+from harness.study.scene_part import loaded_scenes
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of
-from mpm_warp.scenes import scene_class, scene_names
 
 
 def run(options: argparse.Namespace) -> int:
@@ -84,7 +85,9 @@ def _check_uncertainty(study: Study) -> None:
     """Refuse a study without a scene whose uncertainty further runs can measure."""
     names = [part.name for part in study.parts]
     if not any("uncertainty" in part.parameters for part in study.parts):
-        measured = [it for it in scene_names() if "uncertainty" in parameters_of(scene_class(it))]
+        measured = [
+            name for name, it in loaded_scenes().items() if "uncertainty" in parameters_of(it)
+        ]
         raise HarnessError(
             f"--uncertainty: no measured uncertainty in {', '.join(names)}; these scenes have one: "
             f"{', '.join(measured)}"
@@ -130,13 +133,14 @@ VERIFIED_BAR = "{percentage:3.0f} % of the work |{bar}| {elapsed} < {remaining}"
 def verify_scenes(options: argparse.Namespace) -> int:
     """Compare scenes with their exact solutions."""
     checks = checks_of(options.scene, extreme=options.extreme)
-    if options.out is not None:
-        prepare(options.out)
     if options.quick:
         checks = quick(checks)
+    if options.out is not None:
+        prepare(options.out)
     seconds = [check.predicted_time for check in checks]
     tell(
-        f"{len(checks)} checks of {len({check.scene for check in checks})} scenes, about "
+        f"{counted(len(checks), 'check')} of "
+        f"{counted(len({check.scene for check in checks}), 'scene')}, about "
         f"{spoken_time(sum(seconds) / (os.cpu_count() or 1) + SETTING_UP)} on a quiet machine"
     )
     lines, results = [HEADING], []
@@ -163,26 +167,31 @@ def benchmark(options: argparse.Namespace) -> int:
     if options.action == "run":
         if options.folder is None:
             raise HarnessError("benchmark run: name the folder of the submission")
-        return INCOMPLETE if run_benchmark(options.folder, options.accuracy) else DONE
+        if options.against is not None:
+            raise HarnessError("benchmark run: compares nothing; leave out --against")
+        return INCOMPLETE if run_benchmark(options.folder, options.accuracy or "standard") else DONE
+    if options.accuracy is not None:
+        raise HarnessError("benchmark score: runs nothing; leave out --accuracy")
+    against = options.against or "mpm_warp_standard"
     cases = benchmark_cases()
     shipped = read_submissions(benchmark_folder() / "submissions")
     own = [] if options.folder is None else read_submissions(options.folder)
     given = {submission.name: submission for submission in [*shipped, *own]}
     submissions = [*given.values(), *formulas(cases)]
-    found = scores(cases, submissions, options.against)
+    found = scores(cases, submissions, against)
     prepare(options.out)
     base = options.out / "benchmark"
-    picture = image(benchmark_figure(found, options.against))
+    picture = image(benchmark_figure(found, against))
     write_csv(case_rows(found), base.with_suffix(".csv"))
     write_own(picture, base.with_suffix(".png"))
-    page = benchmark_page(submissions, found, picture, options.against)
+    page = benchmark_page(submissions, found, picture, against)
     write_own(page.encode(), base.with_suffix(".html"))
     _print_table(case_rows(found))
     print()
     _print_table(summary_rows(found))
     tell(
         "exact cases: against the exact value; others: against "
-        f"{options.against}, with its uncertainty; written: {base}.csv, .png, .html"
+        f"{against}, with its uncertainty; written: {base}.csv, .png, .html"
     )
     return DONE
 

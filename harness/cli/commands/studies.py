@@ -16,8 +16,9 @@ from tqdm import tqdm
 from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
+from harness.interpret.columns import columns_in
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
-from harness.interpret.files import read_file
+from harness.interpret.files import NotNamedError, read_file
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -31,7 +32,6 @@ from harness.study.description import scene_rows, study_rows, study_text, tell_o
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
-from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.plan.plan import Launch, Plan
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
@@ -63,11 +63,13 @@ def new(options: argparse.Namespace) -> int:
 
 
 def _site_text(test: Path) -> str:
-    """A site file for a test, with what the test's own file says; one that is damaged is told."""
+    """A site file for a test, with what the test's own file says; what it has to name is told."""
     told: Mapping[str, float] = {}
     try:
-        told = read_file(test).told
-    except StudyError as error:
+        file = read_file(test)
+        told = file.told
+        columns_in(test, file.headings, columns={}, units={})
+    except NotNamedError as error:
         tell(str(error))
     return site_text(str(test), told)
 

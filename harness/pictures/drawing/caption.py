@@ -1,9 +1,8 @@
 """The caption of a picture: what it shows, and what was fixed."""
 
-import dataclasses
 import re
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -21,12 +20,10 @@ from harness.archive.conventions import (
     uncertainty_of,
     words_of,
 )
+from harness.compare.defaults import defaults_of_law, not_by_default
 from harness.pictures.drawing.plot_parts import legend_above
 from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
-from mpm_warp.errors import ParameterError
-from mpm_warp.materials.other_laws import loaded_laws, other_law
-from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, replaced_by
 
 LETTERS = 112
@@ -122,63 +119,19 @@ def _by_depth(dataset: xr.Dataset) -> Iterator[str]:
 
 def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     """What they are called in the dataset."""
-    stored = parameter_names(dataset)
-    defaults: dict[str, Value | None] = {}
-    for scene in sorted(set(scenes_of(dataset)) & set(scene_names())):
-        defaults |= _defaults(dataset, scene_class(scene), stored)
     constant = {
         name: own
-        for name, own in stored.items()
+        for name, own in parameter_names(dataset).items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
     # A table has no room in a caption.
     ground = dataset[constant.pop(PROFILE)].item() if PROFILE in constant else ""
     for name in replaced_by(ground) if ground else ():
         constant.pop(name, None)
-    others = [
-        name
-        for name in constant
-        if name in defaults and not _same(dataset[constant[name]].item(), defaults[name])
-    ]
+    others = [name for name in not_by_default(dataset) if name in constant]
     main = [name for name in SOIL_AND_CONE if name in constant]
-    main += [name for name in _of_law(dataset) if name in others]
+    main += [name for name in defaults_of_law(dataset) if name in others]
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))
-
-
-def _defaults(
-    dataset: xr.Dataset, scene: type, stored: Mapping[str, str]
-) -> dict[str, Value | None]:
-    """The defaults of a scene, and what it derives from the parameters of the first case."""
-    definitions = parameters_of(scene)
-    derivable: Mapping[str, Value] = scene().derived()
-    defaults = {
-        name: definition.default
-        for name, definition in definitions.items()
-        if name not in derivable
-    }
-    defaults |= _of_law(dataset)
-    given = {
-        name: definitions[name].kind(value)
-        for name in defaults.keys() & stored.keys()
-        if is_there(value := over_cases(dataset, stored[name])[0])
-    }
-    try:
-        return dataclasses.asdict(scene(**given)) | defaults
-    except ParameterError:  # a case that the scene refuses has nothing derived
-        return defaults
-
-
-def _of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
-    """Defaults of the parameters that the law of the first case has of its own, by name."""
-    name = str(over_cases(dataset, "material")[0]) if "material" in dataset else ""
-    if name not in loaded_laws():
-        return {}
-    return {name: definition.default for name, definition in other_law(name).parameters.items()}
-
-
-def _same(value: Value, default: Value | None) -> bool:
-    """Whether a value is a default, to rounding."""
-    return bool(np.isclose(value, default)) if isinstance(default, float) else value == default
 
 
 def _wrapped(text: str) -> str:

@@ -288,6 +288,13 @@ def test_a_missing_file_is_one_line_without_an_empty_list(
     assert refusal([command, str(path)]) == f"harness: {path}: no such file"
 
 
+def test_a_link_that_leads_nowhere_is_told_in_plain_words(tmp_path: Path, command: Command) -> None:
+    lost = tmp_path / "lost.nc"
+    lost.symlink_to("nowhere")
+    first, _ = command("status", "--out", tmp_path, code=2).err.splitlines()
+    assert first == f"harness: {lost}: cannot be read: No such file or directory"
+
+
 @pytest.fixture
 def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A simulator of two files."""

@@ -8,6 +8,7 @@ import pytest
 from tests.harness.conftest import Refusal
 
 FILES = {
+    "site.toml": 'title = "t"\n[test]\nfile = "cpt.csv"\n',
     "file.txt": "",
     "..toml": "",
     "text.toml": 'title = "t"\nscene = cone_penetration\n',
@@ -85,6 +86,7 @@ MISTAKES = {
     "new text": "text.toml: is there already; edit it, or take another name",
     "new a/b": "is no name of a study: letters, digits, '_', '-' and '.'",
     "new mine --scene mesh_size": "--scene mesh_size: is a study; its scene is cone_penetration",
+    "new mine --scene sounding --interpret cpt.csv": "not allowed with argument --scene",
     "new mine --scene cone_bering": "unknown scene 'cone_bering'; did you mean 'cone_bearing'?",
     "status": "results: has no results; `harness run STUDY` makes them",
     "status strip_footing": "results: has no results of strip_footing",
@@ -93,6 +95,13 @@ MISTAKES = {
     "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
     "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
     "compare a.nc --tolerance=0.5": "is for two results",
+    "compare a.nc b.nc --standards": "--standards: is for one result; leave OTHER out",
+    "status --traceback": "are for a study; name it, or leave them out",
+    "status a.nc --set rigidity_index=50": "are for a study; name it, or leave them out",
+    "benchmark run a --against b": "compares nothing; leave out --against",
+    "benchmark score --accuracy fine": "runs nothing; leave out --accuracy",
+    "run site.toml": "site.toml: is a site file; `harness interpret site.toml` reads it",
+    "interpret single.toml": "single.toml: is a study; `harness run single.toml` runs it",
     "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
     "recommend s --error 1": "'1' is 100%: is 1% meant?",
     "recommend thick_cylinder --error 1% --results no": "harness: --results no: no such folder",
@@ -107,6 +116,7 @@ MISTAKES = {
     "verify --scene cone_penetration": "has no exact solution",
     "verify --scene flying_block": "add --extreme",
     "verify --scene gravity_column --extreme": "no extreme check",
+    "verify --scene t_bar_penetration --quick": "takes less than 20 s; leave it out",
 }
 WRONG = {
     "run mesh_size --workers": (COUNT, ("0", "-1", "two", "1.5", "9" * 5000)),

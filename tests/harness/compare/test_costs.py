@@ -17,6 +17,7 @@ from harness.compare.costs import DERIVED, bench_rows, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
+from mpm_warp.parameters import Value
 from tests.harness.conftest import Command, as_collected
 
 
@@ -108,7 +109,7 @@ def two_scenes() -> xr.Dataset:
             "scene": ("case", ["thick_cylinder"] * 2 + ["sliding_block"] * 2),
             "cell_count": ("case", CELLS),
             "cells_per_length": ("case", CELLS[::-1]),
-            "damping_ratio": ("case", [np.nan, np.nan, 0.05, 0.05]),
+            "damping_ratio": ("case", [np.nan, np.nan, 0.2, 0.2], {"role": "parameter"}),
         },
     )
     return as_collected(made, "case", [COMPLETED] * 4, scene="thick_cylinder sliding_block")
@@ -127,7 +128,7 @@ def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
     assert str(found).startswith("cell_count = 10: error 1.00% and 2 s at most, over 1 case of")
     assert recommend("sliding_block", 0.02, [file]) is None
     other = recommend("sliding_block", 0.5, [file])
-    assert other.settings == {"cells_per_length": 10}
+    assert other.settings == {"damping_ratio": 0.2, "cells_per_length": 10}
 
 
 def test_recommended_are_the_cheapest_settings_good_for_every_soil(
@@ -193,12 +194,22 @@ def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
     assert recommend("cone_penetration", 0.03, [written(tmp_path, dataset)]) is None
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "by_default"),
+    [
+        ("time_step_fraction", 0.5, 0.85),
+        ("cell_growth", 0.8, 0.3),
+        ("accuracy", "fine", "standard"),
+    ],
+)
 def test_fixed_settings_that_are_not_as_by_default_are_told(
-    tmp_path: Path, two_soils: xr.Dataset
+    name: str, value: Value, by_default: Value, tmp_path: Path, two_soils: xr.Dataset
 ) -> None:
-    dataset = two_soils.assign(time_step_fraction=((), 0.5, {"role": "parameter"}))
-    found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
-    assert found.settings == {"time_step_fraction": 0.5, "cells_per_radius": 2.0}
+    """A default may follow from the soil: rigidity index 50 has another growth of the cells."""
+    for given, told in ((value, {name: value}), (by_default, {})):
+        dataset = two_soils.assign({name: ((), given, {"role": "parameter"})})
+        found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
+        assert found.settings == told | {"cells_per_radius": 2.0}
 
 
 def test_a_case_that_tells_nothing_of_its_error_is_not_recommended(tmp_path: Path) -> None:

@@ -178,6 +178,7 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     for reader in ("status", "report", "plot", "compare"):
         assert told in command(reader, "results/site_interpretation.nc", code=2).err
     np.testing.assert_allclose(strength.values[used], 1.0, rtol=2e-4)
+    assert command("status", code=2).err.startswith("harness: results: has no results")
     command("new", "mine", "--interpret", f"test.{kind}")
     assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
 
@@ -361,6 +362,16 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
 }
 IN_A_SITE_FILE = {
+    "site: a name in a CSV": (
+        "[test]",
+        '[test]\nsounding = "A"',
+        "sounding = 'A': the file has one",
+    ),
+    "site: unit of no column": (
+        "[test]",
+        '[test]\nunits = { inclination = "deg" }',
+        "has no column 'inclination'; units of the site file has it",
+    ),
     "site: no TOML": ("[test]", "[test", "not valid TOML"),
     "site: no area ratio": ("area_ratio = 0.8\n", "", "area_ratio: is missing"),
     "site: upside down": ("to = 10", "to = 1", "must be > 2"),
@@ -392,3 +403,29 @@ def test_a_damaged_file_is_one_line(folder: Path, damage: str, refusal: Refusal)
     assert str(folder) in line or "/dev/zero: " in line
     assert problem in line
     assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize("damage", ["no file", "empty", "binary", "GEF cut in its header", "AGS 3"])
+def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
+    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+) -> None:
+    monkeypatch.chdir(folder)
+    kind, harm, problem = DAMAGED.get(damage, ("gef", None, "cannot be read: No such file"))
+    if harm is not None:
+        site_of(folder, kind, WRITERS[kind](rows_of(folder)))
+        Path(f"test.{kind}").write_bytes(harm(Path(f"test.{kind}").read_bytes()))
+    line = refusal(["new", "mine", "--interpret", f"test.{kind}"])
+    assert line.startswith(f"harness: test.{kind}: ")
+    assert problem in line
+    assert not Path("mine.toml").exists()
+
+
+@pytest.mark.parametrize("damage", ["no column", "twice", "unknown unit", "AGS of two tests"])
+def test_a_new_site_file_is_told_what_it_has_to_name(
+    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.chdir(folder)
+    kind, harm, problem = DAMAGED[damage]
+    Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(folder)).encode()))
+    assert problem in command("new", "mine", "--interpret", f"test.{kind}").err.splitlines()[0]
+    assert Path("mine.toml").exists()

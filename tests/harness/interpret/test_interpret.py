@@ -10,7 +10,7 @@ from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import error_shares, interpret
 from mpm_warp.errors import ParameterError
-from tests.harness.conftest import Command
+from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
 
 
@@ -183,6 +183,35 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
     assert header.endswith(",share of together [1],reason")
     assert row.endswith(",no layer")
+
+
+def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.chdir(folder)
+    rows = (folder / "test.csv").read_text().splitlines()
+    (folder / "test.csv").write_text("\n".join([rows[0], rows[50]]))
+    *_, line = command("interpret", "site.toml", "--check", code=2).err.splitlines()
+    assert line.startswith("harness: site: the simulated sounding refused: to_depth = ")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("depth,strength\n5,15", "must be CSV with the columns depth [m] and strength [kPa]"),
+        ("depth [m],strength [kPa]\n5,15\n6,-1", "row 3: depth [m] = 6, strength [kPa] = -1: must"),
+        ("depth [m],strength [kPa]\n5,nan", "row 2: depth [m] = 5, strength [kPa] = nan: must be"),
+        ("depth [m],strength [kPa]\n5", "row 2: depth [m] = 5, strength [kPa] = None: must be"),
+        (f"depth [m],strength [kPa]\n{'5' * 200_000},1", "is no table: field larger"),
+    ],
+    ids=["titles", "below 0", "no number", "no value", "long"],
+)
+def test_strengths_of_a_laboratory_that_cannot_be_are_one_line(
+    text: str, told: str, folder: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+) -> None:
+    monkeypatch.chdir(folder)
+    Path("lab.csv").write_text(text)
+    assert f"lab.csv: {told}" in refusal(["interpret", "site.toml", "--laboratory", "lab.csv"])
 
 
 def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:

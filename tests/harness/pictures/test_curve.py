@@ -55,6 +55,16 @@ def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
     assert (bounds.ymin, bounds.ymax) == pytest.approx((9.54, 12.07), abs=0.005)
 
 
+def test_a_factor_of_a_scene_without_an_adhesion_factor_is_drawn_alone() -> None:
+    """The literature, which depends on it, has nothing to say."""
+    dataset = result({"density": [1.0, 2.0, 4.0]}).drop_vars("adhesion_factor")
+    figure = curve_figure(with_experience(dataset, ["karlsrud_2005"]))
+    assert len(points(figure)) == 1
+    assert curves(figure) == []
+    assert len(legend(figure)) == 2
+    assert curve_figure(dataset.isel(density=0)) is None
+
+
 def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
     figure = curve_figure(result({"apex_angle": [45.0, 60.0, 90.0]}))
     (bar,) = [it for it in figure.axes[0].collections if isinstance(it, LineCollection)]

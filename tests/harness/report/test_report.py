@@ -127,7 +127,7 @@ def test_a_page_is_written_again_but_no_other_file(
     capsys: pytest.CaptureFixture[str],
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    file, out = tmp_path / "coarse.nc", tmp_path / "report.html"
+    file, out = tmp_path / "coarse.nc", tmp_path / "new" / "report.html"
     write_study(file, results[0].assign_attrs(title="\u6f22"))  # no letter of the font
     command = ["report", str(file), "-o", str(out)]
     assert main(command) == main(command) == 0

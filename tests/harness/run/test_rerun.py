@@ -153,12 +153,20 @@ def test_a_case_that_is_not_in_the_file_is_one_line(
     netcdf_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     for arguments, told in (
         ((path, other.key), f"is the file of case {one.key} alone"),
-        ((result,), "no case is named; there are 3, `harness status small` lists them"),
+        ((result,), f"no case is named; there are 3, `harness status {result}` lists them"),
         ((result, one.key[:-1]), f"did you mean '{one.key}'?"),
         ((stranger,), "is neither the file of a case nor the result of a study"),
         ((tmp_path / "none.nc",), "none.nc: no such file"),
     ):
         assert told in refusal(["rerun", *map(str, arguments)])
+
+
+def test_the_only_case_of_a_result_need_not_be_named(small_file: Path, tmp_path: Path) -> None:
+    study = load_study(str(small_file), ["adhesion_factor=0.5"])
+    result = tmp_path / "small.nc"
+    study_files.write_study(result, study_files.collect(study, keep(study, tmp_path)))
+    case, _ = read_for_rerun(result, None)
+    assert case.key == study.cases[0].key
 
 
 def test_snapshots_are_no_result(tmp_path: Path) -> None:

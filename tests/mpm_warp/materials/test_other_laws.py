@@ -7,13 +7,15 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SceneError
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.materials import other_laws
 from tests.mpm_warp.conftest import layers
 from tests.mpm_warp.materials import bonded_clay
 from tests.mpm_warp.materials.bonded_clay import BondedClay
@@ -72,6 +74,17 @@ def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
         check=False,
         timeout=600,
     )
+
+
+@pytest.mark.parametrize("names", [["tresca"], ["anisotropic"], ["mine", "mine"]])
+def test_a_law_with_the_name_of_another_is_refused(
+    names: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It would be taken for the other one without a word."""
+    points = [EntryPoint(name, "their_clay:Clay", other_laws.GROUP) for name in names]
+    monkeypatch.setattr(other_laws, "entry_points", lambda group: points)
+    with pytest.raises(ParameterError, match=f"'{names[0]}': the entry point 'their_clay:Clay'"):
+        other_laws.other_laws.__wrapped__()
 
 
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(offered: Path) -> None:

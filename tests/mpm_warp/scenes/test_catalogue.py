@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -158,6 +159,14 @@ def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None])
     result = scene(cell_count=6).run()
     assert int(result.steps) == 3
     assert int(result.cell_count) == 6
+
+
+def test_an_entry_point_may_be_of_another_class(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a worker of Python 3.11 that has imported Dask, and importlib_metadata with it."""
+    point = SimpleNamespace(name="half_column", value="a:b", dist=None, load=lambda: HalfColumn)
+    everything = {**catalogue._all_scenes(), "half_column": point}
+    monkeypatch.setattr(catalogue, "_all_scenes", lambda: everything)
+    assert scene_class("half_column") is HalfColumn
 
 
 def test_a_package_that_ends_the_process_as_it_is_imported_does_not_end_ours(

@@ -1,5 +1,6 @@
 """`harness new`, and what is told of scenes and studies: `list`, `describe`, `plan`, `status`."""
 
+import json
 import re
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
+from harness.run.verify import checks_of
 from harness.study.files import read_toml, study_names
 from harness.study.study import Study, load_study
 from mpm_warp.parameters import parameters_of
@@ -154,18 +156,38 @@ def test_a_value_that_fewer_cases_complete_with_is_told(
     assert told.splitlines() == [f"harness: {line}" for line in lines]
 
 
-def test_list_names_studies_and_scenes(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A package whose scene cannot be loaded takes nothing from the others."""
+LOST = "scene 'lost': the entry point 'nowhere:Scene' of an unknown package cannot be loaded: "
+
+
+@pytest.fixture
+def lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package whose scene cannot be loaded; it is to take nothing from the others."""
     lost = EntryPoint("lost", "nowhere:Scene", catalogue.GROUP)
     everything = {**catalogue._all_scenes(), "lost": lost}
     monkeypatch.setattr(catalogue, "_all_scenes", lambda: everything)
+
+
+@pytest.mark.usefixtures("lost")
+def test_list_names_studies_and_scenes(command: Command) -> None:
     listed = command("list").out
     for name in study_names():
         assert f"  {name} " in listed
         assert f" {load_study(name).title}\n" in listed
     for name in scene_names():
         assert f"  {name} " in listed
-    assert "scene 'lost': the entry point 'nowhere:Scene' of an unknown package cannot be" in listed
+    assert LOST in listed
+
+
+@pytest.mark.usefixtures("lost")
+def test_a_scene_that_cannot_be_loaded_is_left_out_and_told(command: Command) -> None:
+    told = command("schema")
+    (line,) = told.err.splitlines()
+    assert line.startswith(f"harness: left out: {LOST}")
+    scenes = json.loads(told.out)["properties"]["scenes"]["properties"]
+    assert scenes.keys() == set(scene_names()) - {"lost"}
+    assert "lost" not in {check.scene for check in checks_of()}
+    without = command("run", "sliding_block", "--uncertainty", code=2).err
+    assert "these scenes have one: " in without
 
 
 def test_describe_gives_unit_default_range_and_meaning(command: Command) -> None:
