@@ -164,7 +164,7 @@ def test_a_file_that_would_take_more_than_it_can_hold_is_not_read(tmp_path: Path
 DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
 
 
-@pytest.mark.parametrize("command", ("report", "plot"))
+@pytest.mark.parametrize("command", ["report", "plot"])
 def test_a_study_in_place_of_its_results_is_told_what_to_give(
     command: str, small: Study, refusal: Refusal
 ) -> None:
