@@ -55,6 +55,8 @@ class ParticleWatch:
         check_time_step(time_step=plan.time_step, longest=plan.longest_time_step)
         present = self._present
         self.particle_count = len(present)
+        if not len(present):
+            raise Fault("no material point is left in the grid")
         for first in range(0, len(present), LOOKED_AT_ONCE):
             self._look_at_particles(present[first : first + LOOKED_AT_ONCE])
         self._look_at_all(present)

@@ -21,11 +21,17 @@ from harness.archive.conventions import COMPLETED, Role, with_role
 from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
-from mpm_warp.scenes import CatalogueScene, scene_names
-from tests.harness.run.test_random_cases import NAMED, random_scene
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.parameters import parameters_of
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from mpm_warp.scenes.step_cost import StepCost
+from tests.harness.run.test_random_cases import NAMED, drawn, random_scene
 
-SECONDS, STEPS, DRAWS = 1.0, 30_000, 30
-"""Predicted time and steps of a case, at most; draws after which the shortest is taken."""
+SECONDS, STEPS = 1.0, 30_000
+"""Predicted time and steps of a case, at most."""
+SHARE, DRAWS = 0.15, 200
+"""Share of the parameters of a case that is drawn anew while the case is too long, and how often
+that is tried before another case is drawn."""
 TIME_LIMIT, MEMORY_LIMIT = 60.0, 1.5e9
 """What a case may take, first runs of kernels included [s], [byte]."""
 
@@ -34,17 +40,33 @@ def excess_of(scene: CatalogueScene) -> float:
     """Predicted time or steps of a case over what it may have."""
     size = scene.run_size()
     assert size is not None
-    return max(size.particle_updates / UPDATE_RATE / SECONDS, size.step_count / STEPS)
+    # `step_cost` is told how long it measures, and takes as many steps as it can.
+    seconds = scene.samples * scene.sample_time if isinstance(scene, StepCost) else 0.0
+    seconds += size.particle_updates / UPDATE_RATE
+    return max(seconds / SECONDS, size.step_count / STEPS)
 
 
 def short_case(source: random.Random, name: str) -> Case:
-    """A random case that is short enough, or the shortest of some."""
-    made = [random_scene(source, name)]
-    while excess_of(made[-1]) > 1.0 and len(made) < DRAWS:
-        made.append(random_scene(source, name))
-    scene = min(made, key=excess_of)
-    parameters = dataclasses.asdict(scene)
-    return Case(scene=name, scene_version=scene.version, parameters=parameters, label=name)
+    """A random case that is short enough: of a long one some parameters are drawn anew.
+
+    What makes it shorter is kept, so that what costs no time is as random as ever.
+    """
+    known = parameters_of(scene_class(name)).items()
+    while True:
+        scene = random_scene(source, name)
+        excess = excess_of(scene)
+        for _ in range(DRAWS):
+            if excess <= 1.0:
+                values, version = dataclasses.asdict(scene), scene.version
+                return Case(scene=name, scene_version=version, parameters=values, label=name)
+            anew = {key: drawn(source, it) for key, it in known if source.random() < SHARE}
+            try:
+                other = dataclasses.replace(scene, **anew)
+                excess_of_other = excess_of(other)
+            except (ParameterError, SceneError):
+                continue
+            if excess_of_other < excess:
+                scene, excess = other, excess_of_other
 
 
 class Counts:

@@ -160,14 +160,15 @@ class FullFlowPenetrometer(FieldClayScene):
 
     @property
     def speed(self) -> float:
-        """Of the body in the run [m/s]."""
-        shear_modulus = self.rigidity_index * self.undrained_shear_strength
-        return self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        """Of the body in the run [m/s]; a law with a stiffness of its own has its own waves."""
+        return self.speed_ratio * math.sqrt(self.clay.ground_shear_modulus / self.density)
 
     @property
     def clay(self) -> Material:
-        """The soil."""
-        return self.clay_with(density=self.density, speed_up=self.speed / self.penetration_speed)
+        """The soil, its strain rates those of the real speed."""
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
+        return self.clay_with(density=self.density, speed_up=speed / self.penetration_speed)
 
     def build(self) -> Scene:
         """The soil around the body, in a grid that travels with it."""

@@ -192,7 +192,6 @@ def test_the_plan_says_the_memory_by_which_a_run_refuses(
 @pytest.mark.parametrize(
     "scene",
     [
-        FlyingBlock(cells_per_side=60),
         SlidingBlock(cells_per_length=400, particles_per_cell=16),
         Sounding(to_depth=9_000.0, profile="depth [m], strength [kPa]; 0, 20; 9500, 20"),
     ],

@@ -235,3 +235,10 @@ def test_the_watch_counts_the_particles_in_the_grid(cone: Scene) -> None:
     simulation.check()
     inside = np.count_nonzero(simulation.array("particle.cell")[:, 0] >= 0)
     assert simulation.particle_count == inside
+
+
+def test_a_grid_that_all_soil_has_left_is_noticed(cone: Scene) -> None:
+    simulation = started(cone)
+    simulation.array("particle.cell")[:] = -1
+    with pytest.raises(SimulationDiverged, match="no material point is left in the grid"):
+        simulation.check()

@@ -1,5 +1,6 @@
 """Sliding and flying blocks against the motion of rigid ones, with the bounds users rely on."""
 
+import tracemalloc
 from functools import partial
 from typing import Any
 
@@ -10,8 +11,9 @@ from scipy.integrate import cumulative_trapezoid
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value
 from mpm_warp.scenes.blocks.block_on_base import SlidingMotion
-from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, FlyingBlock
+from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, FlyingBlock, free_flight
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
+from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 
@@ -153,3 +155,21 @@ def test_free_flight_keeps_momentum_spin_and_shape() -> None:
     # by rho (w l)^2 / E at most.
     turn = rim_speed * TIME_STEP_FRACTION / block.cells_per_side
     assert float(result.error) <= steps * turn**3 + rim_speed**2
+
+
+def test_the_shape_of_a_block_costs_no_more_than_its_points() -> None:
+    """Of each point its distances from as many others, however many there are."""
+    small, large = (FlyingBlock(cells_per_side=cells).run_size() for cells in (4, 100))
+    assert large.curve_bytes / large.particle_count == small.curve_bytes / small.particle_count
+    block = FlyingBlock(cells_per_side=20, step_count=100, travel=0.1)
+    simulation = Simulation(block.build())
+    position = simulation.array("particle.position")
+    simulation.assign("particle.velocity", 1.0 + position[:, ::-1] * [-1.0, 1.0])
+    sampler = free_flight(simulation, 1.0 / block.cells_per_side)
+    position[-1] += 0.01  # the last point, at a corner: of the lattice none
+    tracemalloc.start()
+    sampler.sample()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < block.run_size().curve_bytes
+    assert 0.009 < float(sampler.dataset().shape_change[0]) * np.sqrt(2.0) < 0.016

@@ -6,6 +6,7 @@ import pytest
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scenes.bearing.bearing import upward_force
+from mpm_warp.scenes.full_flow.cyclic import CyclicTBar
 from mpm_warp.scenes.full_flow.penetrometer import RoundBody
 
 ROUNDING = 1e-12
@@ -95,3 +96,11 @@ def test_nodes_at_the_poles_are_held() -> None:
         assert len(held) == count
         np.testing.assert_allclose(held[:, 0], 0.0)
         np.testing.assert_allclose(contact.normals[contact.on_axis, 0], 0.0)
+
+
+def test_a_body_in_clay_with_a_stiffness_of_its_own_is_slower_than_its_waves() -> None:
+    """Whatever rigidity index and strength are given beside that law."""
+    bar = CyclicTBar(
+        material="modified_cam_clay", rigidity_index=4000, undrained_shear_strength=1e8
+    )
+    assert bar.window.speed == pytest.approx(bar.speed_ratio * bar.clay.shear_wave_speed)
