@@ -24,7 +24,7 @@ from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
-from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp.scenes.step_cost import LEAST_STEPS, StepCost
 from tests.harness.run.test_random_cases import NAMED, drawn, random_scene
 
 SECONDS, STEPS = 1.0, 30_000
@@ -40,9 +40,10 @@ def excess_of(scene: CatalogueScene) -> float:
     """Predicted time or steps of a case over what it may have."""
     size = scene.run_size()
     assert size is not None
-    # `step_cost` is told how long it measures, and takes as many steps as it can.
-    seconds = scene.samples * scene.sample_time if isinstance(scene, StepCost) else 0.0
-    seconds += size.particle_updates / UPDATE_RATE
+    seconds = size.particle_updates / UPDATE_RATE
+    if isinstance(scene, StepCost):  # it is told how long to measure, and takes some steps at least
+        least = LEAST_STEPS * size.particle_count / UPDATE_RATE
+        seconds = scene.samples * max(scene.sample_time, least)
     return max(seconds / SECONDS, size.step_count / STEPS)
 
 
