@@ -6,9 +6,18 @@ import pytest
 from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.laws import BOTTOM_ERROR, DOMAIN, NEAREST_BOTTOM
+from mpm_warp.uncertainty.laws import (
+    BOTTOM_ERROR,
+    DOMAIN,
+    FINER,
+    MESH,
+    NEAREST_BOTTOM,
+    growth_uncertainty,
+)
 
 FACTOR = 10.0
+WIDEST = 0.025
+"""Half width over the resistance, at most; 0.3 sqrt(h) over a factor of 11 alone is 0.016."""
 
 
 def stated(sounding: Sounding) -> tuple[float, float]:
@@ -26,6 +35,16 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     half = Sounding(**{name: 0.5 * extent})
     expected = 15.0 * DOMAIN**2  # (2^2)^2 - 1
     assert stated(half)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected)
+
+
+def test_finer_meshes_add_to_a_sample_what_they_add_to_a_cone_test() -> None:
+    coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
+    sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
+    of_finer = FINER**2 * (sizes[0] - sizes[1])
+    of_mesh = MESH**2 * (sizes[0] ** 2 - sizes[1] ** 2)
+    of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
+    found = coarse**2 - default**2
+    assert found == pytest.approx(of_finer + of_mesh + of_growth, rel=0.01)
 
 
 def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
@@ -73,7 +92,7 @@ def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None
     resistance = 11.0 * (2e3 + 1.5e3 * places)
     error = error_of_samples(sounding, places, resistance)
     assert error.reason == ""
-    assert (error.half_width <= 0.02 * resistance).all()
+    assert (error.half_width <= WIDEST * resistance).all()
     from_top = Sounding(profile=ground.text, adhesion_factor=0.4, from_depth=0.0, to_depth=20.0)
     below_top = (np.arange(1200) + 0.5) * from_top.spacing
     of_top = 11.0 * (2e3 + 1.5e3 * below_top)
@@ -81,4 +100,4 @@ def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None
     assert np.isnan(error.half_width[0])
     assert error.reason.startswith("surface: the surface is in the window to a depth of ")
     is_deep = below_top > 2.0
-    assert (error.half_width[is_deep] <= 0.02 * of_top[is_deep]).all()
+    assert (error.half_width[is_deep] <= WIDEST * of_top[is_deep]).all()
