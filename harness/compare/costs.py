@@ -101,12 +101,12 @@ def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
     if "scene" not in dataset.coords:
         return dataset
     cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
-    alike = {
+    of_all = {
         name: variable.variable[0]
         for name, variable in cases.coords.items()
         if name != CASE and np.unique(variable.values).size == 1
     }
-    return cases.assign_coords(alike).assign_attrs(scene=scene)
+    return cases.assign_coords(of_all).assign_attrs(scene=scene)
 
 
 def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:

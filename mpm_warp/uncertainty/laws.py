@@ -73,9 +73,8 @@ STIFF_MESH, STIFF_FROM = 0.15, 300.0
 it counts: at 1000, smooth, 5 to 20 rows beside the face tend to 0.22 above 5 rows as corrected."""
 FINER = 0.3
 """Half width, over sqrt(h), of what meshes finer than those that B was fitted to still add. From 8
-rows beside the face on the factor rises more than by B: the pressure, which falls at the shoulder,
-is smeared over fewer cells. At Ir 100 4 to 20 rows, fitted by h and h^2, tend to 0.14 above 5 rows
-as corrected, 0.11 above 10 and 0.06 above 20."""
+rows beside the face on the factor rises more than by B. At Ir 100 4 to 20 rows, fitted by h and
+h^2, tend to 0.14 above 5 rows as corrected, 0.11 above 10 and 0.06 above 20."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth."""

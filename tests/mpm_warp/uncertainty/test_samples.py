@@ -38,6 +38,7 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
 
 
 def test_finer_meshes_add_to_a_sample_what_they_add_to_a_cone_test() -> None:
+    """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
     coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
     sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
     of_finer = FINER**2 * (sizes[0] - sizes[1])
