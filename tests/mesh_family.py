@@ -6,7 +6,8 @@ of fine meshes that is the same in both families does not come from the shape of
 
 ``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
 mesh that is upright beyond each of the radii, and prints the cone factors as simulated, and the
-limit N0 of the law of the mesh, N = N0 + B h + C g^1.5 h^1.3, fitted to each family with its own B.
+limit N0 of the law of the mesh, N = N0 + B h + Q h^1.5 + C g^1.5 h^1.3, fitted to each family with its
+own B.
 """
 
 import math
@@ -17,7 +18,7 @@ import numpy as np
 
 from mpm_warp import ConePenetration, Grid, parameter
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.laws import GROWTH_ERROR, growth_measure
+from mpm_warp.uncertainty.laws import GROWTH_ERROR, curvature_error, growth_measure
 
 ROWS = (4, 5, 7, 10)
 GROWTH = 0.4
@@ -54,9 +55,9 @@ def factor(rows: int, upright: float, **clay: float) -> float:
 def limit(factors: Floats) -> tuple[float, float, float]:
     """N0 and B by least squares, and the largest residual; factors of `ROWS`, shape [4]."""
     size = math.sqrt(3.0) / np.array(ROWS)
-    without_growth = factors - [GROWTH_ERROR * growth_measure(it, GROWTH) for it in size]
-    slope, at_zero = np.polyfit(size, without_growth, 1)
-    residual = np.abs(without_growth - at_zero - slope * size).max()
+    known = [curvature_error(it) + GROWTH_ERROR * growth_measure(it, GROWTH) for it in size]
+    slope, at_zero = np.polyfit(size, factors - known, 1)
+    residual = np.abs(factors - known - at_zero - slope * size).max()
     return float(at_zero), float(slope), float(residual)
 
 

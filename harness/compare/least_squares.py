@@ -132,6 +132,6 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
         f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
         "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
-        "mesh, B h + C g^1.5 h^1.3, has terms that often cancel, so that no power of h fits",
+        "mesh, B h + Q h^1.5 + C g^1.5 h^1.3, has terms that cancel, so that no power of h fits",
     ]
     return table(columns, notes)

@@ -4,7 +4,7 @@ Each further run differs from the case in one choice of the method. A law says w
 this choice is in proportion to, its measure m. The case and as many further runs as there are
 choices then determine the value v without these errors, and the slopes s:
 
-    simulated value = v + s_1 m_1 + s_2 m_2 + ...
+    simulated value - what is known of its error = v + s_1 m_1 + s_2 m_2 + ...
 """
 
 import math
@@ -83,6 +83,11 @@ class TestRun:
     @abstractmethod
     def factor(self) -> float:
         """The value as simulated."""
+
+    @property
+    def known_part(self) -> float:
+        """What is known of the error of the value before anything is measured."""
+        return 0.0
 
     @abstractmethod
     def measures(self, case: Self) -> dict[str, float]:
@@ -210,7 +215,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         measures = [run.measures(case) for run in runs]
         system = np.array([[1.0, *(of_run[part] for part in parts)] for of_run in measures])
         inverse = np.linalg.inv(system)
-        value, *slopes = inverse @ np.array([run.factor for run in runs])
+        value, *slopes = inverse @ np.array([run.factor - run.known_part for run in runs])
         correction = float(value) - case.factor
         if abs(correction) > case.largest_correction * value:
             off = f"their laws would take off {abs(correction) / value:.0%}"

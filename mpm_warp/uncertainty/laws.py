@@ -2,11 +2,10 @@
 
 Of the mesh, h the width of the cells at the cone over its radius, g their growth:
 
-    E_mesh = B h + C g^1.5 h^1.3 + W max(0, h - 0.44)
+    E_mesh = B h + Q h^1.5 + C g^1.5 h^1.3
 
-B by rigidity index and adhesion factor, a table, the last term of cells that are wider than those
-which B was measured with; of the speed, by the inertia i = rho V^2 / su = Ir (V / c_s)^2, c_s the
-speed of shear waves:
+B by rigidity index, a table, and adhesion factor; of the speed, by the inertia
+i = rho V^2 / su = Ir (V / c_s)^2, c_s the speed of shear waves:
 
     E_speed = S i
 
@@ -44,15 +43,16 @@ APEX_ANGLE = 60.0
 """Of the cones that the laws were measured with [degree]."""
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
-MESH_ERRORS = ((-0.66, -0.38, -0.43, -0.08, 0.18), (-0.36, -0.32, -0.28, -0.03, 0.15))
-"""B at these rigidity indices, of a smooth cone and of one with adhesion factor 1."""
+MESH_ERRORS = ((-2.24, -2.26, -2.23, -2.03, -1.79), (-2.02, -1.97, -2.00, -1.93, -1.81))
+"""B at these rigidity indices, of a smooth cone and of one with adhesion factor 1; between the two
+it goes with the square of the adhesion factor."""
+CURVATURE, CURVATURE_POWER = 2.19, 1.5
+"""Q of E_mesh, dimensionless, and the power of h that it goes with."""
 GROWTH_ERROR = 1.2
 """C of E_mesh, dimensionless."""
-WIDE_ERROR = 0.55
-"""W of E_mesh, dimensionless."""
 LARGEST_CELL, WIDEST_CELL = 0.44, 0.58
-"""Width of the cells at the cone over its radius up to which their error is linear, and up to which
-it is known: 4 and 3 rows of cells beside a face of 60 degrees."""
+"""Width of the cells at the cone over its radius up to which further runs and samples of a sounding
+follow these laws, and up to which tests do: 4 and 3 rows of cells beside a face of 60 degrees."""
 SPEED_ERROR = 0.07
 """S of E_speed, dimensionless."""
 LARGEST_INERTIA = 3.0
@@ -66,15 +66,9 @@ TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
 BOUND_ERROR, BOUND = 4.5, 0.8
 """P of E_bound, and its half width: between Ir 25 and 500, smooth and rough, Delta -0.5 and 0.5 a
 Poisson's ratio of 0.45 in place of 0.49 takes off 3.7 to 5.4 times the difference."""
-MESH, WIDE, GROWTH, DOMAIN = 0.12, 0.42, 0.3, 0.03
-"""Half widths: of B; of W; of C; of what a default window changes in Nc."""
-STIFF_MESH, STIFF_FROM = 0.15, 300.0
-"""Half width of the law of the mesh in stiff clay, over ln(Ir), and the rigidity index above which
-it counts: at 1000, smooth, 5 to 20 rows beside the face tend to 0.22 above 5 rows as corrected."""
-FINER = 0.3
-"""Half width, over sqrt(h), of what meshes finer than those that B was fitted to still add. From 8
-rows beside the face on the factor rises more than by B. At Ir 100 4 to 20 rows, fitted by h and
-h^2, tend to 0.14 above 5 rows as corrected, 0.11 above 10 and 0.06 above 20."""
+LIMIT, MESH, GROWTH, DOMAIN = 0.04, 0.12, 0.3, 0.03
+"""Half widths: of the limit of fine cells, which the powers 1.3 and 2 of h in place of 1.5 move by
+as much; of B; of C; of what a default window changes in Nc."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth."""
@@ -132,10 +126,8 @@ class ErrorLaws:
 
     def half_widths(self) -> dict[str, Value]:
         """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
-        mesh = MESH * self.cell_size + WIDE * _excess_width(self.cell_size)
-        in_stiff = STIFF_MESH * np.maximum(0.0, np.log(self.rigidity_index / STIFF_FROM))
         return {
-            "mesh": np.hypot(mesh, in_stiff),
+            "mesh": math.hypot(LIMIT, MESH * self.cell_size),
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
@@ -212,14 +204,14 @@ def mesh_error(
         np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), errors)
         for errors in MESH_ERRORS
     )
-    slope = smooth + adhesion_factor * (rough - smooth)
-    linear = slope * cell_size + GROWTH_ERROR * growth_measure(cell_size, cell_growth)
-    return linear + WIDE_ERROR * _excess_width(cell_size)
+    slope = smooth + adhesion_factor**2 * (rough - smooth)
+    of_growth = GROWTH_ERROR * growth_measure(cell_size, cell_growth)
+    return slope * cell_size + curvature_error(cell_size) + of_growth
 
 
-def finer_uncertainty(cell_size: float) -> float:
-    """Half width of what finer meshes still add to the cone factor, corrected or measured."""
-    return FINER * math.sqrt(cell_size)
+def curvature_error(cell_size: float) -> float:
+    """What the mesh adds to the cone factor of any cone and clay beside what goes with h."""
+    return CURVATURE * math.pow(cell_size, CURVATURE_POWER)
 
 
 def growth_measure(cell_size: float, cell_growth: float) -> float:
@@ -242,8 +234,3 @@ def top_error(*, rigidity_index: Value, above: float, below: float, way: Value) 
     grown = -np.expm1(-beyond / (TOP_WAY * (above + below)))
     error: Floats = TOP_ERROR * (index / above**2) ** TOP_POWER * grown
     return error
-
-
-def _excess_width(cell_size: float) -> float:
-    """Width of the cells beyond those that B was measured with, over the cone's radius."""
-    return max(0.0, cell_size - LARGEST_CELL)

@@ -58,7 +58,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 20
+    version = 21
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

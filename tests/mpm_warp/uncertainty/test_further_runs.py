@@ -14,6 +14,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
 from mpm_warp.uncertainty import cone, full_flow, further_runs
+from mpm_warp.uncertainty.laws import CURVATURE
 from tests.mpm_warp.conftest import MEASURABLE
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
@@ -44,6 +45,7 @@ def simulated(test: Any) -> float:
     return (
         FACTOR
         + MESH * size
+        + CURVATURE * size**1.5
         + GROWTH * test.cell_growth**1.5 * size**1.3
         + SPEED * test.rigidity_index * test.speed_ratio**2
         + DOMAIN * (CONE.domain_radius / test.domain_radius) ** 2
@@ -84,12 +86,12 @@ def check_parts(results: xr.Dataset, name: str, known: dict[str, float], *others
     assert float(results[f"{name}_uncertainty"]) == pytest.approx(math.hypot(*parts.values()))
 
 
-def test_half_of_what_the_best_run_still_has_is_left_open() -> None:
+def test_half_of_what_the_best_run_still_has_is_left_open_and_less_of_the_mesh() -> None:
     results = measured(CONE)
     finest = cell_size(CONE.further_tests()["mesh"])
-    known = {"mesh": -0.5 * MESH * finest, "domain": 0.5 * DOMAIN / 1.4**2}
+    known = {"mesh": -0.12 * MESH * finest, "domain": 0.5 * DOMAIN / 1.4**2}
     others = set(cone.DIFFERENCES) - set(known)
-    check_parts(results, "cone_factor", known, *others, "steadiness", "finer", "points", "noise")
+    check_parts(results, "cone_factor", known, *others, "steadiness", "points", "noise")
     assert "cone_factor_uncertainty_bottom" not in results
 
 
@@ -114,11 +116,11 @@ def test_in_a_wider_window_the_cone_goes_farther_at_the_speed_of_the_approach() 
 def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
     def coarse(test: ConePenetration, progress: Progress) -> xr.Dataset:
         made = run(test, progress)
-        made["cone_factor_simulated"] -= 4.0 * cell_size(test)
+        made["cone_factor_simulated"] -= 6.0 * cell_size(test)
         return made
 
     results = measured(CONE, coarse)
-    left = simulated(CONE) - 4.0 * cell_size(CONE)
+    left = simulated(CONE) - 6.0 * cell_size(CONE)
     assert results.why_no_uncertainty == (
         f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 12%"
     )

@@ -9,7 +9,6 @@ from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.laws import (
     BOTTOM_ERROR,
     DOMAIN,
-    FINER,
     MESH,
     NEAREST_BOTTOM,
     growth_uncertainty,
@@ -37,15 +36,14 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     assert stated(half)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected)
 
 
-def test_finer_meshes_add_to_a_sample_what_they_add_to_a_cone_test() -> None:
+def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> None:
     """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
     coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
     sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
-    of_finer = FINER**2 * (sizes[0] - sizes[1])
     of_mesh = MESH**2 * (sizes[0] ** 2 - sizes[1] ** 2)
     of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
     found = coarse**2 - default**2
-    assert found == pytest.approx(of_finer + of_mesh + of_growth, rel=0.01)
+    assert found == pytest.approx(of_mesh + of_growth, rel=0.01)
 
 
 def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
