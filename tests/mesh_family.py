@@ -6,8 +6,8 @@ of fine meshes that is the same in both families does not come from the shape of
 
 ``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
 mesh that is upright beyond each of the radii, and prints the cone factors as simulated, and the
-limit N0 of the law of the mesh, N = N0 + B h + Q h^1.5 + C g^1.5 h^1.3, fitted to each family with its
-own B.
+limit N0 of the law of the mesh, N = N0 + B h + Q h^1.5 + C g^1.5 h^1.3, fitted to each family with
+its own B.
 """
 
 import math

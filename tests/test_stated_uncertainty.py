@@ -32,6 +32,7 @@ HELD_OUT, HELD_OUT_MESHES = 24, 12
 CONFIDENCE = 0.95
 """Share of the cases that the interval is to hold."""
 
+
 def table(name: str) -> list[Mapping[str, float]]:
     with (STUDIES / f"{name}.csv").open() as file:
         return [{key: float(it) for key, it in row.items()} for row in csv.DictReader(file)]
@@ -55,7 +56,7 @@ def mesh_error_of(case: Mapping[str, float]) -> float:
     )
 
 
-def limits_by_meshes(power: float) -> tuple[Floats, Floats, Floats]:
+def limits_by_meshes(power: float) -> tuple[Floats, Floats, float]:
     """Least squares over `mesh_error`, by N0 + B h + Q h^power + C g^1.5 h^1.3 with one Q.
 
     B is by rigidity index, and goes from smooth to rough with the square of the adhesion factor.
@@ -76,9 +77,9 @@ def limits_by_meshes(power: float) -> tuple[Floats, Floats, Floats]:
         system[row, [rank, rank + count]] = (1.0 - rough) * size, rough * size
         system[row, -1] = size**power
         factors[row] = it["cone_factor_simulated"] - GROWTH_ERROR * growth_measure(size, GROWTH)
-    found, *_ = np.linalg.lstsq(system, factors, rcond=None)
-    slopes = found[len(clays) : -1].reshape(2, count)
-    return found[limit_of], slopes, found[-1]
+    found = np.asarray(np.linalg.lstsq(system, factors, rcond=None)[0], dtype=np.float64)
+    limits, slopes = found[limit_of], np.stack(np.split(found[len(clays) : -1], 2))
+    return limits, slopes, float(found[-1])
 
 
 def test_the_law_of_the_mesh_is_that_of_the_meshes_measured() -> None:

@@ -11,8 +11,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import (
     BOUND_ERROR,
-    GROWTH,
     CURVATURE,
+    GROWTH,
     GROWTH_ERROR,
     GROWTH_SHARE,
     MESH_ERRORS,
