@@ -6,20 +6,20 @@ h is the width of the cells at the cone over its radius, a the adhesion factor o
 the share with which u2 is read in the wedge beside the shaft, F the factor u1 or u2 over su as
 simulated:
 
-    u1    error  A h                                half width  0.6 h, 0.01 F
+    u1    error  A h                                half width  0.7 h, 0.01 F
     u2    error  w S h F - (1 - w) Q h^2, Q = 2 ln(233 / Ir)
           half width  (1 - w) h^2, 0.019 F, w (X h + 0.5 max(0, h - 0.35)) F, 0.8 w (1 - w) v F,
                       0.1 w F ln(Ir / 300);   X = max(0.1, |S| / 2)
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
-The parts of a half width add up as squares. A follows the rigidity index Ir, S that and a: what is
-read in the wedge. Q is what rows smear that are read outside of it; it is the same from an Ir of
-500 on, and its half width is part of (1 - w) h^2. X leaves half of the correction open; cells wider
-than those of 5 rows beside the face do not resolve the wedge. v tells how deep the wedge is: 1 up
-to an Ir of 100, 0 from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell, and the
-pressure at the filter may be that within or that outside. The last part counts above an Ir of 300,
-where the wedge is thin too. Beyond an Ir of 50 to 500 both half widths grow. How all of it was
-measured is in `scenes/cone/README.md`.
+The parts of a half width add up as squares. A and S follow the rigidity index Ir and a; S is of
+what is read in the wedge. Q is what rows smear that are read outside of it; it is the same from an
+Ir of 500 on, and its half width is part of (1 - w) h^2. X leaves half of the correction open; cells
+wider than those of 5 rows beside the face do not resolve the wedge. v tells how deep the wedge is:
+1 up to an Ir of 100, 0 from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell,
+and the pressure at the filter may be that within or that outside. The last part counts above an Ir
+of 300, where the wedge is thin too. Both half widths grow beyond where they were measured, u1 at an
+Ir of 20 to 1000, u2 at 50 to 500. How all of it was measured is in `scenes/cone/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -39,6 +39,8 @@ from mpm_warp.uncertainty.laws import BOUND_ERROR
 from mpm_warp.uncertainty.steadiness import last_change
 
 Value = Floats | float
+Row = tuple[float, ...]
+Table = tuple[Row, ...]
 
 WHOLE_WEDGE = 0.5
 """Adhesion factor of the shaft from which on u2 is read in the wedge alone."""
@@ -47,11 +49,18 @@ WEDGE_ERROR = ((-0.08, -0.20, -0.26), (0.42, 0.17, 0.22), (0.22, 0.09, 0.17), (0
 """S at these rigidity indices (rows) and adhesion factors."""
 SMEARED_ERROR, NOT_SMEARED, STIFFEST = 2.0, 233.0, 500.0
 """Q over the logarithm; the rigidity index at which it is 0, and above which it stays."""
-RIGIDITY_INDICES = (50.0, 100.0, 300.0, 500.0)
-"""Where the errors were measured."""
-FACE_ERROR = (-1.2, -0.7, 0.5, 1.0)
-"""A at these rigidity indices."""
-FACE, FACE_LEFT = 0.6, 0.01
+SHOULDER_INDICES = (50.0, 500.0)
+"""Rigidity indices between which the error of u2 was measured."""
+FACE_INDICES, FACE_ADHESION = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
+FACE_ERROR = (
+    (-1.2, 0.0, -0.8),
+    (-1.2, -0.2, -0.8),
+    (-1.0, -0.1, -0.8),
+    (-0.5, 0.1, -0.7),
+    (0.0, 0.4, -0.3),
+)
+"""A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
+FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
 DEEPEST, NONE_AT = 100.0, 500.0
 """Rigidity indices up to which the wedge is deepest, and from which on there is none."""
@@ -82,13 +91,10 @@ def share_of_wedge(adhesion_factor: Value) -> Value:
 def face_error(
     factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
 ) -> tuple[Value, Value]:
-    """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`.
-
-    They are the same at all adhesion factors.
-    """
-    slope = np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), FACE_ERROR)
-    half_width = _added(FACE * cell_size, FACE_LEFT * factor, _beyond_range(rigidity_index))
-    return -slope * cell_size, half_width
+    """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
+    slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
+    beyond = _beyond(FACE_INDICES, rigidity_index)
+    return -slope * cell_size, _added(FACE * cell_size, FACE_LEFT * factor, beyond)
 
 
 def shoulder_error(
@@ -104,7 +110,7 @@ def shoulder_error(
     """
     share = share_of_wedge(adhesion_factor)
     depth = np.interp(np.log(rigidity_index), np.log([DEEPEST, NONE_AT]), [1.0, 0.0])
-    slope = _wedge_error(adhesion_factor, rigidity_index)
+    slope = _of_table(WEDGE_ERROR, WEDGE_INDICES, WEDGE_ADHESION, rigidity_index, adhesion_factor)
     in_wedge = share * slope * cell_size * factor
     left_in_wedge = np.maximum(LEAST_LEFT, WEDGE_LEFT * np.abs(slope)) * cell_size
     smeared = SMEARED_ERROR * np.log(NOT_SMEARED / np.minimum(rigidity_index, STIFFEST))
@@ -115,7 +121,7 @@ def shoulder_error(
         share * (left_in_wedge + WIDE * max(0.0, cell_size - RESOLVED)) * factor,
         THIN_WEDGE * share * (1.0 - share) * depth * factor,
         STIFF_WEDGE * share * factor * beyond,
-        _beyond_range(rigidity_index),
+        _beyond(SHOULDER_INDICES, rigidity_index),
     )
     return (1.0 - share) * smeared * cell_size**2 - in_wedge, half_width
 
@@ -180,20 +186,22 @@ def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Var
     }
 
 
-def _wedge_error(adhesion_factor: Value, rigidity_index: Value) -> Value:
-    """S, linear between the values of the table."""
-    place = np.interp(
-        np.log(rigidity_index), np.log(WEDGE_INDICES), np.arange(len(WEDGE_INDICES), dtype=float)
-    )
+def _of_table(
+    table: Table, indices: Row, adhesions: Row, rigidity_index: Value, adhesion_factor: Value
+) -> Value:
+    """Linear between the values of a table, over the logarithm of the rigidity index."""
+    places = np.arange(len(indices), dtype=float)
+    place = np.interp(np.log(rigidity_index), np.log(indices), places)
     error: Floats = sum(
-        np.maximum(0.0, 1.0 - np.abs(place - row)) * np.interp(adhesion_factor, WEDGE_ADHESION, at)
-        for row, at in enumerate(WEDGE_ERROR)
+        np.maximum(0.0, 1.0 - np.abs(place - row)) * np.interp(adhesion_factor, adhesions, at)
+        for row, at in enumerate(table)
     )
     return error
 
 
-def _beyond_range(rigidity_index: Value) -> Value:
-    nearest = np.clip(rigidity_index, RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1])
+def _beyond(indices: Row, rigidity_index: Value) -> Value:
+    """Half width of what is left open beyond the rigidity indices measured."""
+    nearest = np.clip(rigidity_index, indices[0], indices[-1])
     return RANGE * np.abs(np.log(rigidity_index / nearest))
 
 

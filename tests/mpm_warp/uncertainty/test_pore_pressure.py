@@ -43,8 +43,12 @@ U1: dict[str, tuple[float, float, Series]] = {
     "half rough": (100, 0.5, {5: 9.10, 10: 9.09, 14: 9.11}),
     "rough": (100, 1.0, {3: 9.38, 5: 9.58, 7: 9.58, 10: 9.67}),
     "soft": (50, 0.0, {5: 7.25, 10: 7.50}),
+    "softest, half rough": (20, 0.5, {3: 5.15, 5: 5.29, 7: 5.17, 10: 5.21, 20: 5.19, 28: 5.18}),
+    "soft, half rough": (50, 0.5, {3: 7.30, 5: 7.48, 7: 7.33, 10: 7.43, 20: 7.42, 28: 7.43}),
     "stiff, half rough": (300, 0.5, {5: 11.40, 10: 11.28}),
+    "stiff, rough": (300, 1.0, {3: 11.53, 5: 11.85, 7: 11.73, 10: 11.86, 14: 11.91, 20: 11.96}),
     "stiff": (500, 0.0, {5: 12.55, 7: 12.24, 10: 12.41}),
+    "stiffest, rough": (1000, 1.0, {3: 14.05, 5: 14.49, 7: 14.31, 10: 14.42}),
 }
 LAST_CHANGE = """-0.6 0.0 -0.2 -2.5 -1.3 -6.6 -2.8 -6.9 -1.8 1.3 -3.3 2.4 3.2 -13.5 -0.4 -0.3 9.0
 -2.5 -0.7 0.3 0.3 -0.4 -1.8 -4.0 -3.7 0.2 -3.8 -5.2 -2.0 -0.2 -1.5 -2.4 -1.7"""
@@ -92,8 +96,8 @@ def test_half_width_by_default_and_fine() -> None:
 
 
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
-    indices = np.array([10.0, 25.0, 50.0, 500.0, 1000.0, 2000.0])
-    for error in (face_error, shoulder_error):
+    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (50.0, 500.0))):
+        indices = np.array([0.25, 0.5, 1.0, 1.0, 2.0, 4.0]) * np.repeat(edges, 3)
         _, half_width = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
         assert half_width[0] > half_width[1] > half_width[2]
         assert half_width[3] < half_width[4] < half_width[5]
