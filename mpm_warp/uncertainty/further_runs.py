@@ -84,10 +84,9 @@ class TestRun:
     def factor(self) -> float:
         """The value as simulated."""
 
-    @property
-    def known_part(self) -> float:
-        """What is known of the error of the value before anything is measured."""
-        return 0.0
+    def known_parts(self) -> dict[str, float]:
+        """What is known of the errors of the value before anything is measured, by effect."""
+        return {}
 
     @abstractmethod
     def measures(self, case: Self) -> dict[str, float]:
@@ -213,14 +212,17 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         parts |= case.own_parts(ALONE, [case])
     else:
         measures = [run.measures(case) for run in runs]
+        known = [run.known_parts() for run in runs]
         system = np.array([[1.0, *(of_run[part] for part in parts)] for of_run in measures])
         inverse = np.linalg.inv(system)
-        value, *slopes = inverse @ np.array([run.factor - run.known_part for run in runs])
+        factors = [run.factor - sum(of.values()) for run, of in zip(runs, known, strict=True)]
+        value, *slopes = inverse @ np.array(factors)
         correction = float(value) - case.factor
         if abs(correction) > case.largest_correction * value:
             off = f"their laws would take off {abs(correction) / value:.0%}"
             reasons = [f"further runs: {off}, and hold up to {case.largest_correction:.0%}"]
-        of_best_run = np.abs(slopes) * system[:, 1:].min(axis=0)
+        least = [min(of.get(effect, 0.0) for of in known) for effect in parts]
+        of_best_run = np.abs(slopes * system[:, 1:].min(axis=0) + least)
         left = zip(parts, of_best_run.tolist(), strict=True)
         parts = {effect: case.left_open[effect] * error for effect, error in left}
         parts["speed"] += case.approach * case.factor

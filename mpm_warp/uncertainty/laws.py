@@ -127,7 +127,7 @@ class ErrorLaws:
     def half_widths(self) -> dict[str, Value]:
         """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
         return {
-            "mesh": math.hypot(LIMIT, MESH * self.cell_size),
+            "mesh": MESH * self.cell_size,
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,

@@ -15,6 +15,7 @@ from mpm_warp.uncertainty.laws import (
     GROWTH,
     GROWTH_ERROR,
     GROWTH_SHARE,
+    LIMIT,
     MESH_ERRORS,
     growth_measure,
     growth_uncertainty,
@@ -30,7 +31,7 @@ CHANGING = "clay that softens or has a rate effect"
 FURTHER = "further runs may measure it (uncertainty = measured)"
 PARTS = (
     *("mesh", "growth", "domain", "bottom", "top", "range"),
-    *("steadiness", "speed", "points", "noise"),
+    *("steadiness", "speed", "limit", "points", "noise"),
 )
 
 TWICE_THE_WINDOW = {
@@ -81,6 +82,12 @@ def test_the_half_width_is_made_of_its_parts() -> None:
     parts = [float(known[f"cone_factor_uncertainty_{name}"]) for name in PARTS]
     assert min(parts) >= 0.0
     assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
+
+
+def test_the_limit_of_fine_cells_is_a_part_of_every_half_width() -> None:
+    fine = dataclasses.replace(TEST, cells_per_radius=12.0)
+    for test in (TEST, fine):
+        assert float(known_error(test).cone_factor_uncertainty_limit) == LIMIT
 
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
