@@ -34,8 +34,8 @@ MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
 and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
 and softening may have no width but that of a cell: no further run could tell that from an error."""
 LAWS_OF_CONES = (*MEASURED_LAWS, ModifiedCamClay)
-"""The same for cones. With strength by direction they were tried and left out: the mesh follows no
-line over h, and with su_E / su_C = 0.4 finer runs are outside of the interval."""
+"""The same for cones. With strength by direction they were tried and left out: by a line over h,
+with su_E / su_C = 0.4, finer runs are outside of the interval; with Q h^1.5 they were not tried."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
 """Parts of a scene that only record, and change no result."""
 PARTS = (
