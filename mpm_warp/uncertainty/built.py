@@ -16,6 +16,7 @@ import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Grid
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material, built_name
 from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
@@ -33,9 +34,8 @@ MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
 """The laws of clay with which further runs were tested: in them the error follows width of cells
 and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
 and softening may have no width but that of a cell: no further run could tell that from an error."""
-LAWS_OF_CONES = (*MEASURED_LAWS, ModifiedCamClay)
-"""The same for cones. With strength by direction they were tried and left out: by a line over h,
-with su_E / su_C = 0.4, finer runs are outside of the interval; with Q h^1.5 they were not tried."""
+LAWS_OF_CONES = (*MEASURED_LAWS, ModifiedCamClay, Anisotropic)
+"""The same for cones."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
 """Parts of a scene that only record, and change no result."""
 PARTS = (
