@@ -8,11 +8,9 @@ another rate, L log cycles above it, holds
 
 and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
 polynomials in the inputs, each brought to -1 to 1 over its range; the sleeve's is taken over the
-adhesion factor, that of u2 over Nkt, to which they are nearly in proportion. For u2 the share of
-the wedge beside the shaft, which is whole from an adhesion factor of 0.5 on, stands in place of the
-adhesion factor. Every case is kept out of one of PARTS fits, which gives the error of the fit. For
-Nkt and the sleeve that of degree 2 is three times that of degree 3, of degree 4 no less, and radial
-basis functions (scipy) are no better.
+adhesion factor, that of u2 over Nkt, to which they are nearly in proportion. Every case is kept out
+of one of PARTS fits, which gives the error of the fit. For Nkt and the sleeve that of degree 2 is
+three times that of degree 3, of degree 4 no less, and radial basis functions (scipy) are no better.
 """
 
 from __future__ import annotations
@@ -28,7 +26,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import share_of_wedge, shoulder_error
+from mpm_warp.uncertainty.pore_pressure import shoulder_error
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
@@ -81,16 +79,11 @@ class Factors:
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""
-        adhesion = inputs["adhesion_factor"]
-        of_wedge = dict(inputs) | {"adhesion_factor": share_of_wedge(adhesion)}
-        values = self._polynomials(inputs) | {PRESSURE: self._polynomials(of_wedge)[PRESSURE]}
-        return _whole(values, adhesion)
-
-    def _polynomials(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         x = np.stack(np.broadcast_arrays(*(scaled(name, inputs[name]) for name in RANGES)))
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
-        return dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
+        values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
+        return _whole(values, inputs["adhesion_factor"])
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
@@ -118,10 +111,9 @@ class Along:
         self, stress_anisotropy: Floats, adhesion_factor: Floats, quantities: int = len(QUANTITIES)
     ) -> dict[str, Floats]:
         """The first quantities by name, shape [..., soils]."""
-        x, values = scaled(MOVING[0], stress_anisotropy), {}
+        x, y = scaled(MOVING[0], stress_anisotropy), scaled(MOVING[1], adhesion_factor)
+        values = {}
         for place, name in enumerate(QUANTITIES[:quantities]):
-            rough = share_of_wedge(adhesion_factor) if name == PRESSURE else adhesion_factor
-            y = scaled(MOVING[1], rough)
             values[name] = sum(
                 weight[place] * x**a * y**b for (a, b), weight in self.weights.items()
             )
@@ -157,8 +149,6 @@ def factors() -> Factors:
     for place, name in enumerate(QUANTITIES):
         table = np.genfromtxt(studies_folder() / TABLES[name], delimiter=",", names=True)
         values, simulated_error = _fitted_values(name, table)
-        if name == PRESSURE:
-            table["adhesion_factor"] = share_of_wedge(table["adhesion_factor"])
         inputs = np.stack([scaled(ranged, table[ranged]) for ranged in RANGES], axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)

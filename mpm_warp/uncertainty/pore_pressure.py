@@ -2,24 +2,18 @@
 
 Of the excess pore pressures it is known by laws.
 
-h is the width of the cells at the cone over its radius, a the adhesion factor of face and shaft, w
-the share with which u2 is read in the wedge beside the shaft, F the factor u1 or u2 over su as
-simulated:
+h is the width of the cells at the cone over its radius, F the factor u1 or u2 over su as simulated:
 
-    u1    error  A h                                half width  0.7 h, 0.01 F
-    u2    error  w S h F - (1 - w) Q h^2, Q = 2 ln(233 / Ir)
-          half width  (1 - w) h^2, 0.019 F, w (X h + 0.5 max(0, h - 0.35)) F, 0.8 w (1 - w) v F,
-                      0.1 w F ln(Ir / 300);   X = max(0.1, |S| / 2)
+    u1    error  A h          half width  0.7 h, 0.01 F
+    u2    error  S h^1.5      half width  0.15 S h^1.5, 0.025 F, 0.4 a (1 - a) v F
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
-The parts of a half width add up as squares. A and S follow the rigidity index Ir and a; S is of
-what is read in the wedge. Q is what rows smear that are read outside of it; it is the same from an
-Ir of 500 on, and its half width is part of (1 - w) h^2. X leaves half of the correction open; cells
-wider than those of 5 rows beside the face do not resolve the wedge. v tells how deep the wedge is:
-1 up to an Ir of 100, 0 from 500 on. Where w is neither 0 nor 1 the wedge is thinner than a cell,
-and the pressure at the filter may be that within or that outside. The last part counts above an Ir
-of 300, where the wedge is thin too. Both half widths grow beyond where they were measured, u1 at an
-Ir of 20 to 1000, u2 at 50 to 500. How all of it was measured is in `scenes/cone/README.md`.
+The parts of a half width add up as squares. A and S follow the rigidity index and the adhesion
+factor a of face and shaft. The error of u2 is that of cells wider than the layer of lower pressure
+beside the shaft, in which it is read. Beside a half rough shaft in stiff clay this layer is thinner
+than any cell that was tried; v goes from 0 at a rigidity index of 100 to 1 at 300. Both half widths
+grow beyond the rigidity indices where they were measured. How all of it was measured is in
+`uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -42,15 +36,11 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-WHOLE_WEDGE = 0.5
-"""Adhesion factor of the shaft from which on u2 is read in the wedge alone."""
-WEDGE_INDICES, WEDGE_ADHESION = (30.0, 100.0, 300.0, 500.0), (0.5, 0.75, 1.0)
-WEDGE_ERROR = ((-0.08, -0.20, -0.26), (0.42, 0.17, 0.22), (0.22, 0.09, 0.17), (0.0, 0.0, 0.0))
-"""S at these rigidity indices (rows) and adhesion factors."""
-SMEARED_ERROR, NOT_SMEARED, STIFFEST = 2.0, 233.0, 500.0
-"""Q over the logarithm; the rigidity index at which it is 0, and above which it stays."""
-SHOULDER_INDICES = (50.0, 500.0)
-"""Rigidity indices between which the error of u2 was measured."""
+SHOULDER_INDICES, SHOULDER_ADHESION = (30.0, 100.0, 300.0), (0.0, 0.25, 0.5, 1.0)
+SHOULDER_ERROR = ((2.2, 0.8, -0.2, -3.0), (5.7, 4.2, 2.6, 0.9), (-1.2, 0.0, 5.0, 1.1))
+"""S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face."""
+SHOULDER_POWER = 1.5
+"""Power of h in the error of u2."""
 FACE_INDICES, FACE_ADHESION = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
 FACE_ERROR = (
     (-1.2, 0.0, -0.8),
@@ -62,30 +52,19 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-DEEPEST, NONE_AT = 100.0, 500.0
-"""Rigidity indices up to which the wedge is deepest, and from which on there is none."""
-SMEARED, SHAFT_LEFT = 1.0, 0.019
-"""Half widths of u2: over h^2, and over F."""
-WEDGE_LEFT, LEAST_LEFT = 0.5, 0.1
-"""Half width of S over S, and its least."""
-RESOLVED, WIDE, THIN_WEDGE = 0.35, 0.5, 0.8
-"""Width of the cells that the wedge needs; half widths of u2: over w F and what they are wider, and
-over w (1 - w) v F."""
-STIFF_WEDGE, WEDGE_KNOWN = 0.1, 300.0
-"""Half width of u2 over w F ln(Ir), and the rigidity index above which it counts."""
+SHOULDER, SHOULDER_LEFT, THIN_LAYER = 0.15, 0.025, 0.4
+"""Half widths of u2: over its error, over F, and over a (1 - a) v F."""
+ALL_THICK, ALL_THIN = 100.0, 300.0
+"""Rigidity indices up to which v is 0, and from which on it is 1."""
 SETTLING = 0.5
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
 NOISE = {"face": 0.006, "shoulder": 0.012}
 """Half widths of the noise of these means, over F."""
-BOUND = {"face": 1.5, "shoulder": 4.0}
-"""Half widths of P, of u1 and u2."""
+BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 1.0}
+BOUND = {"face": 1.5, "shoulder": 3.0}
+"""P of u1 and u2, and their half widths."""
 RANGE = 0.3
 """Half width per ln(Ir) beyond the rigidity indices measured."""
-
-
-def share_of_wedge(adhesion_factor: Value) -> Value:
-    """Share w at adhesion factors of the shaft, shape [...]."""
-    return np.minimum(1.0, np.asarray(adhesion_factor) / WHOLE_WEDGE)
 
 
 def face_error(
@@ -108,22 +87,18 @@ def shoulder_error(
         adhesion_factor: of face and shaft, shape [...].
         rigidity_index: shape [...].
     """
-    share = share_of_wedge(adhesion_factor)
-    depth = np.interp(np.log(rigidity_index), np.log([DEEPEST, NONE_AT]), [1.0, 0.0])
-    slope = _of_table(WEDGE_ERROR, WEDGE_INDICES, WEDGE_ADHESION, rigidity_index, adhesion_factor)
-    in_wedge = share * slope * cell_size * factor
-    left_in_wedge = np.maximum(LEAST_LEFT, WEDGE_LEFT * np.abs(slope)) * cell_size
-    smeared = SMEARED_ERROR * np.log(NOT_SMEARED / np.minimum(rigidity_index, STIFFEST))
-    beyond = np.maximum(0.0, np.log(rigidity_index / WEDGE_KNOWN))
-    half_width = _added(
-        SMEARED * (1.0 - share) * cell_size**2,
-        SHAFT_LEFT * factor,
-        share * (left_in_wedge + WIDE * max(0.0, cell_size - RESOLVED)) * factor,
-        THIN_WEDGE * share * (1.0 - share) * depth * factor,
-        STIFF_WEDGE * share * factor * beyond,
+    slope = _of_table(
+        SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
+    )
+    error = slope * math.pow(cell_size, SHOULDER_POWER)
+    thin = np.interp(np.log(rigidity_index), np.log([ALL_THICK, ALL_THIN]), [0.0, THIN_LAYER])
+    rough = np.asarray(adhesion_factor)
+    return -error, _added(
+        SHOULDER * error,
+        SHOULDER_LEFT * factor,
+        thin * rough * (1.0 - rough) * factor,
         _beyond(SHOULDER_INDICES, rigidity_index),
     )
-    return (1.0 - share) * smeared * cell_size**2 - in_wedge, half_width
 
 
 def stated_pressures(
@@ -150,7 +125,7 @@ def stated_pressures(
             error = face_error if place == "face" else shoulder_error
             off, of_laws = error(factor, **of_cone)
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
-            correction = float(off) + BOUND_ERROR * bounded
+            correction = float(off) + BOUND_EFFECT[place] * bounded
             to_come = SETTLING * last_change(curve)
             of_mean = math.hypot(to_come, NOISE[place] * factor)
             half_width = math.hypot(float(of_laws), of_mean, BOUND[place] * bounded)

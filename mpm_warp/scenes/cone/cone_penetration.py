@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.materials.material import Material
@@ -41,9 +42,9 @@ cone radii."""
 SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
 """Slots for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
-SANE_INERTIA, GREATEST_INERTIA = 5.0, 10.0
-"""rho V^2 / su up to which nearly all random cases complete, and beyond which few do: the soil is
-thrown off, and the transfers dissipate much of the work."""
+SANE_INERTIA, GREATEST_INERTIA, REFUSED_INERTIA = 5.0, 10.0, 50.0
+"""rho V^2 / su up to which nearly all random cases complete; beyond which few do, as soil is thrown
+off and the transfers dissipate much of the work; and beyond which none of 100 did."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,23 +59,30 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 21
+    version = 22
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.inertia > REFUSED_INERTIA:
+            raise ParameterError(
+                "speed_ratio",
+                f"speed_ratio = {self.speed_ratio:g} is not allowed with rigidity_index = "
+                f"{self.rigidity_index:g}: {self._thrown_off(REFUSED_INERTIA)}",
+            )
         if self.uncertainty == "measured":
             self.further_tests()  # all are allowed
 
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: soil is thrown off where the cone is fast for its strength."""
-        inertia = self.rigidity_index * self.speed_ratio**2
-        if inertia <= GREATEST_INERTIA:
-            return ""
+        return "" if self.inertia <= GREATEST_INERTIA else self._thrown_off(GREATEST_INERTIA)
+
+    def _thrown_off(self, limit: float) -> str:
+        """Why a cone above a limit of rho V^2 / su is too fast, and the speed to take instead."""
         return (
-            f"rho V^2 is {inertia:.3g} su, and above {GREATEST_INERTIA:g} su soil is thrown off; "
+            f"rho V^2 is {self.inertia:.3g} su, and above {limit:g} su soil is thrown off; "
             f"try speed_ratio = {math.sqrt(SANE_INERTIA / self.rigidity_index):.2g} or less"
         )
 
@@ -268,11 +276,7 @@ class ConePenetration(ConeTestByDefault):
                 greatest penetration it still changes.
         """
         built, strength = soil_scene(simulation), self.undrained_shear_strength
-        pressures = pore_pressure.pore_pressure_curves(
-            simulation,
-            penetrometer=self.penetrometer,
-            adhesion_factor=lambda travel: self.shaft_adhesion_factor,
-        )
+        pressures = pore_pressure.pore_pressure_curves(simulation, self.penetrometer)
         curves = penetration.PenetrationCurves(
             simulation,
             radius=self.cone_radius,

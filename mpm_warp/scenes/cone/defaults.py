@@ -95,9 +95,14 @@ class ConeTestByDefault(ConeTest):
             stress_anisotropy=self.stress_anisotropy,
             poissons_ratio=self.poissons_ratio - self.bounded,
             bounded=self.bounded,
-            inertia=self.rigidity_index * self.speed_ratio * self.speed_ratio,
+            inertia=self.inertia,
             way=way,
         )
+
+    @property
+    def inertia(self) -> float:
+        """Inertia of the soil over its strength, rho V^2 / su."""
+        return self.rigidity_index * self.speed_ratio * self.speed_ratio
 
     @property
     def bounded(self) -> float:

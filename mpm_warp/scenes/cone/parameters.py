@@ -178,9 +178,9 @@ class ConeTest(FittedToCone, FieldClayScene):
     )
     speed_ratio: float = parameter(
         None,
-        "penetration speed over shear wave speed (default: 0.03, 0.045 where accuracy is quick, "
-        "less above Ir 1481; in perfectly plastic Tresca clay, accuracy standard, 0.3 / sqrt(Ir) "
-        "below Ir 100, at most 0.05)",
+        "penetration speed V over shear wave speed, rho V^2 at most 50 su (default: 0.03, 0.045 "
+        "where accuracy is quick, less above Ir 1481; in perfectly plastic Tresca clay, accuracy "
+        "standard, 0.3 / sqrt(Ir) below Ir 100, at most 0.05)",
         minimum=1e-4,
         maximum=0.5,
         sane=(1e-4, 0.1),

@@ -4,26 +4,24 @@ It is the change of mean total stress of the soil at the surface; an elastic, pe
 undrained clay has no other part. Each reading is a weighted sum of the pressures of cells.
 
     u1  a line through the first two columns of cells, drawn on to the face
-    u2  a + b ln(z/R + 0.15), z the height above the shoulder, fitted to the pressure from the third
-        row above the shoulder on, and its mean over the height of the filter
+    u2  a + b ln(z/R + 0.15), z the height above the shoulder, fitted to the pressure of the first
+        column from the third row above the shoulder on; its mean over the height of the filter
     u3  the first column, linear between the middles of its cells
 
 At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
-smears this over two and a half rows; above, it falls in all meshes alike. Beside a rough shaft a
-wedge of sheared soil begins at the shoulder, as wide as 0.38 of the height above it, 0.18 where the
-adhesion factor is 0.5. In it the pressure is up to a third lower than outside, and the first column
-is read. A smooth shaft has no wedge; but the first column, in which the turn of the flow round the
-shoulder has only one cell, keeps the stress of that turn, however small the cells are. The two
-columns beside it agree with all that are farther out, and are read instead.
+smears this over two and a half rows; above, it falls in all meshes alike. Soil that has gone round
+the shoulder beside the shaft has a lower pressure than that farther out, by a quarter at Ir 100. It
+is the soil that a filter touches, so the first column is read. What cells wider than this layer
+take of the soil outside is taken off by its law (`mpm_warp.uncertainty.pore_pressure`).
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats, Grid
+from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import Window
 from mpm_warp.results import Quantity, curves, labelled
@@ -33,7 +31,7 @@ from mpm_warp.scenes.cone.penetration import penetration_axis, without_slowing
 from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
-from mpm_warp.uncertainty.pore_pressure import share_of_wedge, stated_pressures, stated_sleeve
+from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.steadiness import steady_mean
 
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
@@ -55,35 +53,27 @@ OFFSET = 0.15
 """Of the height in the logarithm, over the radius: from there on the pressure of 20 rows beside the
 face follows it down to the filter."""
 
-Reading = tuple[Floats, Floats]
+Reading = tuple[Integers, Floats]
 """Numbers of cells, and the weights of their pressures."""
 
 
-def pore_pressure_curves(
-    simulation: Simulation, *, penetrometer: Penetrometer, adhesion_factor: Callable[[float], float]
-) -> Samples:
+def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
-    A sample is the mean of the pressures at its begin and at its end. The adhesion factor is that
-    of the shaft at a travel [m]; the grid is fitted to the penetrometer. While it slows down no
-    pressure is given.
+    A sample is the mean of the pressures at its begin and at its end. The grid is fitted to the
+    penetrometer. While it slows down no pressure is given.
     """
     scene = soil_scene(simulation)
     grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
     readings = (
         _on_face(grid, 0.5 * height),
-        _behind_shoulder(grid, penetrometer, columns=(0,)),
-        _behind_shoulder(grid, penetrometer, columns=(1, 2)),
+        _behind_shoulder(grid, penetrometer),
         _in_first_column(grid, height + SHAFT_FILTER * penetrometer.radius),
     )
 
     def take() -> list[float]:
         pressures = excess_pore_pressure(simulation)
-        face, wedge, outside, shaft = (
-            float(weights @ pressures[cells]) for cells, weights in readings
-        )
-        share = float(share_of_wedge(adhesion_factor(simulation.travel)))
-        return [face, share * wedge + (1.0 - share) * outside, shaft]
+        return [float(weights @ pressures[cells]) for cells, weights in readings]
 
     def over_penetration(*at_places: Floats) -> xr.Dataset:
         by_place: dict[str, Quantity] = {}
@@ -158,8 +148,8 @@ def _on_face(grid: Grid, height: float) -> Reading:
     return np.concatenate([cells, cells + 1]), drawn_on
 
 
-def _behind_shoulder(grid: Grid, penetrometer: Penetrometer, columns: tuple[int, ...]) -> Reading:
-    """Mean over the filter of a + b ln(z/R + offset), fitted to the mean of columns by rows."""
+def _behind_shoulder(grid: Grid, penetrometer: Penetrometer) -> Reading:
+    """Mean over the filter of a + b ln(z/R + offset), fitted to the first column by rows."""
     heights = (_middles(grid.rows) - penetrometer.cone_height) / penetrometer.radius
     first = int(np.searchsorted(heights, 0.0)) + SMEARED_ROWS
     count = max(LEAST_ROWS, int(np.searchsorted(heights, READ_TO)) - first)
@@ -169,6 +159,4 @@ def _behind_shoulder(grid: Grid, penetrometer: Penetrometer, columns: tuple[int,
     form = np.stack([np.ones(rows.size), np.log(heights[rows] + OFFSET)], axis=-1)
     begin, end = SHOULDER_FILTER + OFFSET + 0.5 * FILTER_HEIGHT * np.array([-1.0, 1.0])
     mean_logarithm = (end * math.log(end) - begin * math.log(begin)) / (end - begin) - 1.0
-    weights = np.array([1.0, mean_logarithm]) @ np.linalg.pinv(form)
-    cells = rows[:, None] * grid.column_count + np.array(columns)
-    return cells.ravel(), np.repeat(weights / len(columns), len(columns))
+    return rows * grid.column_count, np.array([1.0, mean_logarithm]) @ np.linalg.pinv(form)

@@ -218,11 +218,6 @@ class SoundingTest(FittedToCone, FieldClayScene):
         share = of_face / greatest if greatest > 0.0 else 1.0
         return share * self.shaft_adhesion_factor
 
-    def shaft_adhesion_at(self, depth: float) -> float:
-        """Adhesion factor of the shaft beside the soil of a depth [m]."""
-        of_face = self.ground.adhesion_factor_at(np.array(depth), elsewhere=self.adhesion_factor)
-        return self.shaft_adhesion(float(of_face))
-
     @property
     def travel(self) -> float:
         """Way of the cone to the end of the stretch [m]."""

@@ -53,7 +53,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 13
+    version = 14
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""
@@ -256,11 +256,7 @@ class Sounding(SoundingTest):
                 surface is in the window, where no accuracy is stated.
         """
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
-        pressures = pore_pressure_curves(
-            simulation,
-            penetrometer=self.penetrometer,
-            adhesion_factor=lambda travel: float(self.shaft_adhesion_at(self.start_depth + travel)),
-        )
+        pressures = pore_pressure_curves(simulation, self.penetrometer)
         why_none: list[str] = []
         if measured is None:
             why_none = why_not_known(soil_scene(simulation), expected_scene(self))

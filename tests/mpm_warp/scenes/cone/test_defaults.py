@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
 from mpm_warp.uncertainty.built import why_not_as_measured
@@ -121,3 +122,18 @@ def test_further_runs_have_the_method_of_the_test_whose_error_they_measure(index
     for choice, further in test.further_tests().items():
         for name in {*DERIVED_BY_ERROR} - {changed.get(choice)}:
             assert getattr(further, name) == getattr(test, name)
+
+
+@pytest.mark.parametrize(("index", "is_allowed"), [(199.0, True), (201.0, False)])
+def test_a_cone_too_fast_for_any_result_is_refused(index: float, is_allowed: bool) -> None:
+    """Half the speed of shear waves is rho V^2 = Ir su / 4; the remedy is a speed that is sane."""
+    if is_allowed:
+        assert (
+            "rho V^2 is 49.8 su"
+            in ConePenetration(rigidity_index=index, speed_ratio=0.5).likely_failure
+        )
+        return
+    with pytest.raises(ParameterError, match=r"speed_ratio = 0\.5 is not allowed") as refusal:
+        ConePenetration(rigidity_index=index, speed_ratio=0.5)
+    assert refusal.value.key == "speed_ratio"
+    assert "above 50 su soil is thrown off; try speed_ratio = 0.16 or less" in str(refusal.value)

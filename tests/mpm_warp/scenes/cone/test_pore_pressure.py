@@ -44,11 +44,11 @@ def pressures_in(test: ConePenetration, simulation: Simulation) -> np.ndarray:
     return field.ravel()
 
 
-def pressures_read(share_of_wedge: float) -> np.ndarray:
+def pressures_read() -> np.ndarray:
     """What is to be read in that field, at each of the places."""
     filter_heights = SHOULDER_FILTER + np.linspace(-0.14, 0.14, 2001)
     logarithms = np.log([*filter_heights + OFFSET, SHAFT_FILTER + OFFSET])
-    shoulder = 1e5 - FALL * logarithms[:-1].mean() - LOWER * share_of_wedge
+    shoulder = 1e5 - FALL * logarithms[:-1].mean() - LOWER
     return np.array(
         [1e5 + FALL * (1.0 + 0.5 * SHOULDER), shoulder, 1e5 - FALL * logarithms[-1] - LOWER]
     )
@@ -59,11 +59,7 @@ def sampled(test: ConePenetration, times: int) -> xr.Dataset:
     # Shear has no part in it, and a shift of stress from one direction to another none either.
     without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
     change = np.outer(pressures_in(test, simulation), [-1.0, -1.0, 0.0, -1.0]) + without_pressure
-    curves = pore_pressure_curves(
-        simulation,
-        penetrometer=test.penetrometer,
-        adhesion_factor=lambda travel: test.shaft_adhesion_factor,
-    )
+    curves = pore_pressure_curves(simulation, test.penetrometer)
     simulation.assign("cell.stress", soil_scene(simulation).stress_at_rest + change)
     for _ in range(times):
         curves.sample()
@@ -76,13 +72,12 @@ def test_ground_as_it_was_has_no_excess_pore_pressure() -> None:
     np.testing.assert_allclose(excess_pore_pressure(simulation), 0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize(("adhesion_factor", "share"), [(0.0, 0.0), (0.2, 0.4), (0.8, 1.0)])
-def test_pressures_are_of_the_places_and_begin_at_0(adhesion_factor: float, share: float) -> None:
+def test_pressures_are_of_the_places_and_begin_at_0() -> None:
     """u3 is linear between rows: off by their distance squared over 8, times the curvature."""
     cell = TEST.penetrometer.cone_height / TEST.cone_radius / 3
     off = FALL * (cell / (SHAFT_FILTER - cell)) ** 2 / 8
-    dataset = sampled(dataclasses.replace(TEST, adhesion_factor=adhesion_factor), 3)
-    for name, pressure in zip(PLACES, pressures_read(share), strict=True):
+    dataset = sampled(TEST, 3)
+    for name, pressure in zip(PLACES, pressures_read(), strict=True):
         curve = dataset[f"excess_pore_pressure_{name}"]
         np.testing.assert_allclose(curve, [0.5 * pressure, pressure, pressure], atol=off)
         assert PLACES[name] in curve.attrs["description"]
