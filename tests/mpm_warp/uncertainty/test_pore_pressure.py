@@ -11,6 +11,10 @@ from mpm_warp.uncertainty.pore_pressure import (
     BOUND_EFFECT,
     NOISE,
     SETTLING,
+    SHOULDER_ADHESION,
+    SHOULDER_ERROR,
+    SHOULDER_INDICES,
+    SHOULDER_POWER,
     face_error,
     shoulder_error,
     stated_pressures,
@@ -20,6 +24,8 @@ from mpm_warp.uncertainty.pore_pressure import (
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
 U2: dict[str, tuple[float, float, Series]] = {
+    "smooth, coarse": (100, 0.0, {3: 5.53, 4: 5.42, 40: 4.23}),
+    "half rough, coarse": (100, 0.5, {3: 5.11, 4: 4.84, 40: 4.10}),
     "smooth": (100, 0.0, {5: 5.34, 7: 4.91, 10: 4.66, 14: 4.48, 20: 4.36, 28: 4.27, 40: 4.23}),
     "nearly smooth": (100, 0.1, {5: 5.17, 7: 4.71, 10: 4.44, 14: 4.29, 20: 4.24}),
     "quarter rough": (100, 0.25, {5: 4.92, 7: 4.59, 10: 4.35, 14: 4.25, 20: 4.18, 28: 4.13}),
@@ -30,7 +36,7 @@ U2: dict[str, tuple[float, float, Series]] = {
     "soft, half rough": (30, 0.5, {5: 3.27, 7: 3.32, 10: 3.35, 20: 3.30}),
     "soft, rough": (30, 1.0, {5: 2.96, 10: 3.28, 20: 3.47, 28: 3.54}),
     "stiff": (300, 0.0, {5: 6.91, 7: 6.96, 10: 7.08, 20: 7.10}),
-    "stiff, quarter rough": (300, 0.25, {5: 6.57, 7: 6.50, 10: 6.59, 20: 6.55}),
+    "stiff, quarter rough": (300, 0.25, {5: 6.57, 7: 6.50, 10: 6.59, 20: 6.55, 28: 6.43}),
     "stiff, half rough": (300, 0.5, {5: 6.43, 7: 6.11, 10: 6.10, 20: 5.70, 28: 5.50}),
     "stiff, rough": (300, 1.0, {5: 5.19, 10: 4.97, 20: 5.01}),
 }
@@ -75,12 +81,23 @@ def test_u2_of_all_meshes_is_one_value(case: str) -> None:
     check(shoulder_error, U2[case])
 
 
+def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
+    """S by least squares; readings have two decimals, the code has one."""
+    measured = {(index, adhesion): readings for index, adhesion, readings in U2.values()}
+    for index, slopes in zip(SHOULDER_INDICES, SHOULDER_ERROR, strict=True):
+        for adhesion, slope in zip(SHOULDER_ADHESION, slopes, strict=True):
+            readings = measured[index, adhesion]
+            size = (math.sqrt(3.0) / np.array(list(readings))) ** SHOULDER_POWER
+            found, _ = np.polyfit(size, list(readings.values()), 1)
+            assert slope == pytest.approx(found, abs=0.1)
+
+
 @pytest.mark.parametrize("case", U1)
 def test_u1_of_all_meshes_is_one_value(case: str) -> None:
     check(face_error, U1[case])
 
 
-@pytest.mark.parametrize(("adhesion_factor", "shares"), [(0.0, (0.05, 0.03)), (0.5, (0.04, 0.03))])
+@pytest.mark.parametrize(("adhesion_factor", "shares"), [(0.0, (0.06, 0.04)), (0.5, (0.045, 0.04))])
 def test_half_width_by_default_and_fine(
     adhesion_factor: float, shares: tuple[float, float]
 ) -> None:
