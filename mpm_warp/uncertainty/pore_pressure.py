@@ -5,16 +5,18 @@ Of the excess pore pressures it is known by laws.
 h is the width of the cells at the cone over its radius, F the factor u1 or u2 over su as simulated:
 
     u1    error  A h          half width  0.7 h, 0.01 F
-    u2    error  S h^1.5      half width  (0.15 + w) S h^1.5, 0.035 F, 0.4 a (1 - a) v F
+    u2    error  S h^1.5      half width  (0.15 + w) S h^1.5, 0.035 F, 0.4 a (1 - a) v F,
+                                          0.1 (1 - a / 0.1) F where a is below 0.1
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
 The parts of a half width add up as squares. A and S follow the rigidity index and the adhesion
 factor a of face and shaft. The error of u2 is that of cells wider than the layer of lower pressure
-beside the shaft, in which it is read. Beside a half rough shaft in stiff clay this layer is thinner
-than any cell that was tried; v goes from 0 at a rigidity index of 100 to 1 at 300. Wide cells read
-the soil outside of it alone: h counts up to 0.45, and w is what it is above 0.35. Both half widths
-grow beyond the rigidity indices where they were measured. How all of it was measured is in
-`uncertainty/README.md`.
+beside the shaft, in which it is read. Wide cells read the soil outside of it alone: h counts up to
+0.45, and w is what it is above 0.35. Beside a half rough shaft in stiff clay the layer is thinner
+than any cell that was tried; v goes from 0 at a rigidity index of 100 to 1 at 300. Beside an all
+but smooth shaft the layer is two cells thick on every mesh, so its pressure is less certain. Both
+half widths grow beyond the rigidity indices where they were measured. How all of it was measured is
+in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -37,8 +39,13 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-SHOULDER_INDICES, SHOULDER_ADHESION = (30.0, 100.0, 300.0), (0.0, 0.25, 0.5, 1.0)
-SHOULDER_ERROR = ((2.2, 0.8, -0.3, -2.9), (5.7, 4.2, 2.8, 0.9), (-1.2, 0.4, 4.4, 1.1))
+SHOULDER_INDICES, SHOULDER_ADHESION = (30.0, 100.0, 300.0, 600.0), (0.0, 0.25, 0.5, 1.0)
+SHOULDER_ERROR = (
+    (2.2, 0.8, -0.3, -2.9),
+    (5.7, 4.2, 2.8, 0.9),
+    (-1.2, 0.4, 4.4, 1.1),
+    (0.1, -0.5, 0.2, 1.0),
+)
 """S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face."""
 SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
 """Power of h in the error of u2; h up to which it grows, and above which w counts."""
@@ -55,6 +62,8 @@ FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
 SHOULDER, SHOULDER_LEFT, THIN_LAYER = 0.15, 0.035, 0.4
 """Half widths of u2: over its error, over F, and over a (1 - a) v F."""
+ALL_BUT_SMOOTH, SMOOTH = 0.1, 0.1
+"""Adhesion factor below which u2 is less certain, and half width over F of that of a smooth one."""
 ALL_THICK, ALL_THIN = 100.0, 300.0
 """Rigidity indices up to which v is 0, and from which on it is 1."""
 SETTLING = 0.5
@@ -98,6 +107,7 @@ def shoulder_error(
         (SHOULDER + max(0.0, cell_size - WIDE)) * error,
         SHOULDER_LEFT * factor,
         thin * rough * (1.0 - rough) * factor,
+        SMOOTH * np.maximum(0.0, 1.0 - rough / ALL_BUT_SMOOTH) * factor,
         _beyond(SHOULDER_INDICES, rigidity_index),
     )
 

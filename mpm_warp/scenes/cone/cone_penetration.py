@@ -44,7 +44,7 @@ SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
 SANE_INERTIA, GREATEST_INERTIA, REFUSED_INERTIA = 5.0, 10.0, 50.0
 """rho V^2 / su up to which nearly all random cases complete; beyond which few do, as soil is thrown
-off and the transfers dissipate much of the work; and beyond which none of 100 did."""
+off and the transfers dissipate much of the work; and beyond which none of 98 did."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,6 +15,7 @@ from mpm_warp.uncertainty.pore_pressure import (
     SHOULDER_ERROR,
     SHOULDER_INDICES,
     SHOULDER_POWER,
+    WIDEST,
     face_error,
     shoulder_error,
     stated_pressures,
@@ -26,6 +27,7 @@ Series = dict[int, float]
 U2: dict[str, tuple[float, float, Series]] = {
     "smooth, coarse": (100, 0.0, {3: 5.53, 4: 5.42, 40: 4.23}),
     "half rough, coarse": (100, 0.5, {3: 5.11, 4: 4.84, 40: 4.10}),
+    "smooth, slower and stiffer": (100, 0.0, {5: 5.42, 10: 4.95, 40: 4.23}),
     "smooth": (100, 0.0, {5: 5.34, 7: 4.91, 10: 4.66, 14: 4.48, 20: 4.36, 28: 4.27, 40: 4.23}),
     "nearly smooth": (100, 0.1, {5: 5.17, 7: 4.71, 10: 4.44, 14: 4.29, 20: 4.24}),
     "quarter rough": (100, 0.25, {5: 4.92, 7: 4.59, 10: 4.35, 14: 4.25, 20: 4.18, 28: 4.13}),
@@ -39,6 +41,10 @@ U2: dict[str, tuple[float, float, Series]] = {
     "stiff, quarter rough": (300, 0.25, {5: 6.57, 7: 6.50, 10: 6.59, 20: 6.55, 28: 6.43}),
     "stiff, half rough": (300, 0.5, {5: 6.43, 7: 6.11, 10: 6.10, 20: 5.70, 28: 5.50}),
     "stiff, rough": (300, 1.0, {5: 5.19, 10: 4.97, 20: 5.01}),
+    "stiffest": (600, 0.0, {5: 8.71, 10: 8.70}),
+    "stiffest, quarter rough": (600, 0.25, {5: 8.16, 10: 8.22}),
+    "stiffest, half rough": (600, 0.5, {5: 7.82, 10: 7.79}),
+    "stiffest, rough": (600, 1.0, {5: 6.79, 10: 6.66}),
 }
 """Rigidity index, adhesion factor and readings."""
 U1: dict[str, tuple[float, float, Series]] = {
@@ -97,7 +103,9 @@ def test_u1_of_all_meshes_is_one_value(case: str) -> None:
     check(face_error, U1[case])
 
 
-@pytest.mark.parametrize(("adhesion_factor", "shares"), [(0.0, (0.06, 0.04)), (0.5, (0.045, 0.04))])
+@pytest.mark.parametrize(
+    ("adhesion_factor", "shares"), [(0.0, (0.12, 0.11)), (0.1, (0.06, 0.04)), (0.5, (0.045, 0.04))]
+)
 def test_half_width_by_default_and_fine(
     adhesion_factor: float, shares: tuple[float, float]
 ) -> None:
@@ -112,8 +120,18 @@ def test_half_width_by_default_and_fine(
         assert half_width <= share * 4.1
 
 
+def test_wide_cells_read_the_soil_outside_of_the_layer_alone() -> None:
+    """So the correction of u2 does not grow with them; its half width does."""
+    (at_widest, of_widest), (beyond, of_beyond) = (
+        shoulder_error(5.3, cell_size=size, adhesion_factor=0.25, rigidity_index=100.0)
+        for size in (WIDEST, 0.58)
+    )
+    assert beyond == at_widest
+    assert of_beyond > of_widest
+
+
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
-    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (30.0, 300.0))):
+    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (30.0, 600.0))):
         indices = np.array([0.25, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0, 4.0]) * np.array(edges)[:, None]
         _, (below, above) = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
         assert below[0] > below[1] > below[2]
