@@ -73,8 +73,8 @@ NOISE = {"face": 0.006, "shoulder": 0.012}
 BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 1.0}
 BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
-RANGE = 0.3
-"""Half width per ln(Ir) beyond the rigidity indices measured."""
+FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
+"""Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
 
 def face_error(
@@ -82,7 +82,7 @@ def face_error(
 ) -> tuple[Value, Value]:
     """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
     slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
-    beyond = _beyond(FACE_INDICES, rigidity_index)
+    beyond = FACE_RANGE * _beyond(FACE_INDICES, rigidity_index)
     return -slope * cell_size, _added(FACE * cell_size, FACE_LEFT * factor, beyond)
 
 
@@ -108,7 +108,7 @@ def shoulder_error(
         SHOULDER_LEFT * factor,
         thin * rough * (1.0 - rough) * factor,
         SMOOTH * np.maximum(0.0, 1.0 - rough / ALL_BUT_SMOOTH) * factor,
-        _beyond(SHOULDER_INDICES, rigidity_index),
+        SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
     )
 
 
@@ -186,9 +186,9 @@ def _of_table(
 
 
 def _beyond(indices: Row, rigidity_index: Value) -> Value:
-    """Half width of what is left open beyond the rigidity indices measured."""
+    """How far a rigidity index is beyond those measured, by its logarithm."""
     nearest = np.clip(rigidity_index, indices[0], indices[-1])
-    return RANGE * np.abs(np.log(rigidity_index / nearest))
+    return np.abs(np.log(rigidity_index / nearest))
 
 
 def _added(*parts: Value) -> Value:

@@ -32,7 +32,9 @@ def test_cases_kept_out_of_the_fit_are_within_its_error() -> None:
     assert np.quantile(np.abs(table.fit_errors["cone_factor"]), 0.95) < 0.015
 
 
-@pytest.mark.parametrize(("adhesion", "fine"), [(0.25, 4.07), (0.5, 4.07), (1.0, 4.06)])
+@pytest.mark.parametrize(
+    ("adhesion", "fine"), [(0.0, 4.21), (0.25, 4.06), (0.5, 4.03), (1.0, 4.07)]
+)
 def test_the_table_gives_the_pore_pressure_of_fine_meshes(adhesion: float, fine: float) -> None:
     """At Ir 100, drawn on from 5 to 40 rows of cells beside the face."""
     own = dict.fromkeys(RANGES, 0.0) | {"rigidity_index": 100.0, "adhesion_factor": adhesion}
