@@ -12,6 +12,7 @@ import pytest
 from harness.references.cone_factors import Conditions
 from harness.references.registry import cone_factor_reference
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.uncertainty.cone import NOISE
 from mpm_warp.uncertainty.laws import (
     CURVATURE,
     CURVATURE_POWER,
@@ -98,6 +99,32 @@ def test_the_half_width_holds_where_finer_meshes_tend() -> None:
         limits, *_ = limits_by_meshes(power)
         inside = np.abs(corrected - limits) <= np.hypot(LIMIT, MESH * sizes)
         assert inside.mean() >= CONFIDENCE
+
+
+FINEST = {
+    (50.0, 0.5): {28: 9.703},
+    (100.0, 0.0): {28: 10.410, 40: 10.437},
+    (100.0, 0.5): {28: 11.218, 40: 11.247},
+    (300.0, 0.5): {28: 13.546},
+}
+"""Cone factors as simulated by rigidity index and adhesion factor, and rows of cells beside the
+face: as `mesh_error`, on meshes that take up to a quarter of an hour each."""
+
+
+def test_the_law_of_the_mesh_foretells_finer_meshes() -> None:
+    """Fitted to 3 to 20 rows; the rounding of the readings and the noise of runs are left."""
+    cases, (limits, *_) = table("mesh_error"), limits_by_meshes(CURVATURE_POWER)
+    limit_of = {
+        (it["rigidity_index"], it["adhesion_factor"]): limit
+        for it, limit in zip(cases, limits, strict=True)
+    }
+    for (index, adhesion), readings in FINEST.items():
+        for rows, factor in readings.items():
+            size = math.sqrt(3.0) / rows
+            error = mesh_error(
+                rigidity_index=index, adhesion_factor=adhesion, cell_size=size, cell_growth=GROWTH
+            )
+            assert factor - error == pytest.approx(limit_of[index, adhesion], abs=NOISE)
 
 
 def test_the_law_of_the_mesh_holds_for_cases_that_were_not_used_for_it() -> None:
