@@ -13,10 +13,10 @@ The parts of a half width add up as squares. A and S follow the rigidity index a
 factor a of face and shaft. The error of u2 is that of cells wider than the layer of lower pressure
 beside the shaft, in which it is read. Wide cells read the soil outside of it alone: h counts up to
 0.45, and w is what it is above 0.35. Beside a half rough shaft in stiff clay the layer is thinner
-than any cell that was tried; v goes from 0 at a rigidity index of 100 to 1 at 300. Beside an all
-but smooth shaft the layer is two cells thick on every mesh, so its pressure is less certain. Both
-half widths grow beyond the rigidity indices where they were measured. How all of it was measured is
-in `uncertainty/README.md`.
+than the cells of 20 rows beside the face; v goes from 0 at a rigidity index of 100 to 1 at 300.
+Beside an all but smooth shaft the layer is two cells thick on every mesh, so its pressure is less
+certain. Both half widths grow beyond the rigidity indices where they were measured. How all of it
+was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
