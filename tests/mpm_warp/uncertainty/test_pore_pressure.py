@@ -2,6 +2,7 @@
 
 import csv
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from mpm_warp.uncertainty.pore_pressure import (
     SHOULDER_INDICES,
     SHOULDER_POWER,
     WIDEST,
+    Value,
     face_error,
     shoulder_error,
     stated_pressures,
@@ -67,12 +69,12 @@ STILL_CAME = """0.2 0.9 -0.2 -0.6 -0.2 -1.0 -1.2 1.3 0.2 -0.3 0.0 -0.1 -0.6 -0.5
 in percent of u2: Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds 0.02 to 0.06."""
 
 
-def check(error: object, series: tuple[float, float, Series]) -> None:
+def check(error: Callable[..., tuple[Value, Value]], series: tuple[float, float, Series]) -> None:
     """Each mesh has the corrected value of the finest within its half width and that of this."""
     index, adhesion, readings = series
     stated = []
     for rows, reading in readings.items():
-        correction, half_width = error(  # type: ignore[operator]
+        correction, half_width = error(
             reading, cell_size=math.sqrt(3.0) / rows, adhesion_factor=adhesion, rigidity_index=index
         )
         stated.append((reading + float(correction), float(half_width)))
