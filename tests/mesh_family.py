@@ -6,7 +6,7 @@ of fine meshes that is the same in both families does not come from the shape of
 
 ``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
 mesh that is upright beyond each of the radii, and prints the cone factors as simulated, and the
-limit N0 of the law of the mesh, N = N0 + B h + Q h^1.5 + C g^1.5 h^1.3, fitted to each family with
+limit N0 of the law of the mesh, N = N0 + B h + Q h^1.7 + C g^1.5 h^1.3, fitted to each family with
 its own B.
 """
 
@@ -18,11 +18,14 @@ import numpy as np
 
 from mpm_warp import ConePenetration, Grid, parameter
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.laws import GROWTH_ERROR, curvature_error, growth_measure
+from mpm_warp.uncertainty.laws import (
+    GROWTH_ERROR,
+    GROWTH_OF_MESHES,
+    curvature_error,
+    growth_measure,
+)
 
 ROWS = (4, 5, 7, 10)
-GROWTH = 0.4
-"""Growth of the cells' width per distance from the cone, as by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,15 +50,21 @@ class UprightCone(ConePenetration):
 def factor(rows: int, upright: float, **clay: float) -> float:
     """The cone factor as simulated on a mesh of so many rows beside the face."""
     test = UprightCone(
-        cells_per_radius=rows / math.sqrt(3.0), cell_growth=GROWTH, upright=upright, **clay
+        cells_per_radius=rows / math.sqrt(3.0),
+        cell_growth=GROWTH_OF_MESHES,
+        upright=upright,
+        **clay,
     )
     return float(test.run().cone_factor_simulated)
 
 
-def limit(factors: Floats) -> tuple[float, float, float]:
+def limit(factors: Floats, **clay: float) -> tuple[float, float, float]:
     """N0 and B by least squares, and the largest residual; factors of `ROWS`, shape [4]."""
     size = math.sqrt(3.0) / np.array(ROWS)
-    known = [curvature_error(it) + GROWTH_ERROR * growth_measure(it, GROWTH) for it in size]
+    known = [
+        curvature_error(cell_size=it, **clay) + GROWTH_ERROR * growth_measure(it, GROWTH_OF_MESHES)
+        for it in size
+    ]
     slope, at_zero = np.polyfit(size, factors - known, 1)
     residual = np.abs(factors - known - at_zero - slope * size).max()
     return float(at_zero), float(slope), float(residual)
@@ -63,11 +72,10 @@ def limit(factors: Floats) -> tuple[float, float, float]:
 
 if __name__ == "__main__":
     index, adhesion, *radii = map(float, sys.argv[1:])
+    clay = {"rigidity_index": index, "adhesion_factor": adhesion}
     for upright in (1000.0, *radii):
-        found = [
-            factor(rows, upright, rigidity_index=index, adhesion_factor=adhesion) for rows in ROWS
-        ]
-        at_zero, slope, residual = limit(np.array(found))
+        found = [factor(rows, upright, **clay) for rows in ROWS]
+        at_zero, slope, residual = limit(np.array(found), **clay)
         shown = "  ".join(f"{it:.3f}" for it in found)
         print(f"upright beyond {upright:4g}: {shown}  N0 {at_zero:.3f}  B {slope:.2f}", end="  ")
         print(f"largest residual {residual:.3f}", flush=True)

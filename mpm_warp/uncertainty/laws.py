@@ -2,9 +2,9 @@
 
 Of the mesh, h the width of the cells at the cone over its radius, g their growth:
 
-    E_mesh = B h + Q h^1.5 + C g^1.5 h^1.3
+    E_mesh = B h + Q h^1.7 + C g^1.5 h^1.3
 
-B by rigidity index, a table, and adhesion factor; of the speed, by the inertia
+B and Q by rigidity index, tables, and adhesion factor; of the speed, by the inertia
 i = rho V^2 / su = Ir (V / c_s)^2, c_s the speed of shear waves:
 
     E_speed = S i
@@ -38,18 +38,20 @@ from mpm_warp.uncertainty.steadiness import ALL_PASSED, steady_penetration
 
 Value = Floats | float
 Condition = NDArray[np.bool_] | bool
+Row = tuple[float, ...]
 
 APEX_ANGLE = 60.0
 """Of the cones that the laws were measured with [degree]."""
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
-MESH_ERRORS = ((-2.24, -2.26, -2.23, -2.03, -1.79), (-2.02, -1.97, -2.00, -1.93, -1.81))
-"""B at these rigidity indices, of a smooth cone and of one with adhesion factor 1; between the two
-it goes with the square of the adhesion factor."""
-CURVATURE, CURVATURE_POWER = 2.19, 1.5
-"""Q of E_mesh, dimensionless, and the power of h that it goes with."""
-GROWTH_ERROR = 1.2
-"""C of E_mesh, dimensionless."""
+SLOPES = ((-1.89, -1.92, -1.88, -1.69, -1.45), (-0.90, -1.27, -1.37, -1.29, -1.40))
+CURVATURES = ((1.95,) * 5, (0.95, 1.49, 1.59, 1.57, 1.86))
+"""B and Q of E_mesh at these rigidity indices, dimensionless, of a smooth cone and of one with
+adhesion factor 1; between the two they go with the square of the adhesion factor."""
+CURVATURE_POWER = 1.7
+"""The power of h that Q goes with."""
+GROWTH_ERROR, GROWTH_OF_MESHES = 1.2, 0.4
+"""C of E_mesh, dimensionless, and the growth of the meshes by which B and Q were measured."""
 LARGEST_CELL, WIDEST_CELL = 0.44, 0.58
 """Width of the cells at the cone over its radius up to which further runs and samples of a sounding
 follow these laws, and up to which tests do: 4 and 3 rows of cells beside a face of 60 degrees."""
@@ -66,12 +68,12 @@ TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
 BOUND_ERROR, BOUND = 4.5, 0.8
 """P of E_bound, and its half width: between Ir 25 and 500, smooth and rough, Delta -0.5 and 0.5 a
 Poisson's ratio of 0.45 in place of 0.49 takes off 3.7 to 5.4 times the difference."""
-LIMIT, MESH, GROWTH, DOMAIN = 0.04, 0.12, 0.3, 0.03
-"""Half widths: of the limit of fine cells, which the powers 1.3 and 2 of h in place of 1.5 move by
-as much; of B; of C; of what a default window changes in Nc."""
+LIMIT, MESH, GROWTH, DOMAIN = 0.025, 0.09, 0.3, 0.03
+"""Half widths: of the limit of fine cells, which the powers 1.5 and 2 of h in place of 1.7, which
+fit less well, move by 0.016 at most; of B; of C; of what a default window changes in Nc."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
-largest share of the effect of growth."""
+largest share of the effect of growth. Both count from the growth of the meshes measured."""
 BOTTOM, TOP = 0.3, 0.5
 """Half widths of the effects of bottom and top, over them."""
 TOP_ANISOTROPY = 0.46
@@ -200,18 +202,26 @@ def mesh_error(
 
     Beyond the rigidity indices measured the error is that of the nearest.
     """
-    smooth, rough = (
-        np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), errors)
-        for errors in MESH_ERRORS
-    )
-    slope = smooth + adhesion_factor**2 * (rough - smooth)
     of_growth = GROWTH_ERROR * growth_measure(cell_size, cell_growth)
-    return slope * cell_size + curvature_error(cell_size) + of_growth
+    slope = _by_clay(SLOPES, rigidity_index, adhesion_factor)
+    curvature = curvature_error(
+        rigidity_index=rigidity_index, adhesion_factor=adhesion_factor, cell_size=cell_size
+    )
+    return slope * cell_size + curvature + of_growth
 
 
-def curvature_error(cell_size: float) -> float:
+def curvature_error(*, rigidity_index: Value, adhesion_factor: Value, cell_size: float) -> Value:
     """What the mesh adds to the cone factor of any cone and clay beside what goes with h."""
-    return CURVATURE * math.pow(cell_size, CURVATURE_POWER)
+    curvature = _by_clay(CURVATURES, rigidity_index, adhesion_factor)
+    return curvature * math.pow(cell_size, CURVATURE_POWER)
+
+
+def _by_clay(table: tuple[Row, Row], rigidity_index: Value, adhesion_factor: Value) -> Value:
+    """B or Q: smooth and rough by the logarithm of the rigidity index."""
+    smooth, rough = (
+        np.interp(np.log(rigidity_index), np.log(RIGIDITY_INDICES), row) for row in table
+    )
+    return smooth + adhesion_factor**2 * (rough - smooth)
 
 
 def growth_measure(cell_size: float, cell_growth: float) -> float:
@@ -220,10 +230,10 @@ def growth_measure(cell_size: float, cell_growth: float) -> float:
 
 
 def growth_uncertainty(cell_size: float, cell_growth: float) -> float:
-    """Half width of what the growth of the cells adds to the cone factor; see `mesh_error`."""
-    measure = growth_measure(cell_size, cell_growth)
-    form = min(GROWTH_MODEL, GROWTH_SHARE * GROWTH_ERROR * measure)
-    return GROWTH * measure + form
+    """Half width of what another growth than that of the meshes measured changes; `mesh_error`."""
+    measured = growth_measure(cell_size, GROWTH_OF_MESHES)
+    differs = abs(growth_measure(cell_size, cell_growth) - measured)
+    return GROWTH * differs + min(GROWTH_MODEL, GROWTH_SHARE * GROWTH_ERROR * differs)
 
 
 def top_error(*, rigidity_index: Value, above: float, below: float, way: Value) -> Value:

@@ -13,31 +13,31 @@ from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
 from mpm_warp.uncertainty.steadiness import steady_penetration
 
-CELL_GROWTH = 0.4
-"""Growth of the cells' width per distance from the penetrometer."""
-CELLS_PER_RADIUS = {"quick": 1.75, "standard": 3.0, "fine": 6.0}
+CELLS_PER_RADIUS = {
+    "quick": (2.31, 1.75, 1.75),
+    "standard": (3.46, 3.0, 2.31),
+    "fine": (6.0, 6.0, 6.0),
+}
+"""Cells per cone radius by accuracy: where laws take the error off and the clay is soft, otherwise,
+and where they do and it is very stiff; 3, 4, 5, 6 and 10 rows beside the face. In soft clay the
+factor is small, and tests are short; in very stiff clay it is the other way about."""
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
-"""Cells per cone radius, extents of the window over those of `default_extents`, and speed over that
-of shear waves in stiff clay, by accuracy."""
-IN_SOFT_CLAY: dict[str, dict[str, float]] = {
-    "quick": {"cells_per_radius": 2.31},
-    "standard": {"cells_per_radius": 3.46, "cell_growth": 0.3},
-    "fine": {},
-}
-"""What of these is otherwise below the rigidity index `STIFF`, where laws take the error off: four
-rows beside the face, not three; six, not five. There the factor is small, and tests are short."""
+"""Extents of the window over those of `default_extents`, and speed over that of shear waves in
+stiff clay, by accuracy."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
 """Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
 the lower it is."""
 COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
 """Poisson's ratios that the bound of it is by default at least and at most."""
 SOFT_BOUND = 0.475
-"""The same at most below the rigidity index `STIFF`, accuracy standard."""
-DERIVED_BY_ERROR = ("cells_per_radius", "cell_growth", "speed_ratio", "poissons_ratio_bound")
+"""The same at most in soft clay, accuracy standard."""
+DERIVED_BY_ERROR = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
 """What follows by default from whether the error of a test is known."""
-STIFF, SOFT_SPEED_RATIO = 100.0, 0.05
-"""Rigidity index below which the speed follows the inertia rho V^2 / su, and up to what speed."""
+STIFF, VERY_STIFF = 100.0, 300.0
+"""Rigidity indices below which clay is soft, and above which it is very stiff."""
+SOFT_SPEED_RATIO = 0.05
+"""Speed up to which it follows the inertia rho V^2 / su in soft clay."""
 SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
@@ -58,8 +58,7 @@ class ConeTestByDefault(ConeTest):
         approach = above + 1.0 if self.approach is None else self.approach
         by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
         method = {
-            "cells_per_radius": CELLS_PER_RADIUS[self.accuracy],
-            "cell_growth": CELL_GROWTH,
+            "cells_per_radius": self._cells_per_radius,
             "speed_ratio": self._speed_ratio,
             "poissons_ratio_bound": self._bound,
             "shaft_adhesion_factor": self.adhesion_factor,
@@ -67,7 +66,7 @@ class ConeTestByDefault(ConeTest):
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }
-        return extents | method | (IN_SOFT_CLAY[self.accuracy] if self._is_soft else {})
+        return extents | method
 
     @property
     def _bound(self) -> float:
@@ -108,6 +107,15 @@ class ConeTestByDefault(ConeTest):
     def bounded(self) -> float:
         """What the bound takes off Poisson's ratio."""
         return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
+
+    @property
+    def _cells_per_radius(self) -> float:
+        """Cells per cone radius by default."""
+        soft, ordinary, very_stiff = CELLS_PER_RADIUS[self.accuracy]
+        if self._is_soft:
+            return soft
+        is_very_stiff = self.rigidity_index > VERY_STIFF and self._error_is_known
+        return very_stiff if is_very_stiff else ordinary
 
     @property
     def _is_soft(self) -> bool:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from mpm_warp.parameters import Derived, parameter, redefined
+from mpm_warp.parameters import Derived, parameter
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.uncertainty.laws import ErrorLaws
@@ -196,16 +196,10 @@ class ConeTest(FittedToCone, FieldClayScene):
         None,
         "cells per cone radius at the cone, about: they are square, and a whole number of "
         "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick; "
-        "below Ir 100 in clay as above 3.46 and, quick, 2.31)",
+        "where laws of the error take its effect off, below Ir 100 3.46 and, quick, 2.31, and "
+        "above Ir 300 2.31)",
         minimum=1,
         maximum=100,
-    )
-    cell_growth: float = redefined(
-        ConeInGround,
-        "cell_growth",
-        default=None,
-        meaning="growth of the cells' width per distance from the penetrometer (default: 0.4; 0.3 "
-        "below Ir 100 in perfectly plastic Tresca clay, accuracy standard)",
     )
     # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
     particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16, 25))

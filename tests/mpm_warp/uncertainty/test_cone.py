@@ -1,22 +1,26 @@
 """What is stated of the error of a cone factor, and when nothing is."""
 
 import dataclasses
+import functools
 import math
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import (
     BOUND_ERROR,
-    CURVATURE,
+    CURVATURE_POWER,
+    CURVATURES,
     GROWTH,
     GROWTH_ERROR,
+    GROWTH_OF_MESHES,
     GROWTH_SHARE,
     LIMIT,
-    MESH_ERRORS,
+    SLOPES,
     growth_measure,
     growth_uncertainty,
     mesh_error,
@@ -98,24 +102,29 @@ def test_what_a_bound_takes_off_is_given_back() -> None:
 
 
 def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
-    def slope(rigidity_index: float, adhesion_factor: float) -> float:
-        coarse, fine = (
+    sizes = np.array([0.1, 0.2])
+    powers = np.stack([sizes, sizes**CURVATURE_POWER], axis=1)
+    tables = np.array([SLOPES, CURVATURES])  # of B and Q, smooth and rough, rigidity index
+
+    def found(rigidity_index: float, adhesion_factor: float) -> Floats:
+        """B and Q, by two meshes."""
+        errors = [
             mesh_error(
                 rigidity_index=rigidity_index,
                 adhesion_factor=adhesion_factor,
                 cell_size=size,
                 cell_growth=1e-9,  # cells that do not grow have the error of the face alone
             )
-            - CURVATURE * size**1.5
-            for size in (0.2, 0.1)
-        )
-        return float(coarse - fine) / 0.1
+            for size in sizes
+        ]
+        return np.linalg.solve(powers, np.array(errors))
 
-    assert slope(100.0, 0.0) == pytest.approx(MESH_ERRORS[0][2])
-    assert slope(100.0, 1.0) == pytest.approx(MESH_ERRORS[1][2])
-    assert slope(100.0, 0.5) == pytest.approx(0.75 * MESH_ERRORS[0][2] + 0.25 * MESH_ERRORS[1][2])
-    between = 0.5 * (MESH_ERRORS[0][1] + MESH_ERRORS[0][2])
-    assert slope(math.sqrt(50.0 * 100.0), 0.0) == pytest.approx(between)
+    approx = functools.partial(pytest.approx, rel=1e-6)
+    assert found(100.0, 0.0) == approx(tables[:, 0, 2])
+    assert found(100.0, 1.0) == approx(tables[:, 1, 2])
+    assert found(100.0, 0.5) == approx(0.75 * tables[:, 0, 2] + 0.25 * tables[:, 1, 2])
+    between = 0.5 * (tables[:, 1, 1] + tables[:, 1, 2])
+    assert found(math.sqrt(50.0 * 100.0), 1.0) == approx(between)
 
 
 @pytest.mark.parametrize("index", TWICE_THE_WINDOW)
@@ -192,11 +201,16 @@ def test_beyond_what_was_tested_the_laws_go_on_and_are_less_certain(
     assert carried_on.why_no_uncertainty == ""
 
 
-def test_what_is_left_open_of_growth_goes_with_its_effect() -> None:
-    assert growth_uncertainty(CELL, 1e-9) == pytest.approx(0.0, abs=1e-12)
-    effect = GROWTH_ERROR * growth_measure(0.5 * CELL, 0.4)
+def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_meshes_measured() -> (
+    None
+):
+    assert growth_uncertainty(CELL, GROWTH_OF_MESHES) == 0.0
+    small = 0.5 * CELL
     quarter_and_third = GROWTH / GROWTH_ERROR + GROWTH_SHARE
-    assert growth_uncertainty(0.5 * CELL, 0.4) == pytest.approx(quarter_and_third * effect)
+    for growth in (0.2, 0.5):
+        other = growth_measure(small, growth) - growth_measure(small, GROWTH_OF_MESHES)
+        left = quarter_and_third * GROWTH_ERROR * abs(other)
+        assert growth_uncertainty(small, growth) == pytest.approx(left)
 
 
 def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
