@@ -18,9 +18,9 @@ CELLS_PER_RADIUS = {
     "standard": (3.46, 3.0, 2.31),
     "fine": (6.0, 6.0, 6.0),
 }
-"""Cells per cone radius by accuracy: where laws take the error off and the clay is soft, otherwise,
-and where they do and it is very stiff; 3, 4, 5, 6 and 10 rows beside the face. In soft clay the
-factor is small, and tests are short; in very stiff clay it is the other way about."""
+"""Cells per cone radius by accuracy in soft, ordinary and very stiff clay: 3 to 10 rows beside the
+face. Clay whose error no law takes off counts as ordinary. In soft clay the factor is small, and
+tests are short; in very stiff clay it is the other way about."""
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Extents of the window over those of `default_extents`, and speed over that of shear waves in
