@@ -219,5 +219,5 @@ def test_the_formula_of_the_cone_factor_is_that_of_its_table() -> None:
     # The code has two decimals.
     np.testing.assert_allclose(np.abs(found), stated, rtol=0, atol=0.0051)
     residuals = np.abs(column("cone_factor") - formula.evaluate(conditions))
-    assert np.quantile(residuals, CONFIDENCE) < 0.10
+    assert np.quantile(residuals, CONFIDENCE) < 0.11
     assert residuals.max() < 0.16
