@@ -205,10 +205,10 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
     ConeFactor(
         id="this_project",
         label="this project",
-        formula="0.75 + 2.16 ln Ir + 1.36 alpha_c + 0.10 alpha_s - 2.03 Delta",
+        formula="0.75 + 2.156 ln Ir + 1.36 alpha_c + 0.10 alpha_s - 2.03 Delta",
         evaluate=lambda c: (
             0.75
-            + 2.16 * _ln(c.rigidity_index)
+            + 2.156 * _ln(c.rigidity_index)
             + 1.36 * c.face_adhesion
             + 0.10 * c.shaft_adhesion
             - 2.03 * c.stress_anisotropy
