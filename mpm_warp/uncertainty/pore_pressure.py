@@ -39,8 +39,10 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-SHOULDER_INDICES, SHOULDER_ADHESION = (30.0, 100.0, 300.0, 600.0), (0.0, 0.25, 0.5, 1.0)
+SHOULDER_INDICES = (20.0, 30.0, 100.0, 300.0, 600.0)
+SHOULDER_ADHESION = (0.0, 0.25, 0.5, 1.0)
 SHOULDER_ERROR = (
+    (1.3, 0.2, -0.6, -2.8),
     (2.2, 0.8, -0.3, -2.9),
     (5.7, 4.2, 2.8, 0.9),
     (-1.2, 0.4, 4.4, 1.1),

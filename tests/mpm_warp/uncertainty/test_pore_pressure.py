@@ -132,7 +132,7 @@ def test_wide_cells_read_the_soil_outside_of_the_layer_alone() -> None:
 
 
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
-    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (30.0, 600.0))):
+    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (20.0, 600.0))):
         indices = np.array([0.25, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0, 4.0]) * np.array(edges)[:, None]
         _, (below, above) = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
         assert below[0] > below[1] > below[2]
