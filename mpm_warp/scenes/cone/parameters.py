@@ -188,7 +188,7 @@ class ConeTest(FittedToCone, FieldClayScene):
     accuracy: str = parameter(
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
-        "window by 1.3, takes some ten times as long, and has two thirds of the uncertainty; quick "
+        "window by 1.3, takes some ten times as long, and has three quarters of the uncertainty; quick "
         "takes a fifth to a tenth of the time, and has up to twice the uncertainty",
         choices=("quick", "standard", "fine"),
     )
