@@ -188,8 +188,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     accuracy: str = parameter(
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
-        "window by 1.3, takes some ten times as long, and has three quarters of the uncertainty; quick "
-        "takes a fifth to a tenth of the time, and has up to twice the uncertainty",
+        "window by 1.3, takes some ten times as long, and has three quarters of the uncertainty; "
+        "quick takes a fifth to a tenth of the time, and has up to twice the uncertainty",
         choices=("quick", "standard", "fine"),
     )
     cells_per_radius: float = parameter(

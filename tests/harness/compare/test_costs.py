@@ -205,7 +205,7 @@ def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
 def test_fixed_settings_that_are_not_as_by_default_are_told(
     name: str, value: Value, by_default: Value, tmp_path: Path, two_soils: xr.Dataset
 ) -> None:
-    """A default may follow from the soil: rigidity index 50 has another bound of Poisson's ratio."""
+    """A default may follow from the soil: Ir 50 has another bound of Poisson's ratio."""
     for given, told in ((value, {name: value}), (by_default, {})):
         dataset = two_soils.assign({name: ((), given, {"role": "parameter"})})
         found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
