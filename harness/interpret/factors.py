@@ -164,9 +164,12 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, float]:
     if name == PRESSURE:
         correction, half_width = shoulder_error(
             values,
+            table["radial_deviator_factor_shoulder"],
             cell_size=PRESSURE_CELL,
             adhesion_factor=table["adhesion_factor"],
             rigidity_index=table["rigidity_index"],
+            # The sleeve slips at the adhesion of the soil beside it.
+            strength_ratio=table[SLEEVE] / table["adhesion_factor"],
         )
         values = values + correction
         simulated_error = float(np.sqrt(np.mean((half_width / values) ** 2)))

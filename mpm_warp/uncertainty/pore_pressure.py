@@ -5,18 +5,26 @@ Of the excess pore pressures it is known by laws.
 h is the width of the cells at the cone over its radius, F the factor u1 or u2 over su as simulated:
 
     u1    error  A h          half width  0.7 h, 0.01 F
-    u2    error  S h^1.5      half width  (0.15 + w) S h^1.5, 0.035 F, 0.4 a (1 - a) v F,
-                                          0.1 (1 - a / 0.1) F where a is below 0.1
 
 Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
-The parts of a half width add up as squares. A and S follow the rigidity index and the adhesion
-factor a of face and shaft. The error of u2 is that of cells wider than the layer of lower pressure
-beside the shaft, in which it is read. Wide cells read the soil outside of it alone: h counts up to
-0.45, and w is what it is above 0.35. Beside a half rough shaft in stiff clay the layer is thinner
-than the cells of 20 rows beside the face; v goes from 0 at a rigidity index of 100 to 1 at 300.
-Beside an all but smooth shaft the layer is two cells thick on every mesh, so its pressure is less
-certain. Both half widths grow beyond the rigidity indices where they were measured. How all of it
-was measured is in `uncertainty/README.md`.
+The parts of a half width add up as squares. A, and S and D below, follow the rigidity index and the
+adhesion factor of face and shaft.
+
+u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a cone of 10 cm2: pore
+water levels out over such a distance while a cone passes by. With the radial stress s - p, where p
+is the pressure and s the radial deviator of the cells beside the shaft, compression negative in s,
+
+    u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04
+
+F - s is the radial stress, alike in the soil that touches the shaft and in that beside it. D is the
+deviator near the shaft. In soil that has gone round the shoulder beside a rough shaft, or in soft
+clay, that is D_l, nearly what yield allows; in the soil beside this layer it is D_b. The layer
+takes the share w of the 0.06 radii. On a mesh it is some half of a row thicker than it is, so w is
+known from what becomes of it on ever finer ones. Cells of fewer than five rows read F - s far from
+the filter: h counts up to 0.45 in its error, and its half width has 0.6 (h - 0.35) (F - s) beside
+the other parts. Half widths grow beyond the rigidity indices where they were measured. How all of
+it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -39,18 +47,32 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-SHOULDER_INDICES = (20.0, 30.0, 100.0, 300.0, 600.0)
+SHOULDER_INDICES = (20.0, 30.0, 100.0, 300.0, 600.0, 1000.0)
 SHOULDER_ADHESION = (0.0, 0.25, 0.5, 1.0)
 SHOULDER_ERROR = (
-    (1.3, 0.2, -0.6, -2.8),
-    (2.2, 0.8, -0.3, -2.9),
-    (5.7, 4.2, 2.8, 0.9),
-    (-1.2, 0.4, 4.4, 1.1),
-    (0.1, -0.5, 0.2, 1.0),
+    (-0.3, 0.2, 0.2, -0.8),
+    (0.4, 0.9, 0.6, -1.0),
+    (1.2, 2.5, 3.0, 3.5),
+    (-0.4, 0.1, 1.4, 3.5),
+    (0.2, 0.4, 0.4, -2.1),
+    (1.9, 1.9, 3.0, 0.4),
 )
 """S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face."""
 SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
-"""Power of h in the error of u2; h up to which it grows, and above which w counts."""
+"""Power of h in this error; h up to which it grows, and above which cells are wide."""
+LAYER_SHARE = (
+    (1.0, 1.0, 1.0, 1.0),
+    (1.0, 1.0, 1.0, 1.0),
+    (0.5, 0.85, 1.0, 1.0),
+    (0.0, 0.1, 0.3, 1.0),
+    (0.0, 0.0, 0.0, 0.5),
+    (0.0, 0.0, 0.0, 0.3),
+)
+"""w at the same."""
+IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.59))
+"""D_l over the adhesion factor, at any rigidity index."""
+BESIDE_LAYER = ((30.0, 100.0, 300.0, 600.0), (-0.6, 0.0, 0.45, 0.62))
+"""D_b over the rigidity index, at any adhesion factor."""
 FACE_INDICES, FACE_ADHESION = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
 FACE_ERROR = (
     (-1.2, 0.0, -0.8),
@@ -62,12 +84,10 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-SHOULDER, SHOULDER_LEFT, THIN_LAYER = 0.15, 0.035, 0.4
-"""Half widths of u2: over its error, over F, and over a (1 - a) v F."""
-ALL_BUT_SMOOTH, SMOOTH = 0.1, 0.1
-"""Adhesion factor below which u2 is less certain, and half width over F of that of a smooth one."""
-ALL_THICK, ALL_THIN = 100.0, 300.0
-"""Rigidity indices up to which v is 0, and from which on it is 1."""
+SHOULDER, READ_IN_CELLS, SHOULDER_LEFT, NEAR_SHAFT = 0.15, 0.07, 0.005, 0.04
+"""Half widths of u2: over the error of its mesh, over h (F - s), over F - s, and of D."""
+READ_IN_WIDE_CELLS = 0.6
+"""Half width of u2 over F - s and over what h is above WIDE."""
 SETTLING = 0.5
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
 NOISE = {"face": 0.006, "shoulder": 0.012}
@@ -89,29 +109,44 @@ def face_error(
 
 
 def shoulder_error(
-    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+    factor: Value,
+    deviator: Value,
+    *,
+    cell_size: float,
+    adhesion_factor: Value,
+    rigidity_index: Value,
+    strength_ratio: Value = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
 
     Args:
         factor: u2 over su as simulated, shape [...].
+        deviator: radial deviator of the cells it was read in, over su, shape [...].
         cell_size: width of the cells at the cone over its radius.
         adhesion_factor: of face and shaft, shape [...].
         rigidity_index: shape [...].
+        strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
     """
-    slope = _of_table(
-        SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
+    at = {"rigidity_index": rigidity_index, "adhesion_factor": adhesion_factor}
+    slope, share = (
+        _of_table(table, SHOULDER_INDICES, SHOULDER_ADHESION, **at)
+        for table in (SHOULDER_ERROR, LAYER_SHARE)
     )
+    in_layer = np.interp(adhesion_factor, *IN_LAYER)
+    beside = np.interp(np.log(rigidity_index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
+    near_shaft = strength_ratio * (share * in_layer + (1.0 - share) * beside)
     error = slope * math.pow(min(cell_size, WIDEST), SHOULDER_POWER)
-    thin = np.interp(np.log(rigidity_index), np.log([ALL_THICK, ALL_THIN]), [0.0, THIN_LAYER])
-    rough = np.asarray(adhesion_factor)
-    return -error, _added(
-        (SHOULDER + max(0.0, cell_size - WIDE)) * error,
-        SHOULDER_LEFT * factor,
-        thin * rough * (1.0 - rough) * factor,
-        SMOOTH * np.maximum(0.0, 1.0 - rough / ALL_BUT_SMOOTH) * factor,
+    radial = factor - deviator
+    half_width = _added(
+        SHOULDER * error,
+        READ_IN_CELLS * cell_size * radial,
+        READ_IN_WIDE_CELLS * max(0.0, cell_size - WIDE) * radial,
+        SHOULDER_LEFT * radial,
+        strength_ratio * share * (1.0 - share) * (beside - in_layer),
+        NEAR_SHAFT,
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
     )
+    return near_shaft - deviator - error, half_width
 
 
 def stated_pressures(
@@ -126,7 +161,7 @@ def stated_pressures(
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the other arguments of `shoulder_error`. Where these laws do not hold (`is_known`)
+    `of_cone` are the arguments of `face_error`. Where these laws do not hold (`is_known`)
     there is no correction, and the uncertainties are not numbers.
     """
     stated = {}
@@ -135,9 +170,13 @@ def stated_pressures(
         simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
         if is_known:
-            error = face_error if place == "face" else shoulder_error
-            off, of_laws = error(factor, **of_cone)
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
+            if place == "face":
+                off, of_laws = face_error(factor, **of_cone)
+            else:
+                deviator = float(recorded["radial_deviator_factor_shoulder"])
+                off, of_laws = shoulder_error(factor, deviator, **of_cone)
+                curve = curve - recorded["radial_deviator_shoulder"].values / strength
             correction = float(off) + BOUND_EFFECT[place] * bounded
             to_come = SETTLING * last_change(curve)
             of_mean = math.hypot(to_come, NOISE[place] * factor)

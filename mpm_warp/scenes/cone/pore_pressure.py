@@ -9,10 +9,12 @@ undrained clay has no other part. Each reading is a weighted sum of the pressure
     u3  the first column, linear between the middles of its cells
 
 At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
-smears this over two and a half rows; above, it falls in all meshes alike. Soil that has gone round
-the shoulder beside the shaft has a lower pressure than that farther out, by a quarter at Ir 100. It
-is the soil that a filter touches, so the first column is read. What cells wider than this layer
-take of the soil outside is taken off by its law (`mpm_warp.uncertainty.pore_pressure`).
+smears this over two and a half rows; above, it falls in all meshes alike.
+
+Beside u2 the radial deviator of the same cells is read, s_rr = sigma_rr - tr(sigma) / 3. The
+radial stress s_rr - p is the same in the soil that touches the shaft and farther out; s_rr is not,
+and cells do not resolve how it changes. So u2 is stated by the radial stress, and by what s_rr is
+at the shaft (`mpm_warp.uncertainty.pore_pressure`).
 """
 
 import math
@@ -45,6 +47,8 @@ PLACES: Mapping[str, str] = {
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
 """The places by their names in results."""
+DEVIATOR = "radial_deviator_shoulder"
+"""The curve of s_rr."""
 SMEARED_ROWS = 2
 """Rows above the shoulder that are not read."""
 READ_TO, LEAST_ROWS = 3.2, 3
@@ -60,8 +64,8 @@ Reading = tuple[Integers, Floats]
 def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
-    A sample is the mean of the pressures at its begin and at its end. The grid is fitted to the
-    penetrometer. While it slows down no pressure is given.
+    Beside u2 it samples s_rr. A sample is the mean of the values at its begin and at its end. The
+    grid is fitted to the penetrometer. While it slows down nothing is given.
     """
     scene = soil_scene(simulation)
     grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
@@ -73,18 +77,31 @@ def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> 
 
     def take() -> list[float]:
         pressures = excess_pore_pressure(simulation)
-        return [float(weights @ pressures[cells]) for cells, weights in readings]
+        beside_shaft, of_shoulder = readings[1]
+        stress = simulation.array("cell.stress")[beside_shaft]
+        deviator = stress[:, 0] - stress[:, [0, 1, 3]].mean(axis=1)
+        at_places = [float(weights @ pressures[cells]) for cells, weights in readings]
+        return [*at_places, float(of_shoulder @ deviator)]
 
-    def over_penetration(*at_places: Floats) -> xr.Dataset:
-        by_place: dict[str, Quantity] = {}
+    def over_penetration(*taken: Floats) -> xr.Dataset:
         not_given = "not a number above the window, and where the penetrometer slows down"
-        for (name, place), pressure in zip(PLACES.items(), at_places, strict=True):
-            before = np.append(0.0, pressure[:-1])
-            mean = without_slowing(0.5 * (before + pressure), window, penetrometer.radius)
-            meaning = f"excess pore pressure, {name}"
-            what = f"{place}; {PORE_PRESSURE_IS}; {not_given}"
-            by_place[f"excess_pore_pressure_{name}"] = mean, "Pa", meaning, what
-        return curves("penetration", penetration_axis(len(at_places[0])), **by_place)
+        means = [
+            without_slowing(0.5 * (np.append(0.0, ends[:-1]) + ends), window, penetrometer.radius)
+            for ends in taken
+        ]
+        at_places: dict[str, Quantity] = {
+            f"excess_pore_pressure_{name}": (
+                mean,
+                "Pa",
+                f"excess pore pressure, {name}",
+                f"{place}; {PORE_PRESSURE_IS}; {not_given}",
+            )
+            for (name, place), mean in zip(PLACES.items(), means[:-1], strict=True)
+        }
+        what = f"sigma_rr - tr(sigma) / 3, tension positive, where u2 is read; {not_given}"
+        deviator = means[-1], "Pa", "deviator of the radial stress, shoulder", what
+        axis = penetration_axis(len(taken[0]))
+        return curves("penetration", axis, **at_places, **{DEVIATOR: deviator})
 
     return Samples(take, over_penetration)
 
@@ -97,6 +114,10 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
         meaning = f"pore pressure factor, {name}"
         what = f"excess pore pressure over su, mean {over}; {place}"
         factors[f"pore_pressure_factor_{name}"] = pressure / strength, "1", meaning, what
+    deviator, over = steady_mean(recorded[DEVIATOR])
+    what = f"deviator of the radial stress over su, where u2 is read, mean {over}"
+    meaning = "radial deviator factor, shoulder"
+    factors["radial_deviator_factor_shoulder"] = deviator / strength, "1", meaning, what
     return labelled(dims=(), role=None, **factors)
 
 

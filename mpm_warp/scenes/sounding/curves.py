@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.cone.pore_pressure import READ_TO
+from mpm_warp.scenes.cone.pore_pressure import DEVIATOR, READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import TOP, top_error
@@ -56,7 +56,7 @@ def sounding_curves(
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
     net, of_net = simulated + error.correction * around, error.half_width
     by_laws = np.isfinite(of_net) & (measured is None)
-    u2, of_u2 = _pore_pressure(sounding, depth, given.excess_pore_pressure_shoulder.values, by_laws)
+    u2, of_u2 = _pore_pressure(sounding, depth, given, by_laws)
     at_depth = "when the tip is at the depth"
     corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
@@ -128,7 +128,7 @@ def error_of_samples(
 
 
 def _pore_pressure(
-    sounding: SoundingTest, depth: Floats, simulated: Floats, is_known: NDArray[np.bool_]
+    sounding: SoundingTest, depth: Floats, recorded: xr.Dataset, is_known: NDArray[np.bool_]
 ) -> tuple[Floats, Floats]:
     """u2 less what is known of its error, and its half width [Pa], shape [n].
 
@@ -136,10 +136,12 @@ def _pore_pressure(
     changes is a part of the half width.
     """
     ground, radius = sounding.ground, sounding.cone_radius
+    simulated = recorded.excess_pore_pressure_shoulder.values
     at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
     strength = ground.strength_at(at_shoulder)
     correction, half_width = shoulder_error(
         simulated / strength,
+        recorded[DEVIATOR].values / strength,
         cell_size=sounding.relative_cell_size,
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,

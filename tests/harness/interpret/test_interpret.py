@@ -33,7 +33,7 @@ def test_cases_kept_out_of_the_fit_are_within_its_error() -> None:
 
 
 @pytest.mark.parametrize(
-    ("adhesion", "fine"), [(0.0, 4.21), (0.25, 4.06), (0.5, 4.03), (1.0, 4.07)]
+    ("adhesion", "fine"), [(0.0, 4.81), (0.25, 4.27), (0.5, 3.99), (1.0, 4.11)]
 )
 def test_the_table_gives_the_pore_pressure_of_fine_meshes(adhesion: float, fine: float) -> None:
     """At Ir 100, drawn on from 5 to 40 rows of cells beside the face."""

@@ -10,8 +10,12 @@ import pytest
 import xarray as xr
 
 from mpm_warp.uncertainty.pore_pressure import (
+    BESIDE_LAYER,
     BOUND,
     BOUND_EFFECT,
+    IN_LAYER,
+    LAYER_SHARE,
+    NEAR_SHAFT,
     NOISE,
     SETTLING,
     SHOULDER_ADHESION,
@@ -29,25 +33,20 @@ from mpm_warp.uncertainty.pore_pressure import (
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
 MEASURED = Path(__file__).parents[3] / "studies" / "mesh_error_u2.csv"
+LAYER_ROWS, FEWEST_ROWS = 28, 5
+"""Rows whose cells are 0.06 radii wide, and the fewest that the law is fitted to."""
 
 
-def measured_u2() -> dict[str, tuple[float, float, Series]]:
-    """The series that the law of u2 is fitted to."""
-    series: dict[str, tuple[float, float, Series]] = {}
+def measured_u2(quantity: str) -> dict[tuple[float, float], Series]:
+    """A quantity on several meshes, by the rigidity index and the adhesion factor."""
+    series: dict[tuple[float, float], Series] = {}
     with MEASURED.open() as file:
         for row in csv.DictReader(file):
-            index, adhesion, rows, reading = map(float, row.values())
-            name = f"{index:g}, {adhesion:g}"
-            series.setdefault(name, (index, adhesion, {}))[2][int(rows)] = reading
+            case = float(row["rigidity_index"]), float(row["adhesion_factor"])
+            series.setdefault(case, {})[int(row["rows_on_face"])] = float(row[quantity])
     return series
 
 
-U2 = measured_u2() | {
-    "smooth, coarse": (100, 0.0, {3: 5.53, 4: 5.42, 40: 4.23}),
-    "half rough, coarse": (100, 0.5, {3: 5.11, 4: 4.84, 40: 4.10}),
-    "smooth, slower and stiffer": (100, 0.0, {5: 5.42, 10: 4.95, 40: 4.23}),
-}
-"""Rigidity index, adhesion factor and readings."""
 U1: dict[str, tuple[float, float, Series]] = {
     "smooth": (100, 0.0, {3: 9.04, 4: 8.83, 5: 8.94, 7: 9.04, 10: 9.07}),
     "smooth, small window": (100, 0.0, {5: 8.89, 10: 9.03, 20: 9.18}),
@@ -62,69 +61,146 @@ U1: dict[str, tuple[float, float, Series]] = {
     "stiffest, rough": (1000, 1.0, {3: 14.05, 5: 14.49, 7: 14.31, 10: 14.42}),
 }
 LAST_CHANGE = """-0.6 0.0 -0.2 -2.5 -1.3 -6.6 -2.8 -6.9 -1.8 1.3 -3.3 2.4 3.2 -13.5 -0.4 -0.3 9.0
--2.5 -0.7 0.3 0.3 -0.4 -1.8 -4.0 -3.7 0.2 -3.8 -5.2 -2.0 -0.2 -1.5 -2.4 -1.7"""
+-2.5 -0.7 0.3 0.3 -0.4 -1.8 -4.0 -3.7 0.2 -3.8 -5.2 -2.0 -0.2 -1.5 -2.4 -1.7
+0.8 -1.0 -3.6 -5.5 -4.4 0.3 -4.9 -3.3 -5.8 -3.3 -5.1 0.0 0.3 -4.2 -4.6 -3.8 -0.1 -4.9 -2.0 -6.1"""
 STILL_CAME = """0.2 0.9 -0.2 -0.6 -0.2 -1.0 -1.2 1.3 0.2 -0.3 0.0 -0.1 -0.6 -0.5 -0.4 1.1 1.6
-0.5 -0.3 -0.0 0.1 0.1 -0.7 -2.4 -0.4 0.7 -0.7 0.3 1.3 0.7 -0.4 0.3 0.9"""
-"""Change of the mean of u2 at the end of a run, and what its mean 8 to 16 radii beyond differs by,
-in percent of u2: Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds 0.02 to 0.06."""
+0.5 -0.3 -0.0 0.1 0.1 -0.7 -2.4 -0.4 0.7 -0.7 0.3 1.3 0.7 -0.4 0.3 0.9
+0.4 0.4 -0.2 -2.3 -0.1 0.5 -2.2 -0.8 0.5 0.4 -1.0 0.4 0.1 0.4 1.8 -0.6 -0.8 -1.1 -2.4 0.1"""
+"""Change of the mean at the end of a run, and what its mean 8 to 16 radii beyond differs by, in
+percent. Of the pressure of the first column, Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds
+0.02 to 0.06; in the last lines of the radial stress by default, random clays of Ir 25 to 400."""
 
 
-def check(error: Callable[..., tuple[Value, Value]], series: tuple[float, float, Series]) -> None:
-    """Each mesh has the corrected value of the finest within its half width and that of this."""
-    index, adhesion, readings = series
+def over_half_width(
+    error: Callable[..., tuple[Value, Value]], index: float, adhesion: float, readings: Series
+) -> list[float]:
+    """Differences of corrected values from that of the finest mesh, over both half widths."""
     stated = []
     for rows, reading in readings.items():
         correction, half_width = error(
             reading, cell_size=math.sqrt(3.0) / rows, adhesion_factor=adhesion, rigidity_index=index
         )
         stated.append((reading + float(correction), float(half_width)))
-    best, of_best = stated[-1]
-    for value, half_width in stated:
-        assert abs(value - best) <= math.hypot(half_width, of_best)
+    best, of_best = stated.pop()
+    return [abs(value - best) / math.hypot(half_width, of_best) for value, half_width in stated]
 
 
-@pytest.mark.parametrize("case", U2)
-def test_u2_of_all_meshes_is_one_value(case: str) -> None:
-    check(shoulder_error, U2[case])
+def radial_error(
+    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+) -> tuple[Value, Value]:
+    """Correction of a radial stress, which makes it u2."""
+    return shoulder_error(
+        factor,
+        0.0,
+        cell_size=cell_size,
+        adhesion_factor=adhesion_factor,
+        rigidity_index=rigidity_index,
+    )
+
+
+def test_u2_of_all_meshes_is_one_value() -> None:
+    """With 95 %: also of coarser meshes than the law is fitted to, and of clays between."""
+    over = [
+        difference
+        for (index, adhesion), readings in measured_u2("radial_stress_factor").items()
+        for difference in over_half_width(radial_error, index, adhesion, readings)
+    ]
+    assert len(over) >= 130
+    assert np.mean(np.array(over) <= 1.0) >= 0.95
 
 
 def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
-    """S by least squares; readings have two decimals, the code has one."""
-    measured = {(index, adhesion): it for index, adhesion, it in measured_u2().values()}
+    """S by least squares; the code has one decimal."""
+    measured = measured_u2("radial_stress_factor")
     for index, slopes in zip(SHOULDER_INDICES, SHOULDER_ERROR, strict=True):
         for adhesion, slope in zip(SHOULDER_ADHESION, slopes, strict=True):
-            readings = measured[index, adhesion]
+            readings = {
+                rows: reading
+                for rows, reading in measured[index, adhesion].items()
+                if rows >= FEWEST_ROWS
+            }
             size = (math.sqrt(3.0) / np.array(list(readings))) ** SHOULDER_POWER
             found, _ = np.polyfit(size, list(readings.values()), 1)
             assert slope == pytest.approx(found, abs=0.1)
 
 
+def test_the_layer_beside_the_shaft_is_that_of_cells_as_thick() -> None:
+    """Where a mesh resolves it, the first of its columns has its deviator."""
+    measured = measured_u2("radial_deviator_factor")
+    resolved = [
+        (adhesion, measured[index, adhesion][LAYER_ROWS])
+        for index, shares in zip(SHOULDER_INDICES, LAYER_SHARE, strict=True)
+        for adhesion, share in zip(SHOULDER_ADHESION, shares, strict=True)
+        if share == 1.0 and LAYER_ROWS in measured.get((index, adhesion), {})
+    ]
+    assert len(resolved) >= 8
+    for adhesion, deviator in resolved:
+        assert deviator == pytest.approx(np.interp(adhesion, *IN_LAYER), abs=NEAR_SHAFT)
+
+
+def test_without_a_layer_the_first_column_is_as_the_soil_beside_it() -> None:
+    """Beside smooth shafts in stiff clay."""
+    measured = measured_u2("radial_deviator_factor")
+    for index in (300.0, 600.0):
+        finest = measured[index, 0.0][max(measured[index, 0.0])]
+        expected = np.interp(math.log(index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
+        assert finest == pytest.approx(expected, abs=NEAR_SHAFT)
+
+
+def test_u2_depends_on_no_deviator_but_that_near_the_shaft() -> None:
+    """Of the same radial stress u2 is the same, whatever deviator the cells have."""
+    at = {"cell_size": 0.35, "adhesion_factor": 0.25, "rigidity_index": 100.0}
+    values = []
+    for deviator in (-1.2, 0.1):
+        pressure = 5.6 + deviator
+        correction, half_width = shoulder_error(pressure, deviator, **at)
+        values.append((pressure + float(correction), float(half_width)))
+    assert values[0] == pytest.approx(values[1])
+
+
 @pytest.mark.parametrize("case", U1)
 def test_u1_of_all_meshes_is_one_value(case: str) -> None:
-    check(face_error, U1[case])
+    assert max(over_half_width(face_error, *U1[case])) <= 1.0
+
+
+def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
+    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0}
+    (whole, _), (half, _) = (
+        shoulder_error(4.2, -1.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
+    )
+    assert half - whole == pytest.approx(-0.5 * np.interp(0.5, *IN_LAYER))
+
+
+def test_u2_is_less_certain_where_the_layer_is_thinner_than_cells() -> None:
+    """Beside a smooth shaft at Ir 100 it may take a quarter to three quarters of 0.06 radii."""
+    of_smooth, of_rough = (
+        radial_error(5.4, cell_size=0.06, adhesion_factor=adhesion, rigidity_index=100.0)[1]
+        for adhesion in (0.0, 1.0)
+    )
+    assert of_smooth > math.hypot(of_rough, 0.2 * IN_LAYER[1][0])
 
 
 @pytest.mark.parametrize(
-    ("adhesion_factor", "shares"), [(0.0, (0.12, 0.11)), (0.1, (0.06, 0.04)), (0.5, (0.045, 0.04))]
+    ("adhesion_factor", "shares"),
+    [(0.0, (0.08, 0.07)), (0.25, (0.06, 0.045)), (1.0, (0.045, 0.03))],
 )
 def test_half_width_by_default_and_fine(
     adhesion_factor: float, shares: tuple[float, float]
 ) -> None:
     """Of u2 at Ir 100."""
     for rows, share in zip((5, 10), shares, strict=True):
-        _, half_width = shoulder_error(
-            4.1,
+        off, half_width = radial_error(
+            5.3,
             cell_size=math.sqrt(3.0) / rows,
             adhesion_factor=adhesion_factor,
             rigidity_index=100.0,
         )
-        assert half_width <= share * 4.1
+        assert half_width <= share * (5.3 + off)
 
 
-def test_wide_cells_read_the_soil_outside_of_the_layer_alone() -> None:
-    """So the correction of u2 does not grow with them; its half width does."""
+def test_the_error_of_wide_cells_does_not_grow_and_its_half_width_does() -> None:
     (at_widest, of_widest), (beyond, of_beyond) = (
-        shoulder_error(5.3, cell_size=size, adhesion_factor=0.25, rigidity_index=100.0)
+        radial_error(5.3, cell_size=size, adhesion_factor=0.25, rigidity_index=100.0)
         for size in (WIDEST, 0.58)
     )
     assert beyond == at_widest
@@ -132,7 +208,7 @@ def test_wide_cells_read_the_soil_outside_of_the_layer_alone() -> None:
 
 
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
-    for error, edges in ((face_error, (20.0, 1000.0)), (shoulder_error, (20.0, 600.0))):
+    for error, edges in ((face_error, (20.0, 1000.0)), (radial_error, (20.0, 1000.0))):
         indices = np.array([0.25, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0, 4.0]) * np.array(edges)[:, None]
         _, (below, above) = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
         assert below[0] > below[1] > below[2]
@@ -152,6 +228,8 @@ def test_stated_pressures(is_known: bool) -> None:
     recorded = xr.Dataset(
         {f"excess_pore_pressure_{it}": curve for it in places}
         | {f"pore_pressure_factor_{it}": 5.0 for it in places}
+        | {"radial_deviator_shoulder": ("penetration", np.full(40, -4e3))}
+        | {"radial_deviator_factor_shoulder": -0.4}
     )
     stated = stated_pressures(
         recorded,
@@ -162,16 +240,17 @@ def test_stated_pressures(is_known: bool) -> None:
         bounded=0.02,
         is_known=is_known,
     )
-    for place, error in zip(places, (face_error, shoulder_error), strict=True):
-        off, of_laws = error(5.0, cell_size=0.2, adhesion_factor=1.0, rigidity_index=100.0)
-        off += 0.02 * BOUND_EFFECT[place]
+    at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0}
+    errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at)
+    for place, (of_mesh, of_laws) in zip(places, errors, strict=True):
+        off = of_mesh + 0.02 * BOUND_EFFECT[place]
         name = f"pore_pressure_factor_{place}"
         value, correction, half_width = (
             float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
         )
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
-        of_mean = math.hypot(0.5 * 0.2, 5.0 * NOISE[place])
+        of_mean = math.hypot(SETTLING * 0.2, 5.0 * NOISE[place])
         expected = math.hypot(of_laws, of_mean, 0.02 * BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
 

@@ -9,6 +9,7 @@ import xarray as xr
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.pore_pressure import (
+    DEVIATOR,
     OFFSET,
     PLACES,
     SHAFT_FILTER,
@@ -27,6 +28,8 @@ SHOULDER = np.sqrt(3.0)
 FALL, INWARD, LOWER = 4e4, 3e5, 2e4
 """Of the pressure: with the logarithm of the height behind the shoulder and linear before it [Pa],
 away from the surface [Pa/m], and in the first column behind the shoulder [Pa]."""
+WITHOUT_PRESSURE = np.array([4e3, -6e3, 7e3, 2e3])
+"""Stress of no mean, which is added [Pa]."""
 
 
 def pressures_in(test: ConePenetration, simulation: Simulation) -> np.ndarray:
@@ -57,8 +60,7 @@ def pressures_read() -> np.ndarray:
 def sampled(test: ConePenetration, times: int) -> xr.Dataset:
     simulation = Simulation(test.build())
     # Shear has no part in it, and a shift of stress from one direction to another none either.
-    without_pressure = np.array([4e3, -6e3, 7e3, 2e3])
-    change = np.outer(pressures_in(test, simulation), [-1.0, -1.0, 0.0, -1.0]) + without_pressure
+    change = np.outer(pressures_in(test, simulation), [-1.0, -1.0, 0.0, -1.0]) + WITHOUT_PRESSURE
     curves = pore_pressure_curves(simulation, test.penetrometer)
     simulation.assign("cell.stress", soil_scene(simulation).stress_at_rest + change)
     for _ in range(times):
@@ -83,6 +85,13 @@ def test_pressures_are_of_the_places_and_begin_at_0() -> None:
         assert PLACES[name] in curve.attrs["description"]
 
 
+def test_the_radial_deviator_is_that_of_the_ground_and_its_change() -> None:
+    """At rest it is (sigma_v - sigma_h) / 3 = 2 Delta su / 3."""
+    deviator = sampled(TEST, 2).radial_deviator_shoulder
+    at_rest = 2.0 * TEST.stress_anisotropy * TEST.undrained_shear_strength / 3.0
+    assert float(deviator[-1]) == pytest.approx(WITHOUT_PRESSURE[0] + at_rest)
+
+
 def test_there_is_no_pressure_above_the_window() -> None:
     dataset = sampled(dataclasses.replace(TEST, domain_above=8.0), 1)
     assert dataset.excess_pore_pressure_shaft.isnull().all()
@@ -93,7 +102,8 @@ def test_factors_are_means_over_the_last_two_radii() -> None:
     values = np.append(np.full(30, 7e4), np.full(20, 5e4))
     recorded = xr.Dataset(
         {f"excess_pore_pressure_{name}": ("penetration", values) for name in PLACES}
+        | {DEVIATOR: ("penetration", -0.4 * values)}
     )
     factors = pore_pressure_factors(recorded, strength=2e4)
-    assert [float(it) for it in factors.values()] == pytest.approx([2.5] * len(PLACES))
+    assert [float(it) for it in factors.values()] == pytest.approx([2.5] * len(PLACES) + [-1.0])
     assert "last 2 radii" in factors["pore_pressure_factor_face"].attrs["description"]

@@ -80,6 +80,7 @@ def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: f
     count = sounding.lead_count + len(sounding.samples)
     names = ("penetration_resistance", "sleeve_friction", "contact_share")
     simulated = dict.fromkeys((*names, "excess_pore_pressure_shoulder"), 5e4)
+    simulated["radial_deviator_shoulder"] = -1e4
     recorded = xr.Dataset({it: ("penetration", np.full(count, v)) for it, v in simulated.items()})
     found = sounding_curves(sounding, recorded, [])
     pressure, half_width = found.excess_pore_pressure, found.excess_pore_pressure_uncertainty
@@ -89,6 +90,7 @@ def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: f
         return
     correction, of_laws = shoulder_error(
         5.0,
+        -1.0,
         cell_size=sounding.cell_size / sounding.cone_radius,
         adhesion_factor=0.5,
         rigidity_index=sounding.rigidity_index,
