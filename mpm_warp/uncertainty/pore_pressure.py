@@ -6,9 +6,9 @@ h is the width of the cells at the cone over its radius, F the factor u1 or u2 o
 
     u1    error  A h          half width  0.7 h, 0.01 F
 
-Both have the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`).
-The parts of a half width add up as squares. A, and S and D below, follow the rigidity index and the
-adhesion factor of face and shaft.
+u1 has the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`); that
+of u2 is next to none. The parts of a half width add up as squares. A, and S and D below, follow the
+rigidity index and the adhesion factor of face and shaft.
 
 u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a cone of 10 cm2: pore
 water levels out over such a distance while a cone passes by. With the radial stress s - p, where p
@@ -54,10 +54,11 @@ SHOULDER_ERROR = (
     (0.4, 0.9, 0.6, -1.0),
     (1.2, 2.5, 3.0, 3.5),
     (-0.4, 0.1, 1.4, 3.5),
-    (0.2, 0.4, 0.4, -2.1),
+    (0.2, 0.4, 0.4, -0.3),
     (1.9, 1.9, 3.0, 0.4),
 )
-"""S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face."""
+"""S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face, 5 to 10
+above a rigidity index of 300 (to 20 of 600 beside a rough shaft)."""
 SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
 """Power of h in this error; h up to which it grows, and above which cells are wide."""
 LAYER_SHARE = (
@@ -65,8 +66,8 @@ LAYER_SHARE = (
     (1.0, 1.0, 1.0, 1.0),
     (0.5, 0.85, 1.0, 1.0),
     (0.0, 0.1, 0.3, 1.0),
+    (0.0, 0.0, 0.0, 0.75),
     (0.0, 0.0, 0.0, 0.5),
-    (0.0, 0.0, 0.0, 0.3),
 )
 """w at the same."""
 IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.59))
@@ -92,7 +93,7 @@ SETTLING = 0.5
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
 NOISE = {"face": 0.006, "shoulder": 0.012}
 """Half widths of the noise of these means, over F."""
-BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 1.0}
+BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 0.0}
 BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
@@ -161,8 +162,8 @@ def stated_pressures(
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the arguments of `face_error`. Where these laws do not hold (`is_known`)
-    there is no correction, and the uncertainties are not numbers.
+    `of_cone` are the arguments of `face_error`. Where these laws do not hold (`is_known`) there is
+    no correction, and the uncertainties are not numbers.
     """
     stated = {}
     for place in ("face", "shoulder"):
