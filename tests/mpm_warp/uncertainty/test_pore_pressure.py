@@ -66,9 +66,11 @@ LAST_CHANGE = """-0.6 0.0 -0.2 -2.5 -1.3 -6.6 -2.8 -6.9 -1.8 1.3 -3.3 2.4 3.2 -1
 STILL_CAME = """0.2 0.9 -0.2 -0.6 -0.2 -1.0 -1.2 1.3 0.2 -0.3 0.0 -0.1 -0.6 -0.5 -0.4 1.1 1.6
 0.5 -0.3 -0.0 0.1 0.1 -0.7 -2.4 -0.4 0.7 -0.7 0.3 1.3 0.7 -0.4 0.3 0.9
 0.4 0.4 -0.2 -2.3 -0.1 0.5 -2.2 -0.8 0.5 0.4 -1.0 0.4 0.1 0.4 1.8 -0.6 -0.8 -1.1 -2.4 0.1"""
-"""Change of the mean at the end of a run, and what its mean 8 to 16 radii beyond differs by, in
-percent. Of the pressure of the first column, Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds
-0.02 to 0.06; in the last lines of the radial stress by default, random clays of Ir 25 to 400."""
+"""Change of the mean at the end of a run, and what its mean 8 to 16 radii beyond differs by [%].
+
+First of the pressure of the first column: Ir 28 to 800, all adhesion factors, 3 to 7 rows, speeds
+0.02 to 0.06. The last lines are of the radial stress by default, random clays of Ir 25 to 400.
+"""
 
 
 def over_half_width(
