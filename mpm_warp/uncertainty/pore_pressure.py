@@ -192,8 +192,8 @@ def stated_pressures(
         stated[f"{name}_correction"] = variable(
             correction,
             meaning=f"correction of the {spoken}",
-            description="what is known of the error of mesh and bound, taken off; 0 where "
-            "nothing is",
+            description="what is known of the error of mesh and bound, taken off; u2 is that of "
+            "the soil within 0.06 radii of the shaft then; 0 where nothing is known",
         )
     return stated
 
