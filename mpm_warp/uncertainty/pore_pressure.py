@@ -11,19 +11,19 @@ of u2 is next to none. The parts of a half width add up as squares. A, and S and
 rigidity index and the adhesion factor of face and shaft.
 
 u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a cone of 10 cm2: pore
-water levels out over such a distance while a cone passes by. With the radial stress s - p, where p
-is the pressure and s the radial deviator of the cells beside the shaft, compression negative in s,
+pressure evens out over such a distance while a cone passes by. With s, the radial deviator over su
+of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
     half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04
 
-F - s is the radial stress, alike in the soil that touches the shaft and in that beside it. D is the
-deviator near the shaft. In soil that has gone round the shoulder beside a rough shaft, or in soft
-clay, that is D_l, nearly what yield allows; in the soil beside this layer it is D_b. The layer
-takes the share w of the 0.06 radii. On a mesh it is some half of a row thicker than it is, so w is
-known from what becomes of it on ever finer ones. Cells of fewer than five rows read F - s far from
-the filter: h counts up to 0.45 in its error, and its half width has 0.6 (h - 0.35) (F - s) beside
-the other parts. Half widths grow beyond the rigidity indices where they were measured. How all of
+F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
+is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
+the shaft; D_l is the deviator in it, close to what yield allows, D_b that of the soil beside it,
+and w is the share of the 0.06 radii that the layer takes. A mesh makes the layer about half a row
+thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
+filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
+width. Half widths grow beyond the rigidity indices where they were measured. How all of
 it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
