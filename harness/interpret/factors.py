@@ -7,10 +7,11 @@ another rate, L log cycles above it, holds
     su' = su (1 - mu L),   mu' = mu su / su',   Ir' = Ir su / su',   Delta' = Delta su / su'
 
 and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
-polynomials in the inputs, each brought to -1 to 1 over its range; the sleeve's is taken over the
-adhesion factor, that of u2 over Nkt, to which they are nearly in proportion. Every case is kept out
-of one of PARTS fits, which gives the error of the fit. For Nkt and the sleeve that of degree 2 is
-three times that of degree 3, of degree 4 no less, and radial basis functions (scipy) are no better.
+polynomials in the inputs, each brought to -1 to 1 over its range; the ductility counts by the share
+of strength that can be lost. The sleeve's is taken over the adhesion factor, that of u2 over Nkt,
+to which they are nearly in proportion. Every case is kept out of one of PARTS fits, which gives the
+error of the fit. For Nkt and the sleeve that of degree 2 is twice to three times that of degree 3,
+of degree 4 no less, and radial basis functions (scipy) are no better.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ class Factors:
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""
-        x = np.stack(np.broadcast_arrays(*(scaled(name, inputs[name]) for name in RANGES)))
+        x = np.stack(np.broadcast_arrays(*coordinates(inputs).values()))
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
         values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
@@ -87,9 +88,9 @@ class Factors:
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
-        names = list(RANGES)
-        places = [names.index(name) for name in fixed]
-        x = np.stack([np.atleast_1d(scaled(name, fixed[name])) for name in fixed])
+        names, own = list(RANGES), coordinates(fixed)
+        places = [names.index(name) for name in own]
+        x = np.stack(np.broadcast_arrays(*map(np.atleast_1d, own.values())))
         powers = x[:, None, :] ** self.exponents.T[places][:, :, None]
         terms = np.prod(powers, axis=0)  # [terms, soils]
         moving = self.exponents[:, [names.index(name) for name in MOVING]]
@@ -129,6 +130,13 @@ def _whole(values: dict[str, Floats], adhesion_factor: Floats | float) -> dict[s
     return values
 
 
+def coordinates(inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
+    """What the polynomials are in, by input: all of the table, or those of a soil at any depth."""
+    x = {name: scaled(name, inputs[name]) for name in RANGES if name in inputs}
+    x["ductility"] = x["ductility"] * (1.0 - np.asarray(inputs["remoulded_strength_ratio"]))
+    return x
+
+
 def scaled(name: str, value: Floats | float) -> Floats:
     """An input between -1 and 1 over its range, the logarithm of those that are so drawn."""
     low, high = RANGES[name]
@@ -149,7 +157,8 @@ def factors() -> Factors:
     for place, name in enumerate(QUANTITIES):
         table = np.genfromtxt(studies_folder() / TABLES[name], delimiter=",", names=True)
         values, simulated_error = _fitted_values(name, table)
-        inputs = np.stack([scaled(ranged, table[ranged]) for ranged in RANGES], axis=-1)
+        own = coordinates({ranged: table[ranged] for ranged in RANGES})
+        inputs = np.stack(list(own.values()), axis=-1)
         used = exponents.sum(axis=1) <= DEGREES[name]
         terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
         weights[used, place], errors = _fitted(terms, values)

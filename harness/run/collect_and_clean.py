@@ -66,8 +66,25 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     except NothingToCompareError as error:
         tell(str(error))
     dataset = with_experience(dataset, study.compared.experience)
+    _tell_of_another(study_file(out, study), dataset)
     write_study(study_file(out, study), dataset)
     return dataset
+
+
+def _tell_of_another(path: Path, dataset: xr.Dataset) -> None:
+    """Say in one line that a file which is written holds a study of another title, if so.
+
+    Two studies whose files have the same name, in two folders, share the file of their results.
+    """
+    try:
+        before = read_attributes(path).get("title")
+    except ArchiveError:
+        return  # there is none, or what is there is no result
+    if before != dataset.attrs["title"]:
+        tell(
+            f'{path}: was of another study, "{before}"; its cases are kept, and `harness collect` '
+            "of it writes its file again; `--out FOLDER` keeps two studies of one name apart"
+        )
 
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:

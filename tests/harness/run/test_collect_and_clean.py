@@ -88,6 +88,19 @@ def test_collect_writes_what_there_is(out: Path, half_done: Study, of_small: Com
     of_small("status")
 
 
+def test_a_study_of_the_same_name_is_not_replaced_silently(
+    small: Study, out: Path, half_done: Study, of_small: Command
+) -> None:
+    of_small("collect", code=1)
+    assert "another study" not in of_small("collect", code=1).err
+    source = Path(small.source)
+    title = f'title = "{small.title}"'
+    assert title in source.read_text()
+    source.write_text(source.read_text().replace(title, 'title = "Of another ground"'))
+    told = of_small("collect", code=1).err
+    assert f'{out / "small.nc"}: was of another study, "{small.title}"; its cases are kept' in told
+
+
 OTHERS = (
     "harness: small: 2 of 3 results computed by other sources of the simulator, of the same "
     "version; kept: `harness run --fresh` computes them anew"
