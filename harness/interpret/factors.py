@@ -8,10 +8,11 @@ another rate, L log cycles above it, holds
 
 and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
 polynomials in the inputs, each brought to -1 to 1 over its range; the ductility counts by the share
-of strength that can be lost. The sleeve's is taken over the adhesion factor, that of u2 over Nkt,
-to which they are nearly in proportion. Every case is kept out of one of PARTS fits, which gives the
-error of the fit. For Nkt and the sleeve that of degree 2 is twice to three times that of degree 3,
-of degree 4 no less, and radial basis functions (scipy) are no better.
+of strength that can be lost. The sleeve's is taken over the adhesion factor. Of u2 it is the radial
+pressure over Nkt, u2 = Nkt P + D, with the deviator D of the soil beside the shaft by its law: u2
+itself has twice the error. Every case is kept out of one of PARTS fits, which gives the error of
+the fit. For Nkt and the sleeve that of degree 2 is twice to three times that of degree 3, of degree
+4 no less, and radial basis functions (scipy) are no better.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import shoulder_error
+from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, shoulder_error
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
@@ -50,14 +51,13 @@ TABLES: Mapping[str, str] = {
     PRESSURE: "pore_pressure_table.csv",
 }
 """Where each quantity is from. u2 needs the finer mesh of the second table."""
-DEGREES: Mapping[str, int] = {**dict.fromkeys(QUANTITIES[:2], 3), PRESSURE: 2}
-PARTS = 8
-"""Fits to all cases but every so manieth, to measure the error of the fit by those."""
+DEGREE, PARTS = 3, 8
+"""Of the polynomials; fits to all cases but every so manieth, to measure their error by those."""
 SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, SLEEVE: 0.05}
 """Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
 the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
 that of u2 is by the law of its error in clay whose strength stays."""
-PRESSURE_CELL = 3.0**0.5 / 4.0
+PRESSURE_CELL = 3.0**0.5 / 5.0
 """Width of the cells of the second table at the cone, over its radius."""
 
 
@@ -84,7 +84,7 @@ class Factors:
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
         values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
-        return _whole(values, inputs["adhesion_factor"])
+        return _whole(values, inputs["rigidity_index"], inputs["adhesion_factor"])
 
     def along(self, fixed: Mapping[str, Floats | float]) -> Along:
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
@@ -99,7 +99,7 @@ class Factors:
             for a, b in itertools.product(range(self.exponents.max() + 1), repeat=2)
             if (rows := (moving == (a, b)).all(axis=1)).any()
         }
-        return Along(weights)
+        return Along(weights, np.asarray(fixed["rigidity_index"], dtype=float))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +107,7 @@ class Along:
     """Factors of soils over stress anisotropy and adhesion; weights are by the powers of both."""
 
     weights: Mapping[tuple[int, int], Floats]
+    rigidity_index: Floats
 
     def __call__(
         self, stress_anisotropy: Floats, adhesion_factor: Floats, quantities: int = len(QUANTITIES)
@@ -118,15 +119,18 @@ class Along:
             values[name] = sum(
                 weight[place] * x**a * y**b for (a, b), weight in self.weights.items()
             )
-        return _whole(values, adhesion_factor)
+        return _whole(values, self.rigidity_index, adhesion_factor)
 
 
-def _whole(values: dict[str, Floats], adhesion_factor: Floats | float) -> dict[str, Floats]:
+def _whole(
+    values: dict[str, Floats], rigidity_index: Floats | float, adhesion_factor: Floats | float
+) -> dict[str, Floats]:
     """Quantities of what the polynomials give, in place; see `_fitted_values`."""
+    if PRESSURE in values:
+        deviator = deviator_near_shaft(rigidity_index, adhesion_factor, values[SLEEVE])
+        values[PRESSURE] = values[PRESSURE] * values["cone_factor"] + deviator
     if SLEEVE in values:
         values[SLEEVE] = values[SLEEVE] * adhesion_factor
-    if PRESSURE in values:
-        values[PRESSURE] = values[PRESSURE] * values["cone_factor"]
     return values
 
 
@@ -150,42 +154,43 @@ def scaled(name: str, value: Floats | float) -> Floats:
 @functools.cache
 def factors() -> Factors:
     """The polynomials through the tables that ship, by least squares."""
-    powers = itertools.product(range(max(DEGREES.values()) + 1), repeat=len(RANGES))
-    exponents = np.array([power for power in powers if sum(power) <= max(DEGREES.values())])
+    powers = itertools.product(range(DEGREE + 1), repeat=len(RANGES))
+    exponents = np.array([power for power in powers if sum(power) <= DEGREE])
     weights = np.zeros((len(exponents), len(QUANTITIES)))
     fit_errors, half_widths = {}, {}
     for place, name in enumerate(QUANTITIES):
         table = np.genfromtxt(studies_folder() / TABLES[name], delimiter=",", names=True)
-        values, simulated_error = _fitted_values(name, table)
+        values, share, simulated_error = _fitted_values(name, table)
         own = coordinates({ranged: table[ranged] for ranged in RANGES})
-        inputs = np.stack(list(own.values()), axis=-1)
-        used = exponents.sum(axis=1) <= DEGREES[name]
-        terms = np.prod(inputs[:, None, :] ** exponents[used], axis=-1)
-        weights[used, place], errors = _fitted(terms, values)
-        fit_errors[name] = errors
-        half_widths[name] = math.hypot(np.quantile(np.abs(errors), 0.95), simulated_error)
+        terms = np.prod(np.stack(list(own.values()), axis=-1)[:, None, :] ** exponents, axis=-1)
+        weights[:, place], errors = _fitted(terms, values)
+        fit_errors[name] = share * errors
+        half_widths[name] = math.hypot(np.quantile(np.abs(share * errors), 0.95), simulated_error)
     return Factors(exponents, weights, half_widths, fit_errors)
 
 
-def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, float]:
-    """What is fitted of a quantity of a table, shape [cases], and 95 % of its error over it."""
+def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float, float]:
+    """What is fitted of a quantity of a table, and its share in the quantity, shape [cases].
+
+    The last is 95 % of the error of the quantity as simulated, over it.
+    """
     values = table[name]
     if name == PRESSURE:
-        correction, half_width = shoulder_error(
-            values,
-            table["radial_deviator_factor_shoulder"],
-            cell_size=PRESSURE_CELL,
-            adhesion_factor=table["adhesion_factor"],
-            rigidity_index=table["rigidity_index"],
+        soil = {
+            "rigidity_index": table["rigidity_index"],
+            "adhesion_factor": table["adhesion_factor"],
             # The sleeve slips at the adhesion of the soil beside it.
-            strength_ratio=table[SLEEVE] / table["adhesion_factor"],
-        )
-        values = values + correction
-        simulated_error = float(np.sqrt(np.mean((half_width / values) ** 2)))
-        return values / table["cone_factor"], simulated_error
+            "strength_ratio": table[SLEEVE] / table["adhesion_factor"],
+        }
+        deviator = table["radial_deviator_factor_shoulder"]
+        correction, half_width = shoulder_error(values, deviator, cell_size=PRESSURE_CELL, **soil)
+        pressure = values + correction
+        radial = pressure - deviator_near_shaft(**soil)
+        simulated_error = float(np.sqrt(np.mean((half_width / pressure) ** 2)))
+        return radial / table["cone_factor"], radial / pressure, simulated_error
     if name == SLEEVE:
         values = values / table["adhesion_factor"]
-    return values, SIMULATED_ERROR[name]
+    return values, 1.0, SIMULATED_ERROR[name]
 
 
 def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:

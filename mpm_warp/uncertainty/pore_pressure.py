@@ -128,14 +128,11 @@ def shoulder_error(
         rigidity_index: shape [...].
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
     """
-    at = {"rigidity_index": rigidity_index, "adhesion_factor": adhesion_factor}
-    slope, share = (
-        _of_table(table, SHOULDER_INDICES, SHOULDER_ADHESION, **at)
-        for table in (SHOULDER_ERROR, LAYER_SHARE)
+    slope = _of_table(
+        SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
     )
-    in_layer = np.interp(adhesion_factor, *IN_LAYER)
-    beside = np.interp(np.log(rigidity_index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
-    near_shaft = strength_ratio * (share * in_layer + (1.0 - share) * beside)
+    share, in_layer, beside = _layer(rigidity_index, adhesion_factor)
+    near_shaft = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
     error = slope * math.pow(min(cell_size, WIDEST), SHOULDER_POWER)
     radial = factor - deviator
     half_width = _added(
@@ -148,6 +145,24 @@ def shoulder_error(
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
     )
     return near_shaft - deviator - error, half_width
+
+
+def deviator_near_shaft(
+    rigidity_index: Value, adhesion_factor: Value, strength_ratio: Value = 1.0
+) -> Value:
+    """D over su, shape [...]; arguments as in `shoulder_error`."""
+    share, in_layer, beside = _layer(rigidity_index, adhesion_factor)
+    return strength_ratio * (share * in_layer + (1.0 - share) * beside)
+
+
+def _layer(rigidity_index: Value, adhesion_factor: Value) -> tuple[Value, Value, Value]:
+    """w, D_l and D_b in clay whose strength stays."""
+    share = _of_table(
+        LAYER_SHARE, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
+    )
+    in_layer = np.interp(adhesion_factor, *IN_LAYER)
+    beside = np.interp(np.log(rigidity_index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
+    return share, in_layer, beside
 
 
 def stated_pressures(
