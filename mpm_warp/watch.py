@@ -147,7 +147,8 @@ class SoilWatch(ParticleWatch):
         if self._before is not None:
             if (contact := self._scene.find(SurfaceContact)) is not None and not self._parts:
                 velocity = self._run.array("node.velocities")[contact.nodes, :2]
-                check_contact(contact, velocity, speed=self._before.speed)
+                on_axis = self._scene.grid.node_positions[contact.nodes, 0] == 0.0
+                check_contact(contact, velocity, speed=self._before.speed, on_axis=on_axis)
             self._look_at_mean_stress(self._before)
             self._before = None
 
@@ -249,12 +250,15 @@ class SoilWatch(ParticleWatch):
         return in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
 
 
-def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) -> None:
+def check_contact(
+    contact: SurfaceContact, velocity: Floats, *, speed: float, on_axis: NDArray[np.bool_]
+) -> None:
     """Check that soil and surface move together along their normal, on nearly all of it.
 
     It is one from which soil cannot part. `velocity` is that of the soil at its nodes in the last
     step [m/s], shape [node_count, 2], `speed` that of the body down through the soil [m/s]. Nodes
-    on the axis are left out; should soil come apart there, blocks of cells lose theirs.
+    `on_axis`, shape [node_count], are left out: the axis holds the soil there too, and should it
+    come apart, blocks of cells lose theirs.
 
     Raises:
         Fault: they have come apart, or go through each other.
@@ -263,8 +267,8 @@ def check_contact(contact: SurfaceContact, velocity: Floats, *, speed: float) ->
     normal_speed = np.sum(past * contact.normals, axis=1)
     rounding = ROUNDED * (abs(speed) + np.abs(velocity).max())
     lost = ~(np.abs(normal_speed) <= rounding)
-    # Where the axis holds the soil too, the flow may leave a node none for a moment.
-    lost[contact.on_axis] = False
+    # The flow may leave a node of the axis no soil for a moment.
+    lost[on_axis] = False
     share = contact.normal_areas[lost].sum() / contact.normal_areas.sum()
     if share > LARGEST_PARTED_SHARE:
         worst = int(np.argmax(np.abs(normal_speed)))

@@ -10,14 +10,13 @@ times contact area, which the simulated stress leaves out.
 
     J_n = m d.n, at least -p A dt: there the two part
     J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
-    P   = m d.n + p A dt            where the surface goes through the nodes, as here
+    P   = m d.n + K + p A dt        where the surface goes through the nodes, as here
 
-Nodes on the axis are held by body and axis together. The least mass M of a node limits what the
-force does to one that has little soil, for it could be thrown. A node on the axis cannot be, and
-before a blunt nose it always has little. The force that it does not get is one on the body; with u
-and v the velocities before and after the force,
+The least mass M of a node limits what the force does to one that has little soil, for it could be
+thrown. The body bears what the force does not do to the soil; with u and v the velocities before
+and after the force, the impulse on the body is J_n + K,
 
-    J_n += (max(m, M) - m) (v - u) . n
+    K   = (max(m, M) - m) (v - u) . n
 
 Beside soil whose strength changes the adhesion changes with it. Symbols: k strength of a particle
 in the cells beside a node, k0 that of the material as it starts, without variation, x adhesion
@@ -76,9 +75,6 @@ class SurfaceContact(Part):
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
             the window has the speed and this one is not used.
-        on_axis: numbers of those `nodes` that the axis holds too, so that nothing moves past the
-            surface there, shape [on_axis_count]; none by default. Where less soil is near such a
-            node than its least mass, as before a blunt nose, the body bears the difference.
     """
 
     nodes: Integers
@@ -88,7 +84,6 @@ class SurfaceContact(Part):
     friction: float = checked(NOT_NEGATIVE, default=0.0)
     in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
     speed: float = checked(unit="m/s", default=0.0)
-    on_axis: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -105,7 +100,6 @@ class SurfaceContact(Part):
             raise SceneError(
                 "SurfaceContact: normal_areas are all 0, must be > 0 at one node at least"
             )
-        check_nodes("SurfaceContact: on_axis", self.on_axis, count)
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, in its first column beside soil that changes."""
@@ -132,9 +126,6 @@ class SurfaceContact(Part):
         plan.add_array("contact.adhesion", "real", self.adhesion_forces * relative)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
-        if self.on_axis.size:
-            plan.add_array("contact.on_axis", "int", self.on_axis, (len(self.nodes),))
-            plan.add_launch(least_mass_reaction, len(self.on_axis))
         plan.add_launch(
             _make_surface_contact("window.motion" in plan.arrays),
             len(self.nodes),
@@ -216,6 +207,7 @@ def _make_surface_contact(travelling: bool) -> Any:
         contact_adhesion: wp.array[real],
         contact_pressure: wp.array[real],
         node_mass: wp.array[real],
+        node_least_mass: wp.array[real],
         time_step: real,
         speed: real,
         window_motion: maybe(real),
@@ -233,37 +225,17 @@ def _make_surface_contact(travelling: bool) -> Any:
         sinking = window_motion[1] if wp.static(travelling) else speed
         d = vec2(v[0], v[1]) + vec2(zero, sinking)
         in_situ = contact_pressure[k] * time_step
-        pressing = m * wp.dot(d, n) + in_situ
+        by_force = vec2(v[0] - v[2], v[1] - v[3])
+        K = wp.max(node_least_mass[node] - m, zero) * wp.dot(by_force, n)
+        pressing = m * wp.dot(d, n) + K + in_situ
         J = contact_law(m, d, n, pressing, friction, contact_adhesion[k] * time_step, in_situ)
         tangential = vec2(J[1], J[2])
         change = -(J[0] * n + tangential) / m
         node_velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
         along = wp.dot(tangential, vec2(n[1], -n[0]))
-        contact_impulse[k] += vec2(J[0], along)
+        contact_impulse[k] += vec2(J[0] + K, along)
 
     return surface_contact
-
-
-@kernel
-def least_mass_reaction(
-    offset: int,
-    contact_on_axis: wp.array[int],
-    contact_nodes: wp.array[int],
-    contact_normals: wp.array[vec2],
-    node_mass: wp.array[real],
-    node_least_mass: wp.array[real],
-    node_velocities: wp.array[vec4],
-    contact_impulse: wp.array[vec2],
-):
-    """Launched over the nodes on the axis."""
-    k = contact_on_axis[offset + wp.tid()]
-    node, n = contact_nodes[k], contact_normals[k]
-    m, M, v = node_mass[node], node_least_mass[node], node_velocities[node]
-    if m <= zero:
-        return
-    missing = wp.max(m, M) - m
-    J_n = missing * wp.dot(vec2(v[0] - v[2], v[1] - v[3]), n)
-    contact_impulse[k] += vec2(J_n, zero)
 
 
 @functools.cache

@@ -20,8 +20,6 @@ SLEEVE_BEGIN = 10.0 / _RADIUS
 """Height of the lower end of the sleeve above the shoulder, over the radius."""
 SLEEVE_LENGTH = 133.7 / _RADIUS
 """Length of the sleeve over the radius."""
-STANDARD_HALF_ANGLE = math.pi / 6.0
-"""Half the apex angle of the standard penetrometer [rad]."""
 ROUNDING = 1e-9
 """What an angle may differ by and be the same [rad]."""
 
@@ -148,8 +146,6 @@ class PenetrometerContact(SurfaceContact):
         # On the axis nothing moves sideways: the tip resists along z alone.
         vectors[grid.node_positions[nodes, 0] == 0.0, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
-        # Before a blunter tip soil rests, and there is little near its node for long.
-        is_blunt = half > STANDARD_HALF_ANGLE + ROUNDING
         return cls(
             nodes=nodes,
             normals=vectors / normal_areas[:, None],
@@ -158,7 +154,6 @@ class PenetrometerContact(SurfaceContact):
             friction=friction,
             in_situ_stress=in_situ_stress,
             speed=speed,
-            on_axis=np.zeros(int(is_blunt), dtype=np.int32),
             face_areas=face,
             shaft_areas=shaft,
             face_adhesion=face_adhesion,

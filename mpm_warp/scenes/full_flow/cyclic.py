@@ -174,7 +174,7 @@ class CyclicBall(Ball, CyclicPenetration):
     """
 
     summary = "ball without a shaft, pushed down and pulled up in undrained clay"
-    version = 1
+    version = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,7 +185,7 @@ class CyclicTBar(TBar, CyclicPenetration):
     """
 
     summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version = 3
+    version = 4
 
 
 class ResistanceLoops(ResistanceSamples):

@@ -90,8 +90,7 @@ class RoundBody:
         weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)
         vectors = -grid.wall_vectors[rows]
-        on_axis = np.flatnonzero(radius == 0.0)
-        vectors[on_axis, 0] = 0.0
+        vectors[radius == 0.0, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
         of_body = np.where(lean != 0.0, np.hypot(lean, rise), 0.0)
         return SurfaceContact(
@@ -100,7 +99,6 @@ class RoundBody:
             normal_areas=normal_areas,
             adhesion_forces=adhesion * nodal_areas(weight, of_body),
             in_situ_stress=in_situ_stress,
-            on_axis=on_axis,
         )
 
 

@@ -108,11 +108,6 @@ def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(
         assert contact.can_part(material, speed=100.0)
 
 
-def test_only_nodes_of_the_surface_can_be_held(surface: SurfaceContact) -> None:
-    with pytest.raises(SceneError, match=r"^SurfaceContact: on_axis"):
-        dataclasses.replace(surface, on_axis=np.array([len(surface.nodes)]))
-
-
 def after_a_step(scene: Scene, speed: float, **changes: object) -> tuple[Simulation, Floats]:
     """A run of one step without a window, and the velocity of the soil past the body [m/s]."""
     contact = dataclasses.replace(scene[SurfaceContact], speed=speed, **changes)
@@ -159,17 +154,17 @@ def test_friction_is_that_of_the_total_stress(cone: Scene, surface: SurfaceConta
     assert np.abs(normal[-2:]).max() < 1e-9 * in_situ[-2:].min()
 
 
-def impulse_at_the_tip(cone: Scene, share: float, *, held: bool) -> tuple[float, float]:
-    """Normal impulse of one step under a uniform pressure, and time step, with so much soil left.
+def impulses_under_pressure(cone: Scene, share: float, friction: float = 0.0) -> Floats:
+    """Impulses of one step under a uniform pressure, with so much of its mass left to each point.
 
-    Args:
-        cone: with contact; its tip is the first of the nodes.
-        share: of its mass that every particle keeps, in a stress that stays.
-        held: whether the tip is a node that is held.
+    They are over the time step, shape [node_count, 2]; the soil flows past as fast as it does.
     """
-    numbers = np.arange(int(held), dtype=np.int32)
     contact = dataclasses.replace(
-        cone[SurfaceContact], speed=0.0, in_situ_stress=1e9, on_axis=numbers
+        cone[SurfaceContact],
+        speed=1e9 * friction,
+        friction=friction,
+        in_situ_stress=1e9,
+        adhesion_forces=0.0 * cone[SurfaceContact].adhesion_forces,
     )
     simulation = Simulation(cone.without(Window, FarField).with_parts(contact))
     simulation.assign("particle.mass", share * simulation.array("particle.mass"))
@@ -177,17 +172,23 @@ def impulse_at_the_tip(cone: Scene, share: float, *, held: bool) -> tuple[float,
     pressed[:, [0, 1, 3]] = -PRESSURE
     simulation.assign("particle.stress", pressed)
     simulation.advance(1)
-    return float(simulation.array("contact.impulse")[0, 0]), simulation.plan.time_step
+    impulses: Floats = simulation.array("contact.impulse") / simulation.plan.time_step
+    return impulses
 
 
 def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene) -> None:
-    """The force of the stress does not depend on how much soil there is to give it, if held."""
-    full, time_step = impulse_at_the_tip(cone, 1.0, held=True)
-    assert full > 0.1 * PRESSURE * cone[SurfaceContact].normal_areas[0] * time_step
+    """The force of the stress does not depend on how much soil there is to give it, at any node."""
+    full = impulses_under_pressure(cone, 1.0)[:, 0]
+    assert full[0] > 0.1 * PRESSURE * cone[SurfaceContact].normal_areas[0]
     for share in (0.5, 0.1):
-        assert impulse_at_the_tip(cone, share, held=True)[0] == pytest.approx(full, rel=1e-9)
-    assert impulse_at_the_tip(cone, 1.0, held=False)[0] == full
-    assert impulse_at_the_tip(cone, 0.1, held=False)[0] < 0.3 * full
+        np.testing.assert_allclose(impulses_under_pressure(cone, share)[:, 0], full, rtol=1e-9)
+
+
+def test_what_the_least_mass_keeps_rubs_too(cone: Scene) -> None:
+    """Friction is by the whole force that presses, however little soil there is."""
+    normal, shear = impulses_under_pressure(cone, 0.1, friction=0.3)[1:].T
+    in_situ = 1e9 * cone[SurfaceContact].normal_areas[1:]
+    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
 
 
 DELTA = 0.25

@@ -53,20 +53,6 @@ def test_shoulder_has_a_mean_normal_and_the_tip_a_vertical(contact: Penetrometer
     np.testing.assert_allclose(normals[0], [0.0, 1.0], atol=ROUNDING)
 
 
-@pytest.mark.parametrize(("apex_angle", "held"), [(40.0, []), (60.0, []), (90.0, [0])])
-def test_a_tip_blunter_than_the_standard_one_bears_what_its_least_mass_keeps(
-    apex_angle: float, held: list[int]
-) -> None:
-    """A cone of 60 degrees keeps its numbers: soil passes its tip, and fills the cells there."""
-    blunt = Penetrometer(radius=1.0, apex_angle=math.radians(apex_angle))
-    grid = blunt.fitted_grid(
-        rows_on_face=3, columns=np.array([0.0, 1.0, 2.0]), depth_below=2.0, height_above=2.0
-    )
-    contact = PenetrometerContact.of(blunt, grid, face_adhesion=1.0, in_situ_stress=1e3)
-    assert contact.on_axis.tolist() == held
-    assert grid.node_positions[contact.nodes[0], 0] == 0.0
-
-
 def _uniform_traction(contact: PenetrometerContact, pressure: float) -> Floats:
     """Nodal forces of a uniform normal traction and of full adhesion, but none at the fixed tip."""
     shear = contact.adhesion_forces.copy()
