@@ -44,6 +44,15 @@ def test_the_table_gives_the_pore_pressure_of_fine_meshes(adhesion: float, fine:
     assert abs(told / fine - 1.0) < table.half_widths[PRESSURE]
 
 
+def test_ductility_says_nothing_of_clay_that_does_not_soften() -> None:
+    own = {name: 0.5 * (low + high) for name, (low, high) in RANGES.items()}
+    own["remoulded_strength_ratio"] = 1.0
+    brittle, ductile = (factors().at(own | {"ductility": end}) for end in RANGES["ductility"])
+    assert brittle == ductile
+    soft = {"rigidity_index": 100.0, "remoulded_strength_ratio": 0.5}
+    assert cone_factor(**soft, ductility=5.0)[0] < 0.97 * cone_factor(**soft, ductility=60.0)[0]
+
+
 def test_a_factor_follows_the_rate_at_which_the_strength_is_told() -> None:
     """The same ground, told at another rate: Nkt su is the same force."""
     rate, share = 1e-4, 0.1
