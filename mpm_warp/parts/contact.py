@@ -14,7 +14,7 @@ times contact area, which the simulated stress leaves out.
 
 The least mass M of a node limits what the force does to one that has little soil, for it could be
 thrown. The body bears what the force does not do to the soil; with u and v the velocities before
-and after the force, the impulse on the body is J_n + K,
+and after the force, the impulse on the body is J_n + K, at least -p A dt,
 
     K   = (max(m, M) - m) (v - u) . n
 
@@ -233,7 +233,7 @@ def _make_surface_contact(travelling: bool) -> Any:
         change = -(J[0] * n + tangential) / m
         node_velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
         along = wp.dot(tangential, vec2(n[1], -n[0]))
-        contact_impulse[k] += vec2(J[0] + K, along)
+        contact_impulse[k] += vec2(wp.max(J[0] + K, -in_situ), along)
 
     return surface_contact
 

@@ -83,7 +83,7 @@ def test_the_impulse_is_that_of_each_branch(
     np.testing.assert_allclose(impulse.numpy()[0], expected, rtol=ROUNDING, atol=rounding)
 
 
-PRESSURE = 1e3
+PRESSURE, IN_SITU = 1e3, 1e9
 
 
 @pytest.fixture
@@ -154,7 +154,9 @@ def test_friction_is_that_of_the_total_stress(cone: Scene, surface: SurfaceConta
     assert np.abs(normal[-2:]).max() < 1e-9 * in_situ[-2:].min()
 
 
-def impulses_under_pressure(cone: Scene, share: float, friction: float = 0.0) -> Floats:
+def impulses_under_pressure(
+    cone: Scene, share: float, *, friction: float = 0.0, pressure: float = PRESSURE
+) -> Floats:
     """Impulses of one step under a uniform pressure, with so much of its mass left to each point.
 
     They are over the time step, shape [node_count, 2]; the soil flows past as fast as it does.
@@ -163,13 +165,13 @@ def impulses_under_pressure(cone: Scene, share: float, friction: float = 0.0) ->
         cone[SurfaceContact],
         speed=1e9 * friction,
         friction=friction,
-        in_situ_stress=1e9,
+        in_situ_stress=IN_SITU,
         adhesion_forces=0.0 * cone[SurfaceContact].adhesion_forces,
     )
     simulation = Simulation(cone.without(Window, FarField).with_parts(contact))
     simulation.assign("particle.mass", share * simulation.array("particle.mass"))
     pressed = np.zeros((len(simulation.array("particle.mass")), 4))
-    pressed[:, [0, 1, 3]] = -PRESSURE
+    pressed[:, [0, 1, 3]] = -pressure
     simulation.assign("particle.stress", pressed)
     simulation.advance(1)
     impulses: Floats = simulation.array("contact.impulse") / simulation.plan.time_step
@@ -184,10 +186,16 @@ def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene) -> 
         np.testing.assert_allclose(impulses_under_pressure(cone, share)[:, 0], full, rtol=1e-9)
 
 
+def test_soil_pulls_no_more_by_what_the_least_mass_keeps(cone: Scene) -> None:
+    """Than the in-situ stress presses."""
+    pulled = impulses_under_pressure(cone, 0.1, pressure=-1e3 * IN_SITU)[:, 0]
+    np.testing.assert_allclose(pulled, -IN_SITU * cone[SurfaceContact].normal_areas, rtol=1e-9)
+
+
 def test_what_the_least_mass_keeps_rubs_too(cone: Scene) -> None:
     """Friction is by the whole force that presses, however little soil there is."""
     normal, shear = impulses_under_pressure(cone, 0.1, friction=0.3)[1:].T
-    in_situ = 1e9 * cone[SurfaceContact].normal_areas[1:]
+    in_situ = IN_SITU * cone[SurfaceContact].normal_areas[1:]
     np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
 
 
