@@ -81,7 +81,7 @@ class CyclicPenetration(FullFlowPenetrometer):
         meaning="penetration speed over shear wave speed (default: 0.15 / sqrt(Ir))",
     )
     cycle_count: int = parameter(
-        5, "number of cycles, each a penetration and an extraction", minimum=1, maximum=100
+        5, "number of cycles, each a penetration and an extraction", minimum=1, maximum=200
     )
     stroke: float = parameter(8.0, "way from turn to turn over radius", minimum=6, maximum=50)
 
