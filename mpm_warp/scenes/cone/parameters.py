@@ -194,8 +194,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     )
     cells_per_radius: float = parameter(
         None,
-        "cells per cone radius at the cone, about: they are square, and a whole number of them, "
-        "two or more, makes up its height (default: 3; 6 where accuracy is fine, 1.75 where quick; "
+        "cells per cone radius at the cone, about: they are square, and a whole number of "
+        "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick; "
         "where laws of the error take its effect off, below Ir 100 3.46 and, quick, 2.31, and "
         "above Ir 300 2.31)",
         minimum=1,

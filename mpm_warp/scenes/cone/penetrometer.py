@@ -20,8 +20,6 @@ SLEEVE_BEGIN = 10.0 / _RADIUS
 """Height of the lower end of the sleeve above the shoulder, over the radius."""
 SLEEVE_LENGTH = 133.7 / _RADIUS
 """Length of the sleeve over the radius."""
-FEWEST_ROWS = 2
-"""Rows of cells beside the face at least."""
 ROUNDING = 1e-9
 """What an angle may differ by and be the same [rad]."""
 
@@ -44,11 +42,8 @@ class Penetrometer:
         return fraction * self.radius
 
     def rows_on_face(self, cell_size: float) -> int:
-        """Rows of cells beside the face, of the height that is nearest to a size [m], at least two.
-
-        In a single row all flow passes the mean normal of the shoulder: points gather at the tip.
-        """
-        return max(FEWEST_ROWS, round(self.cone_height / cell_size))
+        """Rows of cells beside the face, of the height that is nearest to a size [m]."""
+        return max(1, round(self.cone_height / cell_size))
 
     def fitted_grid(
         self, *, rows_on_face: int, columns: Floats, depth_below: float, height_above: float

@@ -53,13 +53,6 @@ def test_shoulder_has_a_mean_normal_and_the_tip_a_vertical(contact: Penetrometer
     np.testing.assert_allclose(normals[0], [0.0, 1.0], atol=ROUNDING)
 
 
-def test_rows_beside_the_face_are_of_the_size_but_two_at_least() -> None:
-    """In a single row all flow passes the mean normal of the shoulder, and gathers at the tip."""
-    sharp, blunt = (Penetrometer(radius=1.0, apex_angle=math.radians(x)) for x in (60.0, 145.0))
-    assert [sharp.rows_on_face(size) for size in (1.0, 0.35)] == [2, 5]
-    assert [blunt.rows_on_face(size) for size in (1.0, 0.5, 0.1)] == [2, 2, 3]
-
-
 def _uniform_traction(contact: PenetrometerContact, pressure: float) -> Floats:
     """Nodal forces of a uniform normal traction and of full adhesion, but none at the fixed tip."""
     shear = contact.adhesion_forces.copy()
