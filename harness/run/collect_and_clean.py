@@ -77,13 +77,14 @@ def _tell_of_another(path: Path, dataset: xr.Dataset) -> None:
     Two studies whose files have the same name, in two folders, share the file of their results.
     """
     try:
-        before = read_attributes(path).get("title")
+        before = read_attributes(path).get("title", "no title")
     except ArchiveError:
-        return  # there is none, or what is there is no result
+        return  # there is no file, or a damaged one
     if before != dataset.attrs["title"]:
         tell(
-            f'{path}: was of another study, "{before}"; its cases are kept, and `harness collect` '
-            "of it writes its file again; `--out FOLDER` keeps two studies of one name apart"
+            f'{path}: was of a study with another title, "{before}"; its cases are kept, and '
+            "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one name "
+            "apart"
         )
 
 

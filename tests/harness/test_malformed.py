@@ -28,7 +28,7 @@ from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from tests.harness.conftest import Depth, answered
 from tests.harness.interpret.conftest import LAYER, SITE, write_site
-from tests.harness.interpret.test_files import WRITERS, rows_of
+from tests.harness.interpret.written_tests import WRITERS, rows_of
 
 pytestmark = pytest.mark.slow
 

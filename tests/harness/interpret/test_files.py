@@ -1,143 +1,25 @@
-"""Files of cone tests: CSV, GEF, BRO and AGS 4 give the same columns; damaged ones one line."""
+"""Files of cone tests: CSV, GEF, BRO and AGS 4 give the same columns."""
 
-import re
-import time
-from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from harness.interpret.columns import Columns, read_columns
-from harness.interpret.site import load_site
 from harness.study.tables import StudyError
-from tests.harness.conftest import Command, Refusal
-from tests.harness.interpret.conftest import LAYER, SITE, STRENGTH, changed
-
-Row = tuple[float, float, float, float]
-"""Depth [m], qc [MPa], fs [MPa] and u2 [MPa]; not a number where one is missing."""
-
-
-def cells(values: Iterable[float], missing: str) -> list[str]:
-    return [missing if np.isnan(it) else repr(it) for it in values]
-
-
-def as_csv(rows: list[Row]) -> str:
-    lines = [",".join(cells(row, "")) for row in rows]
-    return "\n".join(["depth [m],qc [MPa],fs [MPa],u2 [MPa]", *lines]) + "\n"
-
-
-def as_gef(rows: list[Row]) -> str:
-    """Of release 1.1; the columns in another order, with the length of the rods among them."""
-    data = "\n".join(
-        "; ".join(cells((z + 0.01, u2, z, fs, qc), "-999.0")) + ";!" for z, qc, fs, u2 in rows
-    )
-    voids = "\n".join(f"#COLUMNVOID= {number}, -999.0" for number in range(1, 6))
-    return f"""#GEFID= 1, 1, 0
-#REPORTCODE= GEF-CPT-Report, 1, 1, 2, -
-#COMPANYID= Gr\u00fcndung BV, 1, 31
-#COLUMN= 5
-#COLUMNINFO= 1, m, Sondeerlengte, 1
-#COLUMNINFO= 2, MPa, Waterspanning, 6
-#COLUMNINFO= 3, m, Gecorrigeerde diepte, 11
-#COLUMNINFO= 4, Mpa, Plaatselijke wrijving, 3
-#COLUMNINFO= 5, MPa, Conusweerstand, 2
-{voids}
-#MEASUREMENTVAR= 3, 0.80, -, netto oppervlaktequotient
-#MEASUREMENTVAR= 13, 1.55, m, voorgeboord
-#COLUMNSEPARATOR= ;
-#RECORDSEPARATOR= !
-#LASTSCAN= {len(rows)}
-#EOH=
-{data}
-"""
-
-
-def as_bro(rows: list[Row], name: str = "CPT000000000001") -> str:
-    """The columns in the order of the parameters, those that are not measured among them."""
-    data = ";".join(
-        ",".join(cells((z + 0.01, z, qc, np.nan, fs, u2), "-999999")) for z, qc, fs, u2 in rows
-    )
-    measured = (
-        ("penetrationLength", "ja"),
-        ("depth", "ja"),
-        ("coneResistance", "ja"),
-        ("netConeResistance", "nee"),
-        ("localFriction", "ja"),
-        ("porePressureU2", "ja"),
-    )
-    parameters = "".join(f"<c:{it}>{answer}</c:{it}>" for it, answer in measured)
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<dispatchDataResponse xmlns="http://www.broservices.nl/xsd/dscpt/1.1"
- xmlns:b="http://www.broservices.nl/xsd/brocommon/3.0" xmlns:swe="http://www.opengis.net/swe/2.0"
- xmlns:c="http://www.broservices.nl/xsd/cptcommon/1.1"><dispatchDocument><CPT_O>
-<b:broId>{name}</b:broId><conePenetrometerSurvey>
-<c:trajectory><c:predrilledDepth uom="m">1.55</c:predrilledDepth></c:trajectory>
-<c:conePenetrometer><c:coneSurfaceQuotient>0.80</c:coneSurfaceQuotient></c:conePenetrometer>
-<c:conePenetrationTest><c:cptResult><swe:encoding>
-<swe:TextEncoding decimalSeparator="." tokenSeparator="," blockSeparator=";"/></swe:encoding>
-<c:values>{data}</c:values></c:cptResult></c:conePenetrationTest>
-<c:parameters>{parameters}</c:parameters>
-</conePenetrometerSurvey></CPT_O></dispatchDocument></dispatchDataResponse>
-"""
-
-
-def as_ags(rows: list[Row], *names: str) -> str:
-    """Groups PROJ, SCPG and SCPT of AGS 4.1; the same test at each name."""
-    names = names or ("CPT1",)
-    general = "\n".join(f'"DATA","{it}","1","0.80"' for it in names)
-    data = "\n".join(
-        f'"DATA","{it}","1","{z!r}","' + '","'.join(cells((qc, 1e3 * fs, 1e3 * u2), "")) + '"'
-        for it in names
-        for z, qc, fs, u2 in rows
-    )
-    return f""""GROUP","PROJ"
-"HEADING","PROJ_ID","PROJ_NAME"
-"UNIT","",""
-"TYPE","ID","X"
-"DATA","1","A site, a ""quoted"" one"
-
-"GROUP","SCPG"
-"HEADING","LOCA_ID","SCPG_TESN","SCPG_CAR"
-"UNIT","","",""
-"TYPE","ID","X","2DP"
-{general}
-
-"GROUP","SCPT"
-"HEADING","LOCA_ID","SCPG_TESN","SCPT_DPTH","SCPT_RES","SCPT_FRES","SCPT_PWP2"
-"UNIT","","","m","MN/m2","kN/m2","kN/m2"
-"TYPE","ID","X","2DP","2DP","2DP","2DP"
-{data}
-"""
-
-
-WRITERS: dict[str, Callable[[list[Row]], str]] = {
-    "csv": as_csv,
-    "gef": as_gef,
-    "xml": as_bro,
-    "ags": as_ags,
-}
-
-
-def rows_of(folder: Path) -> list[Row]:
-    """The test of the folder, in which three values are missing."""
-    text = (folder / "test.csv").read_text().splitlines()[1:]
-    found = np.array([[float(it) for it in line.split(",")] for line in text])
-    found[:, 2:] /= 1e3
-    found[[10, 20, 30], [1, 2, 3]] = np.nan
-    return [(z, qc, fs, u2) for z, qc, fs, u2 in found.tolist()]
-
-
-def site_of(folder: Path, kind: str, text: str, *changes: tuple[str, str]) -> Path:
-    """A site file for a test of a kind."""
-    (folder / f"test.{kind}").write_text(text, encoding="latin-1" if kind == "gef" else "utf-8")
-    (folder / "site.toml").write_text(SITE + LAYER)
-    return changed(folder, ('"test.csv"', f'"test.{kind}"'), *changes)
-
-
-def columns_of(path: Path) -> Columns:
-    return read_columns(load_site(path).test)
+from tests.harness.conftest import Command
+from tests.harness.interpret.conftest import STRENGTH, changed
+from tests.harness.interpret.written_tests import (
+    WRITERS,
+    as_ags,
+    as_bro,
+    as_csv,
+    as_gef,
+    cells,
+    columns_of,
+    rows_of,
+    site_of,
+)
 
 
 @pytest.mark.parametrize("kind", WRITERS)
@@ -295,137 +177,3 @@ def test_of_several_soundings_one_is_named(folder: Path) -> None:
     assert len(columns_of(path).values["depth"]) == len(rows_of(folder))
     with pytest.raises(StudyError, match=r"'CPT3/1': is not there.*; has CPT1/1, CPT2/1"):
         columns_of(changed(folder, ("CPT2/1", "CPT3/1")))
-
-
-def replaced(old: str, new: str, count: int = 1) -> Callable[[bytes], bytes]:
-    def damage(content: bytes) -> bytes:
-        assert old.encode() in content, old
-        return content.replace(old.encode(), new.encode(), count)
-
-    return damage
-
-
-def cut_after(text: str) -> Callable[[bytes], bytes]:
-    return lambda content: content[: content.index(text.encode()) + len(text)]
-
-
-BOMB = '<!DOCTYPE a [<!ENTITY a "x"><!ENTITY b "&a;&a;&a;">]><dispatchDataResponse'
-AGS_3 = b'"**SCPT"\n"*HOLE_ID","*SCPT_DPTH"\n"CPT1","1.0"\n'
-DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
-    "empty": ("csv", lambda _: b"", "has no rows below its header"),
-    "header alone": ("csv", cut_after("u2 [MPa]\n"), "has no rows below its header"),
-    "binary": ("csv", lambda it: bytes(range(256)) + it, "null bytes: it is binary"),
-    "UTF-16": ("csv", lambda it: it.decode().encode("utf-16"), "or UTF-16; save it as UTF-8"),
-    "cut in a row": ("csv", cut_after("\n1.3,"), "line 5: has 2 values; must have one for each"),
-    "text": ("csv", replaced("\n1.5,", "\n1.5,n/a"), "line 7, column 'qc [MPa]': 'n/a0."),
-    "comma": (
-        "csv",
-        lambda it: it.replace(b",", b";").replace(b"\n1.5;", b"\n1,5;"),
-        "'1,5' is no number; a number has a point",
-    ),
-    "no column": ("csv", replaced("fs [MPa]", "x [MPa]"), "has no column 'fs'"),
-    "twice": ("csv", replaced("fs [MPa]", "qc [MPa]"), "2 columns may be qc: qc [MPa], qc [MPa]"),
-    "unit of qc": ("csv", replaced("qc [MPa]", "qc [kPa]"), "nowhere above sigma_v0, 2.02e+05 Pa"),
-    "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
-    "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "as missing = [-9999]"),
-    "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),
-    "no u2": ("csv", replaced("u2 [MPa]", "other [MPa]"), "has no u2"),
-    "unknown unit": ("csv", replaced("[MPa]", "[psi]"), "has unit 'psi'; allowed: Pa, kPa, MPa"),
-    "back": ("csv", replaced("\n1.5,", "\n1.3,"), "line 7: depth goes back from 1.4 to 1.3 m"),
-    "no depth": ("csv", replaced("\n1.5,", "\n,"), "line 7: depth is missing"),
-    "code": ("csv", replaced("\n1.5,", "\n1.5,-9.99,0,0\n1.51,"), "belongs under `missing`"),
-    "infinite": ("csv", replaced("\n1.5,", "\n1.5,inf,0,0\n1.51,"), "qc = inf Pa, must be"),
-    "too large": ("csv", lambda it: it + b" " * 20_000_000, "a test has at most 20000000"),
-    "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),
-    "one long cell": ("csv", lambda it: it + b'"' + b"x" * 200_000, "is no table: field larger"),
-    "GEF cut in its header": ("gef", cut_after("#COLUMNVOID"), "is no whole GEF: has no #EOH"),
-    "GEF cut in a row": ("gef", cut_after("\n1.71; 0."), "line 28: has 2 values"),
-    "GEF without rows": ("gef", cut_after("#EOH="), "has no rows of values"),
-    "GEF of a borehole": ("gef", replaced("CPT-Report", "BORE-Report"), "no cone test: GEF-BORE"),
-    "GEF lacks a column": ("gef", replaced("#COLUMNINFO= 2", "#X"), "#COLUMNINFO must be there"),
-    "GEF of levels": ("gef", replaced("; 1.0;", "; -1.0;"), "above the ground; where the file has"),
-    "GEF, area ratio in %": ("gef", replaced(" 0.80,", " 80,"), "area_ratio = 80: must be > 0 and"),
-    "XML cut": ("xml", cut_after("<c:values>"), "is no whole XML: no element found"),
-    "XML with entities": ("xml", replaced("<dispatchDataResponse", BOMB), "has a document type"),
-    "XML of a web page": ("xml", lambda _: b"<html><body/></html>", "has no cone test"),
-    "XML without values": ("xml", replaced("c:values", "c:other", 2), "lacks parameters, Text"),
-    "AGS 3": ("ags", lambda _: AGS_3, "no group SCPT of AGS 4 with HEADING, UNIT and DATA; AGS 3"),
-    "AGS, open quotes": ("ags", lambda it: it + b'"DATA","CPT1', "is no table: unexpected end"),
-    "AGS of two tests": ("ags", replaced('"CPT1","1","1.0"', '"B","1","1.0"'), "has 2 tests: B/1"),
-    "AGS, u2 without values": (
-        "ags",
-        lambda it: re.sub(rb'("DATA","CPT1"(,"[^"]*"){4},)"[^"]*"', rb'\1""', it),
-        "has no u2, which the correction",
-    ),
-    "AGS without units": ("ags", replaced('"m","MN/m2"', '"",""'), "'SCPT_DPTH' has no unit"),
-    "site: no layer": ("toml", cut_after("u2 = 0 }"), "[[layer]] is missing"),
-    "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
-}
-IN_A_SITE_FILE = {
-    "site: a name in a CSV": (
-        "[test]",
-        '[test]\nsounding = "A"',
-        "sounding = 'A': the file has one",
-    ),
-    "site: unit of no column": (
-        "[test]",
-        '[test]\nunits = { inclination = "deg" }',
-        "has no column 'inclination'; units of the site file has it",
-    ),
-    "site: no TOML": ("[test]", "[test", "not valid TOML"),
-    "site: no area ratio": ("area_ratio = 0.8\n", "", "area_ratio: is missing"),
-    "site: upside down": ("to = 10", "to = 1", "must be > 2"),
-    "site: no test": ('"test.csv"', '"none.csv"', "No such file"),
-    "site: huge number": ("= 120", f"= 1{400 * '0'}", "must be a number >= 15"),
-    "site: not a number": ("= 0.4", "= nan", "must be a number >= 0 and <= 1"),
-    "site: a folder": ('"test.csv"', '"."', "is no ordinary file"),
-    "site: a device": ('"test.csv"', '"/dev/zero"', "is no ordinary file"),
-}
-"""A text, what stands there instead, and what is said of it."""
-DAMAGED |= {
-    name: ("toml", replaced(old, new), told) for name, (old, new, told) in IN_A_SITE_FILE.items()
-}
-
-
-@pytest.mark.parametrize("damage", DAMAGED)
-def test_a_damaged_file_is_one_line(folder: Path, damage: str, refusal: Refusal) -> None:
-    """It names the file, and ends the command with 2 within seconds."""
-    kind, harm, problem = DAMAGED[damage]
-    name = "site.toml" if kind == "toml" else f"test.{kind}"
-    table = "csv" if kind == "toml" else kind
-    site_of(folder, table, WRITERS[table](rows_of(folder)))
-    if kind != "csv":
-        changed(folder, ("area_ratio = 0.8", "area_ratio = 0.8" if kind == "toml" else ""))
-    (folder / name).write_bytes(harm((folder / name).read_bytes()))
-    begin = time.process_time()
-    line = refusal(["interpret", str(folder / "site.toml"), "--out", str(folder / "out")])
-    assert time.process_time() - begin < 5.0
-    assert str(folder) in line or "/dev/zero: " in line
-    assert problem in line
-    assert not (folder / "out").exists()
-
-
-@pytest.mark.parametrize("damage", ["no file", "empty", "binary", "GEF cut in its header", "AGS 3"])
-def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
-    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
-) -> None:
-    monkeypatch.chdir(folder)
-    kind, harm, problem = DAMAGED.get(damage, ("gef", None, "cannot be read: No such file"))
-    if harm is not None:
-        site_of(folder, kind, WRITERS[kind](rows_of(folder)))
-        Path(f"test.{kind}").write_bytes(harm(Path(f"test.{kind}").read_bytes()))
-    line = refusal(["new", "mine", "--interpret", f"test.{kind}"])
-    assert line.startswith(f"harness: test.{kind}: ")
-    assert problem in line
-    assert not Path("mine.toml").exists()
-
-
-@pytest.mark.parametrize("damage", ["no column", "twice", "unknown unit", "AGS of two tests"])
-def test_a_new_site_file_is_told_what_it_has_to_name(
-    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    monkeypatch.chdir(folder)
-    kind, harm, problem = DAMAGED[damage]
-    Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(folder)).encode()))
-    assert problem in command("new", "mine", "--interpret", f"test.{kind}").err.splitlines()[0]
-    assert Path("mine.toml").exists()
