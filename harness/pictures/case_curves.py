@@ -5,6 +5,8 @@ pore pressure too. Of cyclic tests there are loops of resistance over depth, and
 cycles. Few of many cases have a label.
 """
 
+import math
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -223,10 +225,10 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     cases = by_case(dataset[[name for name in ("status", *names) if name in dataset]])
     lines, left_out = series_of(dataset, cases[FACTOR].values)
     figure, (loops, factors) = panels(2, width_ratios=(2, 3))
-    for line in lines:
-        _draw_factor(factors, cases.isel(case=line.place), line)
+    fitted = [_draw_factor(factors, cases.isel(case=line.place), line) for line in lines]
     factors.set(xlabel="number of the cycle [-]", ylabel=r"resistance factor $q/s_\mathrm{u}$ [-]")
-    factors.set(xlim=(0.0, None), ylim=(0.0, None))
+    # Where no case softens all values are nearly the same, and margins by their range none.
+    factors.set(xlim=(0.0, None), ylim=(0.0, 1.05 * factors.dataLim.ymax if lines else None))
     kept = {
         place: known[-1] / known[0]
         for place, row in enumerate(cases[FACTOR].values)
@@ -241,16 +243,20 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     loops.set_xlabel(r"resistance over strength $q/s_\mathrm{u}$ [-]")
     loops.set_ylabel(axis_label(dataset, "penetration"))
     loops.invert_yaxis()
-    return captioned(figure, dataset, of_one, "Curves over cycles: fits.", left_out, legend=factors)
+    fits = "Curves over cycles: fits." if any(fitted) else ""
+    return captioned(figure, dataset, of_one, fits, left_out, legend=factors)
 
 
-def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> None:
+def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> bool:
+    """Draw a case over its cycles, and its fit; whether it has one."""
     cycle = case["cycle"].values
     axes.errorbar(cycle, case[FACTOR].values, **line.style, label=line.label, ls="", ms=4)
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
-    if np.isfinite(fit.cycles):
+    is_fitted = math.isfinite(fit.cycles)
+    if is_fitted:
         along = np.linspace(0.0, float(cycle[-1]), FINE)
         axes.plot(along, fit.resistance_factor(along), color=line.colour, lw=0.8)
+    return is_fitted
 
 
 def _draw_loops(axes: Axes, case: xr.Dataset) -> None:

@@ -127,3 +127,14 @@ def test_a_case_that_failed_has_no_series(cyclic_tests: xr.Dataset) -> None:
     loops, factors = figure.axes
     assert len(factors.containers) == 1
     assert loops.lines[0].get_xdata()[0] == LEFT[0.5][0]
+
+
+def test_resistance_that_stays_is_within_the_panel_and_no_fit_is_told(
+    cyclic_tests: xr.Dataset,
+) -> None:
+    cyclic_tests["cyclic_resistance_factor"].values[:] = [10.0, 10.001, 10.0, 10.001]
+    softening = cycles_figure(cyclic_tests)
+    plastic = cycles_figure(cyclic_tests.assign(fitted_cycles=np.nan))
+    assert plastic.axes[1].get_ylim()[1] > 10.2
+    captions = [" ".join(it.get_text() for it in one.texts) for one in (softening, plastic)]
+    assert ["fits" in it for it in captions] == [True, False]
