@@ -146,19 +146,21 @@ class DeviceRun:
         self._commands: dict[Launch, list[Any]] = {}
 
     def array(self, name: str) -> NDArray[Any]:
-        """The present values of an array; on a processor writing to them changes the run."""
-        if name in self._seen:
-            return self._seen[name]
-        values: NDArray[Any] = self.arrays[name].numpy()
-        if not self._device.is_cuda:
-            self._seen[name] = values  # asked for often where particles are few
-        return values
+        """The present values of an array; on a processor writing to them changes the run.
+
+        From a GPU they are copied once, until the run goes on: a look asks for many a time.
+        """
+        if name not in self._seen:
+            self._seen[name] = self.arrays[name].numpy()
+        return self._seen[name]
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
         """Give an array other values, or one value everywhere."""
         if not self._device.is_cuda:
             self.array(name)[...] = values
-        elif isinstance(values, float):
+            return
+        self._seen.pop(name, None)
+        if isinstance(values, float):
             self.arrays[name].fill_(values)
         else:
             self.arrays[name].assign(values)
@@ -172,6 +174,9 @@ class DeviceRun:
     @in_turn
     def launch(self, launch: Launch) -> None:
         """Launch one kernel of the plan, all of it, now."""
+        if self._device.is_cuda:
+            for name in launch.arrays:
+                self._seen.pop(name, None)
         if launch not in self._commands:
             shares = share_of(launch, 0, 1, self.plan.share_count)
             self._commands[launch] = [self._command(share) for share in shares]
@@ -186,6 +191,7 @@ class DeviceRun:
         one where several were slower, as on a busy machine.
         """
         if self._device.is_cuda:
+            self._seen.clear()
             self._replay_one_by_one(steps)
             return
         threads = self._choice.choose(min(threads, self.plan.share_count))
