@@ -9,7 +9,7 @@ from mpm_warp.errors import (
     UnknownSceneError,
     WindowOverfull,
 )
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.anisotropic import Anisotropic

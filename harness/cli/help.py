@@ -61,7 +61,6 @@ $ harness run adhesion_factor --set material=von_mises --uncertainty --out von_m
   --workers N: processes, each with a case at a time; default: as many as there are cores, over
     --threads
   --dask ADDRESS: run on the Dask cluster whose scheduler has this address
-  --batch N: cases that a process computes together, to fill a GPU; default: 1
   --snapshots LIST: keep the soil of each case, for `harness view`, at these penetrations over the
     cone radius, as 5,10
   --uncertainty: measure the uncertainty of each cone or resistance factor by further runs, which

@@ -77,7 +77,6 @@ VALUES: dict[str, dict[str, Any]] = {
     "--device": {"default": "cpu"},
     "new --scene": {"default": "cone_penetration"},
     "run --workers": {"type": positive_count},
-    "run --batch": {"type": positive_count, "default": 1},
     "run --case-timeout": {"type": number("a number > 0"), "default": math.inf},
     "run --memory-limit": {"type": number("> 0, as 8e9 or 8GB", BYTES)},
     "schema of": {"choices": ("study", "site"), "default": "study"},

@@ -67,36 +67,29 @@ def run_cases(
     # Starting this process of multiprocessing unblocks signals that are held: it must come first.
     resource_tracker.ensure_running()
     waiting = deque(cases)
-    alone: deque[Case] = deque()
     workers: list[WorkerProcess] = []
-    ready = list[tuple[WorkerProcess, list[Case]]]()
+    ready = list[tuple[WorkerProcess, Case]]()
 
-    def next_case(queue: deque[Case]) -> Case | None:
-        while queue:
-            case = queue.popleft()
+    def next_case() -> Case | None:
+        while waiting:
+            case = waiting.popleft()
             if not is_complete(folder, case, options.repeats):
                 return case
             watcher.finished(case, Outcome(COMPLETED, "by another run"))
         return None
 
-    def next_cases() -> list[Case]:
-        if case := next_case(alone):
-            return [case]
-        count = min(options.batch, math.ceil(len(waiting) / worker_count))
-        return [case for _ in range(count) if (case := next_case(waiting))]
-
     def hear(worker: WorkerProcess) -> None:
-        for case, news in worker.news():
-            if isinstance(news, float):
-                watcher.advanced(case, news)
-            elif news.status == MISSING:
-                raise ArchiveError(news.message)  # results that cannot be kept need not be computed
-            else:
-                watcher.finished(case, news)
+        news = worker.news()
+        if isinstance(news, float):
+            watcher.advanced(worker.case, news)
+        elif news.status == MISSING:
+            raise ArchiveError(news.message)  # results that cannot be kept need not be computed
+        else:
+            watcher.finished(worker.case, news)
 
     try:
-        while waiting or alone or workers:
-            while len(workers) < worker_count and (following := next_cases()):
+        while waiting or workers:
+            while len(workers) < worker_count and (following := next_case()):
                 workers.append(WorkerProcess(folder, options))
                 ready.append((workers[-1], following))
             # A worker takes the number of threads with its first report, which may come late.
@@ -109,8 +102,7 @@ def run_cases(
                 hear(worker)
                 if worker.is_at_work:
                     continue
-                alone.extend(worker.left.values())
-                following = next_cases() if worker.process.is_alive() else []
+                following = next_case() if worker.process.is_alive() else None
                 if following:
                     ready.append((worker, following))
                 else:
@@ -149,9 +141,8 @@ class WorkerProcess:
     """The parent's end of a worker process.
 
     Attributes:
-        given: cases that it was given to run together.
-        left: those that are not done, by their number among them.
-        is_at_work: whether it is at them.
+        case: that which it was given last.
+        is_at_work: whether it is at it.
     """
 
     def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
@@ -170,14 +161,13 @@ class WorkerProcess:
         # With this copy closed, the end of the worker reads as an end of file.
         theirs.close()
 
-    def begin(self, cases: Sequence[Case]) -> None:
-        """Give the worker cases to run together."""
-        self.given = tuple(cases)
-        self.left = dict(enumerate(cases))
+    def begin(self, case: Case) -> None:
+        """Give the worker a case to run."""
+        self.case = case
         self.is_at_work = True
         self.fraction = 0.0
         self.began = math.inf  # until all is imported, set up and compiled
-        self._send(self.given)
+        self._send(case)
 
     def allow(self, threads: int) -> None:
         """Tell the worker how many threads to use from now on."""
@@ -185,62 +175,52 @@ class WorkerProcess:
             self.threads = threads
             self._send(threads)
 
-    def _send(self, message: tuple[Case, ...] | int) -> None:
+    def _send(self, message: Case | int) -> None:
         with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
             self.connection.send(message)
 
     @property
     def deadline(self) -> float:
-        """When its cases have taken too long, on the monotonic clock [s]."""
-        return self.began + self.options.time_limit * len(self.given)
+        """When its case has taken too long, on the monotonic clock [s]."""
+        return self.began + self.options.time_limit
 
     @property
     def has_news(self) -> bool:
-        """Whether it has something to say, or its cases have taken too long."""
+        """Whether it has something to say, or its case has taken too long."""
         return self.connection.poll() or time.monotonic() >= self.deadline
 
-    def news(self) -> list[tuple[Case, float | Outcome]]:
-        """What the worker has sent, or how its cases ended."""
+    def news(self) -> float | Outcome:
+        """What the worker has sent of its case: the fraction done, or how it ended."""
         if not self.connection.poll():
             assert self.has_news
             end_all([self])
             return self._lost(TIMED_OUT, f"ended after {self.options.time_limit:g} s")
         try:
-            number, news = self.connection.recv()
+            news: float | Outcome | None = self.connection.recv()
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode or 0
             end = signal.Signals(-code).name if code < 0 else f"code {code}"
             return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
-        case = self.given[number]
-        if news is None:
-            return [(case, 0.0)]
+        if news is None:  # the case is taken on
+            return 0.0
         if isinstance(news, float):
             self.fraction = news
             self.began = min(self.began, time.monotonic())
         else:
-            del self.left[number]
-            self.is_at_work = bool(self.left)
-        return [(case, news)]
-
-    def _lost(self, status: str, end: str) -> list[tuple[Case, float | Outcome]]:
-        """How the cases of a dead worker ended; of several, those not done are run again."""
-        self.is_at_work = False
-        news: list[tuple[Case, float | Outcome]] = []
-        for number, case in list(self.left.items()):
-            if is_complete(self.folder, case, self.options.repeats):
-                outcome = Outcome(COMPLETED)  # it wrote the result, and died before it could say so
-            elif len(self.given) == 1:
-                seconds = max(0.0, time.monotonic() - self.began)
-                message = f"{end}, at {self.fraction:.0%} of the case"
-                outcome = Outcome(status, message, seconds=seconds)
-                dataset = xr.Dataset({"case_time": case_time(seconds)})
-                write_case(self.folder, case, dataset, status, message)
-            else:
-                continue
-            del self.left[number]
-            news.append((case, outcome))
+            self.is_at_work = False
         return news
+
+    def _lost(self, status: str, end: str) -> Outcome:
+        """How the case of a dead worker ended."""
+        self.is_at_work = False
+        if is_complete(self.folder, self.case, self.options.repeats):
+            return Outcome(COMPLETED)  # it wrote the result, and died before it could say so
+        seconds = max(0.0, time.monotonic() - self.began)
+        message = f"{end}, at {self.fraction:.0%} of the case"
+        dataset = xr.Dataset({"case_time": case_time(seconds)})
+        write_case(self.folder, self.case, dataset, status, message)
+        return Outcome(status, message, seconds=seconds)
 
 
 def end_all(workers: Sequence[WorkerProcess]) -> None:

@@ -51,10 +51,8 @@ class RunOptions:
         threads: for each case; None: the cases at work share the cores, whose number may be more
             than theirs where there are few, or few left.
         time_limit: time that a case may take [s], from the beginning of its computation; one that
-            takes more is ended. Cases that a process runs together have the sum of theirs.
+            takes more is ended.
         repeats: times to run each case again to measure its run time warm.
-        batch: greatest number of cases that a process runs together. If it dies, or its time is up,
-            those of them that are not done are run again one by one.
         memory_limit: memory that a case may take [byte]; None: most of this machine's.
     """
 
@@ -62,7 +60,6 @@ class RunOptions:
     threads: int | None = None
     time_limit: float = math.inf
     repeats: int = 0
-    batch: int = 1
     memory_limit: float | None = None
 
 
@@ -183,18 +180,16 @@ class Measurement:
         self._started = time.perf_counter()
         self._reset = _reset_peak_memory()
 
-    def seconds(self, idle_time: float = 0.0) -> float:
-        """Wall-clock time since the start [s], without that for which the case stood still."""
-        return time.perf_counter() - self._started - idle_time
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time since the start [s]."""
+        return time.perf_counter() - self._started
 
-    def variables(self, idle_time: float = 0.0) -> dict[str, xr.Variable]:
-        """What was measured up to now, as variables of a case's dataset.
-
-        The time for which the case stood still [s] is left out.
-        """
+    def variables(self) -> dict[str, xr.Variable]:
+        """What was measured up to now, as variables of a case's dataset."""
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
-            "case_time": case_time(self.seconds(idle_time)),
+            "case_time": case_time(self.seconds),
             "peak_memory": variable(
                 _peak_memory(self._reset),
                 unit="byte",
@@ -209,14 +204,6 @@ def case_time(seconds: float) -> xr.Variable:
     """The time of a whole case [s] as a variable of its dataset."""
     meaning = "wall-clock time of the case"
     return variable(seconds, unit="s", meaning=meaning, role=Role.MEASURED)
-
-
-def without_idle_time(dataset: xr.Dataset, idle_time: float) -> xr.Dataset:
-    """The dataset with a run time that leaves out for how long [s] other cases were computed."""
-    if idle_time == 0.0 or "run_time" not in dataset:
-        return dataset
-    run_time = dataset["run_time"]
-    return dataset.assign({"run_time": run_time.copy(data=run_time.values - idle_time)})
 
 
 def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:

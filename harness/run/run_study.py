@@ -126,9 +126,8 @@ def on_this_machine(
     check_device(options.device)
     repeats = study.timing_repeats
     alone = repeats > 0 or any(part.scene.runs_alone for part in study.parts)
-    for option, count in (("--batch", options.batch), ("--workers", worker_count or 1)):
-        if alone and count > 1:
-            raise HarnessError(f"{study.name}: cases are timed one at a time, without {option}")
+    if alone and (worker_count or 1) > 1:
+        raise HarnessError(f"{study.name}: cases are timed one at a time, without --workers")
     workers = 1 if alone else worker_count or cases_at_once(options.threads)
     if repeats:
         tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
@@ -146,7 +145,7 @@ def on_this_machine(
                 options,
                 threads=threads,
                 repeats=repeats,
-                memory_limit=memory / max(1, min(workers * options.batch, len(cases))),
+                memory_limit=memory / max(1, min(workers, len(cases))),
             ),
         )
 

@@ -6,7 +6,6 @@ import sys
 import time
 import traceback
 from dataclasses import dataclass
-from functools import partial
 from math import nan
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -37,10 +36,9 @@ from harness.run.resources import (
     check_memory,
     default_memory_limit,
     with_samples,
-    without_idle_time,
 )
 from harness.study.cases import Case
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp.execution.execution import Execution
 from mpm_warp.scenes import Progress, scene_class
 from mpm_warp.snapshots import Snapshots
 
@@ -99,12 +97,9 @@ def compute(
             f"{spoken(name)} {stated(dataset[name].item(), half_width, reason)}"
             for name in _headlines(dataset)
         )
-    idle_time = execution.idle_time
-    dataset = without_idle_time(dataset, idle_time)
-    dataset = dataset.assign(measurement.variables(idle_time)).assign_attrs(
-        provenance(), device=execution.device, cases_together=execution.case_count
-    )
-    seconds = measurement.seconds(idle_time)
+    dataset = dataset.assign(measurement.variables())
+    dataset = dataset.assign_attrs(provenance(), device=execution.device)
+    seconds = measurement.seconds
     compiling, running = (float(dataset.get(name, 0.0)) for name in ("compile_time", "run_time"))
     outcome = Outcome(
         status,
@@ -144,25 +139,16 @@ def run_case(
 def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
     """Run the cases that come over `connection`, until the other end is gone.
 
-    The parent sends tuples of cases, which are run together, and numbers of threads, which hold
-    from then on, also while cases run. The worker sends pairs: the number of a case in its tuple,
-    and None when the cases are taken on, the fraction done (0 when the computation begins) or, at
-    the end, the :class:`Outcome`. To be called once in a fresh process, because it sets how the
-    process reacts to signals.
+    The parent sends cases, and numbers of threads, which hold from then on, also while a case runs.
+    The worker sends None when a case is taken on, the fraction done (0 when the computation begins)
+    and, at the end, the :class:`Outcome`. To be called once in a fresh process, because it sets how
+    the process reacts to signals.
     """
     # Ctrl-C goes to the whole process group, but it is the parent that decides.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     load_libraries()
-
-    def run(number: int, case: Case, execution: Execution) -> None:
-        reporter = _reporter(connection, number, execution)
-        try:
-            outcome = run_case(case, folder, reporter, execution, options)
-        except ArchiveError as error:
-            outcome = Outcome(MISSING, str(error))
-        connection.send((number, outcome))
 
     threads = 1
     with contextlib.suppress(EOFError, ConnectionError):
@@ -171,13 +157,14 @@ def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
             if isinstance(message, int):
                 threads = message
                 continue
-            connection.send((0, None))
-            if len(message) == 1:
-                execution = Execution(options.device, threads)
-                run(0, message[0], execution)
-            else:
-                execution = batch = Batch(options.device, threads)
-                batch.run([partial(run, *job, batch) for job in enumerate(message)])
+            connection.send(None)
+            execution = Execution(options.device, threads)
+            reporter = _reporter(connection, execution)
+            try:
+                outcome = run_case(message, folder, reporter, execution, options)
+            except ArchiveError as error:
+                outcome = Outcome(MISSING, str(error))
+            connection.send(outcome)
             threads = execution.threads
 
 
@@ -236,7 +223,7 @@ def _run(
     return with_samples(dataset, samples) if samples else dataset
 
 
-def _reporter(connection: Connection, number: int, execution: Execution) -> Progress:
+def _reporter(connection: Connection, execution: Execution) -> Progress:
     """Sends fractions done, now and then, and takes the number of threads that comes back.
 
     It ends the process where nobody listens any more.
@@ -250,7 +237,7 @@ def _reporter(connection: Connection, number: int, execution: Execution) -> Prog
             return
         next_report = now + REPORT_INTERVAL
         try:
-            connection.send((number, fraction))
+            connection.send(fraction)
             while connection.poll():
                 execution.threads = connection.recv()
         except (EOFError, ConnectionError):

@@ -119,16 +119,15 @@ WEIGHT = 0.25
 class DeviceRun:
     """The arrays of a plan on a device, filled, and its launches, compiled and recorded.
 
-    The plan is for this run alone. On a GPU steps are taken on the stream, by default that of the
-    device. `compile_time` is the wall-clock time to compile kernels or to load them [s].
+    The plan is for this run alone. `compile_time` is the wall-clock time to compile kernels or to
+    load them [s].
     """
 
     @in_turn
-    def __init__(self, plan: Plan, device: str, stream: wp.Stream | None = None) -> None:
+    def __init__(self, plan: Plan, device: str) -> None:
         self.plan = plan
         self.arrays = {name: array.allocate(device) for name, array in plan.arrays.items()}
         self._device = wp.get_device(device)
-        self._stream = stream
         self._choice = ThreadChoice()
         self._seen: dict[str, NDArray[Any]] = {}
         start = time.perf_counter()
@@ -214,7 +213,7 @@ class DeviceRun:
                     for launch in (audited and self.plan.audited_step) or self.plan.step:
                         self.launch(launch)
                 self._graphs[audited] = capture.graph
-            wp.capture_launch(self._graphs[audited], self._stream)
+            wp.capture_launch(self._graphs[audited])
 
     def _command(self, launch: Launch) -> Any:
         """Warp's recorded command of a launch, or of a share of one."""

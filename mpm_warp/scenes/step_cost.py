@@ -10,7 +10,7 @@ import warp as wp
 import xarray as xr
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.execution import Batch, Execution
+from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
@@ -79,7 +79,7 @@ class StepCost(CatalogueScene):
     """
 
     summary = "speed of the simulator: particle updates per second, by stage"
-    version = 9
+    version = 10
     runs_alone = True
 
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
@@ -89,7 +89,6 @@ class StepCost(CatalogueScene):
         choices=("cone", "plastic", "elastic"),
     )
     threads: int = parameter(1, "threads of the processor", choices=THREAD_COUNTS)
-    cases: int = parameter(1, "cases that are computed together", minimum=1, maximum=10_000)
     samples: int = parameter(7, "timed samples", minimum=1, maximum=1000)
     sample_time: float = parameter(0.3, "time of a sample, about", unit="s", above=0, maximum=100)
 
@@ -103,9 +102,9 @@ class StepCost(CatalogueScene):
         return cone
 
     def run_size(self) -> RunSize:
-        """Of all cases that are computed together, and the one that threads are compared with."""
+        """Of the case, and of the one that threads are compared with."""
         one = self.cone().run_size()
-        count = self.cases + (1 if self.cases == 1 and self.threads > 1 else 0)
+        count = 2 if self.threads > 1 else 1
         return RunSize(cell_count=count * one.cell_count, particle_count=count * one.particle_count)
 
     def build(self) -> Scene:
@@ -121,28 +120,15 @@ class StepCost(CatalogueScene):
         return dataclasses.replace(soil, material=elastic)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """Time the steps of a case, or of several together, on the device of the execution."""
+        """Time the steps of a case on the device of the execution."""
         device = "cpu" if execution is None else execution.device
-        if self.cases == 1:
-            return self.record(self._stirred(Execution(device, self.threads)), progress)
-        batch, results = Batch(device, self.threads), list[xr.Dataset]()
-
-        def measure() -> None:
-            results.append(self.record(self._stirred(batch), progress))
-
-        def accompany() -> None:
-            case = self._stirred(batch)
-            while not results:
-                case.advance(LEAST_STEPS)
-
-        batch.run([measure] + [accompany] * (self.cases - 1))
-        return results[0]
+        return self.record(self._stirred(Execution(device, self.threads)), progress)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """The speed of a case, or of all that go along with it step by step."""
+        """The speed of the case, beside that of one on one thread where it has several."""
         # The speed of a machine changes from second to second: so that two speeds can be compared,
         # each sample is followed by one on one thread.
-        alone = self._stirred(Execution()) if self.cases == 1 < self.threads else None
+        alone = self._stirred(Execution()) if self.threads > 1 else None
         progress(0.0)
         step_count = steps_within(simulation, self.sample_time)
         if alone is not None:
@@ -150,13 +136,13 @@ class StepCost(CatalogueScene):
         rates, gains = [], []
         for number in range(self.samples):
             _, rate = sample(simulation, step_count)
-            rates.append(self.cases * rate)
+            rates.append(rate)
             if alone is not None:
                 gains.append(rate / sample(alone, step_count)[1])
             progress((number + 1) / self.samples)
         simulation.check()
         per_second = "particle updates per second"
-        of_samples = "of all cases together; median of the samples"
+        of_samples = "median of the samples"
         byte_count = sum(array.byte_count for array in simulation.plan.arrays.values())
         per_point = byte_count / simulation.plan.particle_count
         result = labelled(
@@ -173,7 +159,7 @@ class StepCost(CatalogueScene):
             beside = "each sample beside one of one thread right after it; median"
             gain = float(np.median(gains)), "1", "times as fast as on one thread", beside
             result |= labelled(thread_gain=gain)
-        elif self.cases == 1:
+        else:
             times = stage_times(simulation, CLOCKED_STEPS)
             result["stage"] = xr.Variable("stage", list(times))
             taken = 1e9 * np.array(list(times.values())) / simulation.particle_count

@@ -116,7 +116,7 @@ def test_any_study_is_read_or_refused_in_one_line(study: dict[str, Any], tmp_pat
         | st.sampled_from(
             [
                 *("--out", "--set", "--workers", "--threads", "--tolerance", "--error", "--help"),
-                *("--yes", "--memory-limit", "--batch", "-o", "penetration=1", "a=[", "=", "8GB"),
+                *("--yes", "--memory-limit", "-o", "penetration=1", "a=[", "=", "8GB"),
                 *("no.nc", "no.toml", "page.html", "1%"),
             ]
         ),

@@ -5,7 +5,6 @@ import re
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,8 @@ import pytest
 import warp as wp
 
 import mpm_warp
-from mpm_warp import Batch, Execution, History, ParameterError, Scene, SceneError
+from harness.run.verify import Check, checks_of, quick
+from mpm_warp import Execution, History, ParameterError, Scene, SceneError, Simulation
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
@@ -84,12 +84,39 @@ def test_every_kernel_compiles_for_a_gpu(kernels: set[wp.Kernel], tmp_path: Path
 
 
 @pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
-def test_a_gpu_gives_the_cone_factors_of_the_processor_alone_and_in_a_batch() -> None:
-    given = {"cells_per_radius": 2, "penetration": 16}
-    cones = [ConePenetration(**given, adhesion_factor=factor) for factor in (0.0, 0.5, 1.0)]
-    batch = Batch(GPU)
-    expected = [float(it.run().cone_factor) for it in cones]
-    alone = [float(it.run(execution=Execution(GPU)).cone_factor) for it in cones]
-    together = batch.run([partial(it.run, execution=batch) for it in cones])
-    np.testing.assert_allclose(alone, expected, rtol=0.001)
-    np.testing.assert_allclose([float(it.cone_factor) for it in together], expected, rtol=0.001)
+def test_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
+    """The same sums are added in another order, as a rounding of each step."""
+    for factor in (0.0, 0.5, 1.0):
+        cone = ConePenetration(cells_per_radius=2, penetration=16, adhesion_factor=factor)
+        expected = float(cone.run().cone_factor)
+        result = float(cone.run(execution=Execution(GPU)).cone_factor)
+        np.testing.assert_allclose(result, expected, rtol=1e-9)
+
+
+@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+def test_what_is_read_from_a_gpu_is_what_it_has() -> None:
+    """After steps, values given and a launch; what was read before is not read again."""
+    cone = ConePenetration(cells_per_radius=2).build()
+    simulation = Simulation(cone, Execution(GPU))
+    names = list(simulation.arrays)
+
+    def assert_read() -> None:
+        for name in names:
+            np.testing.assert_array_equal(simulation.array(name), simulation.arrays[name].numpy())
+
+    for change in (
+        lambda: simulation.advance(20),
+        lambda: simulation.assign("particle.velocity", 0.0),
+        lambda: simulation.launch(simulation.plan.step[0]),
+    ):
+        assert_read()
+        change()
+        assert_read()
+
+
+@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+@pytest.mark.parametrize("check", quick(checks_of()), ids=lambda it: it.scene)
+def test_scenes_on_a_gpu_are_within_their_bounds(check: Check) -> None:
+    result = check.runs[-1].run(execution=Execution(GPU))
+    for name, bound in check.verification.bounds.items():
+        assert float(result[name]) <= bound

@@ -45,11 +45,10 @@ def run(options: argparse.Namespace) -> int:
     if options.dask is not None and options.case_timeout < math.inf:
         raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
     if options.dask is not None and (
-        options.threads or options.device != "cpu" or options.batch > 1 or options.memory_limit
+        options.threads or options.device != "cpu" or options.memory_limit
     ):
         raise HarnessError(
-            "--threads, --device, --batch and --memory-limit are of this machine; leave them out "
-            "with --dask"
+            "--threads, --device and --memory-limit are of this machine; leave them out with --dask"
         )
     study = load_study(options.study, options.set)
     if options.uncertainty:
@@ -67,7 +66,6 @@ def run(options: argparse.Namespace) -> int:
                 device=options.device,
                 threads=options.threads,
                 time_limit=options.case_timeout,
-                batch=options.batch,
                 memory_limit=options.memory_limit,
             ),
         )

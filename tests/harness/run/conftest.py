@@ -76,12 +76,10 @@ SLOW = ["adhesion_factor=0", "penetration=5"]
 
 @pytest.fixture(scope="session")
 def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Their kernels are there, for a case alone and for two together: to compile takes time too."""
-    for batch in (1, 2):
-        folder = tmp_path_factory.mktemp("compiled")
-        settings = [*SLOW, "speed_ratio=[0.03, 0.04]"]
-        study = study_in(folder, dedent(SMALL), *settings, name="small")
-        run_cases(study.cases, prepared(study, folder), 1, Record(), RunOptions(batch=batch))
+    """Their kernels are there: to compile takes time too."""
+    folder = tmp_path_factory.mktemp("compiled")
+    study = study_in(folder, dedent(SMALL), *SLOW, "speed_ratio=0.03", name="small")
+    run_cases(study.cases, prepared(study, folder), 1, Record())
 
 
 @pytest.fixture

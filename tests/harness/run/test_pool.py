@@ -6,7 +6,7 @@ import os
 import re
 import signal
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from textwrap import dedent
 from typing import NoReturn
@@ -17,7 +17,6 @@ import xarray as xr
 
 from harness.archive import case_files
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import Outcome, case_folder
 from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT
 from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
@@ -26,7 +25,7 @@ from harness.run.pool import WorkerProcess, cases_at_once, end_all, run_cases, s
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import DONE, SMALL, prepared, study_in
+from tests.harness.conftest import DONE, SMALL, study_in
 
 from .conftest import Record, kill_workers, run
 
@@ -48,7 +47,6 @@ def one(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
         (2, RunOptions()),
         (1, RunOptions(threads=1)),
         (1, RunOptions(threads=2)),
-        (1, RunOptions(batch=10)),
     ],
 )
 def test_every_case_is_run_once_and_has_the_same_bits(
@@ -61,8 +59,6 @@ def test_every_case_is_run_once_and_has_the_same_bits(
     assert differing(one, dataset) == []
     assert (dataset.case_time >= dataset.run_time).all()
     assert not multiprocessing.active_children()
-    together = 3 if options.batch > 1 else 1
-    assert run_together(case_folder(tmp_path, small), small.cases) == [together] * 3
 
 
 @pytest.fixture
@@ -72,17 +68,11 @@ def begun(folder: Path, small: Study) -> Iterator[Begun]:
 
     def made(options: RunOptions = DEFAULTS) -> WorkerProcess:
         workers.append(WorkerProcess(folder, options))
-        workers[-1].begin(small.cases[:1])
+        workers[-1].begin(small.cases[0])
         return workers[-1]
 
     yield made
     end_all(workers)
-
-
-def run_together(folder: Path, cases: Iterable[Case]) -> list[int]:
-    """How many cases each of some was run with, itself among them."""
-    kept = [case_files.read_case(folder, case) for case in cases]
-    return [it.attrs["cases_together"] for it in kept if it is not None]
 
 
 def test_a_case_has_its_threads_from_the_first_step_on(
@@ -91,13 +81,13 @@ def test_a_case_has_its_threads_from_the_first_step_on(
     sent = []
     send = WorkerProcess._send
 
-    def noted(worker: WorkerProcess, message: tuple[Case, ...] | int) -> None:
+    def noted(worker: WorkerProcess, message: Case | int) -> None:
         sent.append(message)
         send(worker, message)
 
     monkeypatch.setattr(WorkerProcess, "_send", noted)
     run_cases(small.cases, folder, 1, Record(), RunOptions(threads=2))
-    assert sent == [2, *((case,) for case in small.cases)]
+    assert sent == [2, *small.cases]
 
 
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -224,10 +214,10 @@ def test_the_time_of_a_case_begins_with_its_computation(begun: Begun, small: Stu
     """Not when the worker has taken it on: it imports, sets up and compiles first."""
     worker = begun(RunOptions(time_limit=1.0))
     worker.connection.poll(60)
-    assert worker.news() == [(small.cases[0], 0.0)]
+    assert worker.news() == 0.0
     assert worker.deadline == math.inf
     worker.connection.poll(60)
-    assert worker.news() == [(small.cases[0], 0.0)]
+    assert worker.news() == 0.0
     assert worker.deadline <= time.monotonic() + 1.0
 
 
@@ -254,57 +244,7 @@ def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
     """What is at work may have a file half-written, and is told to end by a signal it can catch."""
     busy, idle = begun(), WorkerProcess(folder)
     busy.connection.poll(60)
-    assert busy.news() == [(small.cases[0], 0.0)]
+    assert busy.news() == 0.0
     end_all([busy, idle])
     assert busy.process.exitcode == 128 + signal.SIGTERM
     assert idle.process.exitcode == -signal.SIGKILL
-
-
-def test_a_batch_leaves_no_worker_without_a_case(folder: Path, small: Study) -> None:
-    run_cases(small.cases, folder, 2, Record(), RunOptions(batch=10))
-    assert run_together(folder, small.cases) == [2, 2, 1]
-
-
-def test_the_death_of_a_worker_at_many_cases_takes_none_of_those_that_can_be_run_alone(
-    tmp_path: Path, small_file: Path
-) -> None:
-    study = load_study(str(small_file), ["adhesion_factor=[0, 1]", "penetration=[1, 20]"])
-    folder = prepared(study, tmp_path)
-
-    class Killer(Record):
-        """Kills the first worker as soon as a case is done."""
-
-        def finished(self, case: Case, outcome: Outcome) -> None:
-            super().finished(case, outcome)
-            if len(self.outcomes) == 1:
-                kill_workers()
-
-    record = Killer()
-    run_cases(study.cases, folder, 1, record, RunOptions(batch=4))
-    assert record.statuses(study.cases) == [COMPLETED] * 4
-    assert set(run_together(folder, study.cases)) == {1, 4}
-
-
-def test_a_case_that_takes_too_long_does_not_end_those_it_is_run_with(
-    long_and_short: tuple[Path, Case, Case],
-) -> None:
-    folder, long, short = long_and_short
-    record = Record()
-    run_cases([long, short], folder, 1, record, RunOptions(time_limit=4, batch=2))
-    assert record.statuses([long, short]) == [TIMED_OUT, COMPLETED]
-
-
-def test_a_death_in_a_batch_is_laid_on_the_case_that_causes_it_alone(
-    tmp_path: Path, small_file: Path
-) -> None:
-    study = load_study(str(small_file), ["adhesion_factor=0", "penetration=[200, 1, 2]"])
-    folder = prepared(study, tmp_path)
-
-    def kill(case: Case, fraction: float) -> None:
-        """Kill each worker that has come on with the long case."""
-        if case == study.cases[0] and fraction > 0:
-            kill_workers()
-
-    record = Record(kill)
-    run_cases(study.cases, folder, 1, record, RunOptions(batch=3))
-    assert record.statuses(study.cases) == [CRASHED, COMPLETED, COMPLETED]

@@ -29,12 +29,11 @@ TIMED = "[timing]\nrepeats = 3\n"
 @pytest.mark.parametrize(
     ("more", "options", "expected"),
     [
-        ("", "", {"worker_count": 8, "threads": None, "batch": 1, "repeats": 0}),
+        ("", "", {"worker_count": 8, "threads": None, "repeats": 0}),
         ("", "--threads=2", {"worker_count": 4, "threads": 2}),
         ("", "--workers=3 --threads=2", {"worker_count": 3, "threads": 2}),
-        ("", "--batch=5", {"worker_count": 8, "threads": None, "batch": 5}),
         ("", "--case-timeout=7 --device=cuda:1", {"time_limit": 7, "device": "cuda:1"}),
-        (TIMED, "", {"worker_count": 1, "threads": 1, "batch": 1, "repeats": 3}),
+        (TIMED, "", {"worker_count": 1, "threads": 1, "repeats": 3}),
         (TIMED, "--workers=1 --threads=2", {"worker_count": 1, "threads": 2}),
     ],
 )

@@ -1,13 +1,11 @@
 """Bars: struck against the exact shock, and drawn out, less than in `harness verify --extreme`."""
 
 import math
-from functools import partial
 
 import numpy as np
 import pytest
 
 from mpm_warp.bodies.body import critical_time_step
-from mpm_warp.execution.execution import Batch
 from mpm_warp.plan.plan import SLACK
 from mpm_warp.scenes.elastic import stretched_bar
 from mpm_warp.scenes.elastic.impact import TRAVEL, Impact, Shock, StruckBar, StruckColumn
@@ -62,17 +60,3 @@ def test_a_bar_that_is_drawn_out_takes_shorter_steps_and_no_more_than_it_needs()
     np.testing.assert_allclose(
         result.stretch_exact[-1], 3.0, rtol=2.0 * first / bar.duration * np.log(3.0) * 3.0
     )
-
-
-def test_bars_together_each_keep_their_own_time_step() -> None:
-    bars = [StretchedBar(stretch=stretch, cell_count=2) for stretch in (1.5, 2.0, 1.5)]
-    batch, together = Batch(), {}
-
-    def run(number: int) -> None:
-        together[number] = bars[number].run(execution=batch)
-
-    batch.run([partial(run, number) for number in range(len(bars))])
-    for number, bar in enumerate(bars):
-        alone = bar.run()
-        for name in ("time_step", "step_count", "stretch", "stress_greatest"):
-            np.testing.assert_array_equal(together[number][name], alone[name])
