@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 import xarray as xr
 
+from mpm_warp.errors import SceneError
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.elasticity import LinearElastic
@@ -120,8 +121,10 @@ class StepCost(CatalogueScene):
         return dataclasses.replace(soil, material=elastic)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """Time the steps of a case on the device of the execution."""
+        """Time the steps of a case on the device of the execution; `SceneError` on threads of a GPU."""
         device = "cpu" if execution is None else execution.device
+        if device != "cpu" and self.threads > 1:
+            raise SceneError(f"threads = {self.threads} must be 1 on a GPU")
         return self.record(self._stirred(Execution(device, self.threads)), progress)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
