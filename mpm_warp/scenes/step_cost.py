@@ -121,7 +121,7 @@ class StepCost(CatalogueScene):
         return dataclasses.replace(soil, material=elastic)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """Time the steps of a case on the device of the execution; `SceneError` on threads of a GPU."""
+        """Time the steps of a case on the device of the execution; of a GPU on one thread alone."""
         device = "cpu" if execution is None else execution.device
         if device != "cpu" and self.threads > 1:
             raise SceneError(f"threads = {self.threads} must be 1 on a GPU")
