@@ -20,6 +20,8 @@ else:
 
     def __getattr__(name: str) -> object:
         """A public name, and the simulator with it."""
+        if name == "__all__":  # of `from mpm_warp import *`
+            return __dir__()
         missing = f"module {__name__!r} has no attribute {name!r}"
         # Python asks for names of its own, and for those of modules before it imports them.
         if name.startswith("_") or find_spec(f"{__name__}.{name}") is not None:

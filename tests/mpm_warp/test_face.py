@@ -31,6 +31,11 @@ def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:
     }
 
 
+def test_all_of_it_can_be_imported_at_once() -> None:
+    done = run("from mpm_warp import *; print(*(name for name in dir() if name[0] != '_'))")
+    assert done.stdout.split() == dir(mpm_warp)
+
+
 def test_each_public_name_is_typed_documented_and_that_of_its_class() -> None:
     for name in dir(mpm_warp):
         value = getattr(mpm_warp, name)
