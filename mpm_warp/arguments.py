@@ -64,6 +64,8 @@ def check_number(
     error: type[ValueError] = SceneError,
 ) -> None:
     """Check that a value is a finite number within a range."""
+    if isinstance(value, np.generic):
+        value = value.item()  # of few digits, it could not be compared with all limits
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
@@ -184,9 +186,9 @@ def check_array(
         raise error(
             f"{name} has shape {values.shape}, must have ({wanted}{',' * (len(shape) < 2)})"
         )
-    if values.size and not allowed.holds(values.min(), values.max()):
+    if values.size and not allowed.holds(values.min().item(), values.max().item()):
         places = np.ndindex(values.shape)
-        worst = next(place for place in places if not allowed.holds(values[place], values[place]))
+        worst = next(it for it in places if not allowed.holds(*2 * [values[it].item()]))
         place = ", ".join(map(str, worst))
         check_number(f"{name}[{place}]", values[worst].item(), allowed, error=error)
 

@@ -16,6 +16,8 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from mpm_warp.aliases import SCENES, what_to_give
 from mpm_warp.arguments import FINITE, Range
 from mpm_warp.errors import ParameterError
@@ -92,6 +94,8 @@ class Parameter:
     def _converted(self, value: object) -> Value | None:
         if isinstance(value, bool):
             return value if self.kind is bool else None
+        if isinstance(value, np.generic):
+            value = value.item()
         if self.kind is float and isinstance(value, (int, float)):
             return float(value) if abs(value) < 1e300 else None
         if self.kind is int and isinstance(value, float) and value.is_integer():

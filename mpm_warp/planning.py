@@ -6,6 +6,7 @@ by their kind, or by an array that such a part adds.
 
 import functools
 
+from mpm_warp.errors import SceneError
 from mpm_warp.materials.yield_check import add_yield_check
 from mpm_warp.parts.free_surface import FreeSurface, PassingSurface
 from mpm_warp.parts.interpolation import (
@@ -70,6 +71,7 @@ def make_soil_plan(
         window.fill_spare_slots(plan, scene)
     for part in scene.parts:
         part.add_to_points(plan, scene)
+    _check_points(plan)
 
     add_particles_to_grid(plan, grid, has_empty_slots=window is not None)
     add_cell_stress(plan, scene)
@@ -94,6 +96,17 @@ def make_soil_plan(
     for part in scene.parts:
         part.add_records(plan, scene)
     return plan
+
+
+def _check_points(plan: Plan) -> None:
+    """Check that whatever points carry has a place for each slot: kernels run over all of them."""
+    (slots,) = plan.arrays["particle.mass"].shape
+    for name, array in plan.arrays.items():
+        if name.startswith("particle.") and array.shape != (slots,):
+            raise SceneError(
+                f"array {name!r} has shape {array.shape}, must have ({slots},): that of "
+                "'particle.mass', which counts empty slots too"
+            )
 
 
 def has_mass_matrix_correction(scene: Scene) -> bool:

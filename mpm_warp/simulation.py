@@ -60,6 +60,7 @@ class Simulation:
         self.step_count = 0
         self.particle_updates = 0
         self._first_step_at: float | None = None
+        self._is_torn = False  # left within steps, as by Ctrl-C: its parts are not of one time
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
         # They hold the run, not this: a run that is over then lets go of its arrays at once.
@@ -140,8 +141,11 @@ class Simulation:
 
         Raises:
             ValueError: `step_count` is not an integer of 0 to 10**12.
+            RuntimeError: steps were interrupted before, as by Ctrl-C.
         """
         check_whole("step_count", step_count, STEP_COUNTS, error=ValueError)
+        if self._is_torn:
+            raise RuntimeError("the run was interrupted in its steps and cannot go on: begin anew")
         if self._first_step_at is None:
             self._first_step_at = time.perf_counter()
         last = self.step_count + step_count
@@ -152,14 +156,23 @@ class Simulation:
                 self._watch.prepare()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             block = min([block, *(actor.steps_ahead for actor in self._between_steps)])
-            steps = range(self.step_count, self.step_count + block)
-            self._run.replay(steps, self._execution.threads)
-            self.step_count += block
-            self.particle_updates += block * self.particle_count
-            if is_watched:
-                self.check()
-            for actor in self._between_steps:
-                actor.act()
+            self._is_torn = True
+            try:
+                self._take(block, is_watched=is_watched)
+            except SimulationDiverged:
+                self._is_torn = False
+                raise
+            self._is_torn = False
+
+    def _take(self, block: int, *, is_watched: bool) -> None:
+        steps = range(self.step_count, self.step_count + block)
+        self._run.replay(steps, self._execution.threads)
+        self.step_count += block
+        self.particle_updates += block * self.particle_count
+        if is_watched:
+            self.check()
+        for actor in self._between_steps:
+            actor.act()
 
     def advance_to_step(self, step: float) -> None:
         """Take steps until so many have been taken since the start.

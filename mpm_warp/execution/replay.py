@@ -159,10 +159,11 @@ class DeviceRun:
             self.array(name)[...] = values
             return
         self._seen.pop(name, None)
-        if isinstance(values, float):
-            self.arrays[name].fill_(values)
-        else:
-            self.arrays[name].assign(values)
+        array = self.plan.arrays[name]
+        own = np.empty((*array.shape, *getattr(array.dtype, "_shape_", ())), self.array(name).dtype)
+        own[...] = values
+        self._seen.pop(name)
+        self.arrays[name].assign(own)
 
     def change_time_step(self, changed: Plan) -> None:
         """Go on with the launches of the same plan with another time step."""

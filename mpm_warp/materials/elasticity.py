@@ -15,6 +15,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.arguments import POSITIVE, Range, checked
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, vec2, vec4, vec5, vec7
 from mpm_warp.materials.material import Law, Material
@@ -36,6 +37,19 @@ class Isotropic(Material):
 
     shear_modulus: float = checked(POSITIVE, unit="Pa")
     poissons_ratio: float = checked(Range(minimum=0, below=0.5))
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.variation is not None and self.variation.rows is not None and not self.shape:
+            raise SceneError(
+                f"{type(self).__name__}: variation.rows: stiffness and strength vary by the ratios "
+                "of the variation, and nothing else does"
+            )
+
+    @property
+    def shape(self) -> tuple[float, ...]:
+        """The last of the properties, which are those of the rows where the ground varies."""
+        return ()
 
     @property
     def properties(self) -> tuple[float, ...]:

@@ -20,7 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, checked
+from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
@@ -101,9 +101,13 @@ class Material(Checked, ABC):
             check_own(self)
         except ParameterError as refusal:
             raise SceneError(f"{type(self).__name__}: {refusal}") from None
-        by_ratios = self.variation is not None and self.variation.rows is None
-        if by_ratios and type(self).properties_at is Material.properties_at:
-            raise SceneError(f"{type(self).__name__} has no properties that vary by place")
+        if self.variation is None:
+            return
+        name, rows = type(self).__name__, self.variation.rows
+        if rows is None and type(self).properties_at is Material.properties_at:
+            raise SceneError(f"{name} has no properties that vary by place")
+        for number, row in enumerate(rows or ()):
+            check_kind(f"{name}: variation.rows[{number}]", row, type(self))
 
     # The law on the device.
 

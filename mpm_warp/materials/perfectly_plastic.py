@@ -39,11 +39,6 @@ class UndrainedClay(Isotropic):
     strength: float = checked(POSITIVE, unit="Pa")
 
     @property
-    def shape(self) -> tuple[float, ...]:
-        """Numbers of the yield surface beside the strength, the last among the properties."""
-        return ()
-
-    @property
     def properties(self) -> tuple[float, ...]:
         """(G, K, su) [Pa]."""
         return (*super().properties, self.strength)

@@ -33,7 +33,8 @@ class Variation(Checked):
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
             dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
         rows: the `Material` at each depth, n of one law, where more varies than these ratios;
-            between depths its properties and its state at rest are linear. None: nothing more does.
+            between depths its properties and its state at rest are linear, with constant moduli its
+            `shape` alone. None: nothing more does.
         horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
             positive, shape [n]; none where it is that of the scene everywhere.
         origin_depth: depth of z = 0 [m].
@@ -52,6 +53,8 @@ class Variation(Checked):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_rising("Variation: depth", self.depth, may_stay=True)
+        if not len(self.depth):
+            raise SceneError("Variation: depth has no rows, must have one or more")
         if self.rows is not None and len(self.rows) != len(self.depth):
             raise SceneError(
                 f"Variation: rows has {len(self.rows)} materials, must have {len(self.depth)}"

@@ -167,7 +167,13 @@ class FarField(Part):
 
     @classmethod
     def around(cls, grid: Grid, material: Material) -> Self:
-        """The medium around all of the grid's outer side."""
+        """The medium around all of the outer side of a grid, which is round and has upright sides.
+
+        Raises:
+            SceneError: the grid has rays, or its strain is plane.
+        """
+        refuse_together("FarField.around", grid.polar, "a grid of rays")
+        refuse_together("FarField.around", grid.planar, "plane strain")
         half_heights = 0.5 * np.diff(grid.rows)
         heights = np.append(half_heights, 0.0) + np.insert(half_heights, 0, 0.0)
         area = grid.outer_radius * heights

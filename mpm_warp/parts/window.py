@@ -108,8 +108,8 @@ class Window(MovingGrid):
         stray_speed: bound on the speed of a point beside that of the soil at it, where the soil
             moves evenly and it is to be closer than that of every window (`mpm_warp.parts.inflow`)
             [m/s], > 0; none by default.
-        spare_fraction: slots for particles beyond those of the full grid, over their number,
-            dimensionless, > 0.
+        spare_fraction: slots for particles beyond those at the start, over their number,
+            dimensionless, > 0; more where soil does not fill the grid at the start.
     """
 
     spare_fraction: float = checked(POSITIVE)

@@ -88,6 +88,12 @@ class ClayScene(CatalogueScene):
         """This scene, with the parameters of all laws that other packages offer beside its own."""
         return _with_laws(cls, loaded_laws())
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What is offered is made where it is asked for, and so where a copy is unpacked.
+        kind = type(self)
+        own = kind.__mro__[1] if "of_other_laws" in vars(kind) else kind
+        return _unpacked, (own, {field.name: getattr(self, field.name) for field in fields(self)})
+
     def __post_init__(self) -> None:
         super().__post_init__()
         self._check_other_laws()
@@ -220,6 +226,10 @@ class ClayScene(CatalogueScene):
             return CRITERIA[self.material](**given)
         own = {name: getattr(self, name, None) for name in self.law.parameters}
         return self.law.make(own, given)
+
+
+def _unpacked(scene: type[ClayScene], values: dict[str, Any]) -> CatalogueScene:
+    return scene.offered()(**values)
 
 
 @functools.cache

@@ -20,6 +20,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from mpm_warp.arguments import check_array
+from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec3, vec4, vec5, zero
@@ -76,13 +78,18 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
     _add_seed(plan, scene, spare_fraction)
     position = plan.initial("particle.position")
     if material.variation is not None:
-        properties = material.properties_at(position)
-        plan.add_array(PROPERTIES, f"vec{properties.shape[-1]}", properties)
+        properties, count = material.properties_at(position), len(material.properties)
+        check_array(f"{type(material).__name__}.properties_at", properties, (len(position), count))
+        plan.add_array(PROPERTIES, f"vec{count}", properties)
         if material.variation.adhesion_ratio is not None:
             plan.add_array(ADHESION_RATIO, "real", material.ratio_at(position, "adhesion_ratio"))
     if material.state:
-        state = material.state_at(plan.initial("particle.stress"), position)
-        plan.add_array("particle.state", f"vec{len(material.state)}", state)
+        state, count = (
+            material.state_at(plan.initial("particle.stress"), position),
+            len(material.state),
+        )
+        check_array(f"{type(material).__name__}.state_at", state, (len(position), count))
+        plan.add_array("particle.state", f"vec{count}", state)
     common = material.law().properties_type(*material.properties)
     plan.given["properties"] = common if material.variation is None else PROPERTIES
 
@@ -92,6 +99,8 @@ def _add_seed(plan: Plan, scene: Scene, spare_fraction: float) -> None:
     grid, density = scene.grid, scene.material.density
     seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     count = plan.particle_count = len(seed.volume)
+    if count == 0:
+        raise SceneError("no material point is in the grid: its ground_level is below the first")
     slots = count + round(spare_fraction * count)
     # Empty slots are at the end of each share, so that all shares have as much to do.
     bounds = share_bounds(count, plan.share_count)

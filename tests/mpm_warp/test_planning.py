@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp.errors import SceneError
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.energy import EnergyAudit
@@ -13,7 +14,7 @@ from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.scene import Scene
+from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes import scene_class, scene_names
 from tests.mpm_warp.conftest import axis_and_ends
 
@@ -118,6 +119,26 @@ def test_sums_have_a_row_for_each_share(floating: Scene) -> None:
         plan = make_plan(floating, share_count=count)
         for name in ("cell.stress_sum", "cell.mass", "node.momentum"):
             assert plan.arrays[name].shape[0] == count
+
+
+class Warmth(Part):
+    """Points that carry a temperature, but empty slots do not."""
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        plan.add_zeros("particle.temperature", "real", plan.particle_count)
+
+
+def test_what_points_carry_has_a_place_for_each_slot(floating: Scene, cone: Scene) -> None:
+    assert make_plan(floating.with_parts(Warmth())).particle_count  # no slot is empty
+    with pytest.raises(SceneError, match=r"'particle.temperature' has shape .* must have"):
+        make_plan(cone.with_parts(Warmth()))
+
+
+def test_a_grid_without_a_point_is_refused(floating: Scene) -> None:
+    level = 0.01 * floating.grid.rows[1]
+    empty = dataclasses.replace(floating.grid, ground_level=level)
+    with pytest.raises(SceneError, match="no material point is in the grid"):
+        make_plan(dataclasses.replace(floating, grid=empty))
 
 
 def test_what_nobody_can_plan_is_a_type_error() -> None:

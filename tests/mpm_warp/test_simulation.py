@@ -1,10 +1,13 @@
 """The time loop, and from a run to its dataset."""
 
+from typing import NoReturn
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from mpm_warp import Samples, Scene, Simulation, SimulationDiverged, WindowOverfull, follow
+from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
 from mpm_warp.sampling import ContactForces, even_steps
@@ -108,6 +111,26 @@ def test_a_run_is_looked_at_before_its_results_are_given(floating: Scene) -> Non
         follow(simulation, [5, 20], reach, [steps_of(simulation)], told.append)
     assert end.value.curves.steps.values.tolist() == [5, 20]
     assert 1.0 not in told
+
+
+def test_a_run_that_was_interrupted_in_its_steps_does_not_go_on(
+    floating: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its threads, or soil that enters, may have stopped anywhere; it can still be looked at."""
+    simulation = Simulation(floating)
+    simulation.advance(5)
+    with monkeypatch.context() as patch:
+        patch.setattr(DeviceRun, "replay", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            simulation.advance(5)
+    with pytest.raises(RuntimeError, match="interrupted in its steps and cannot go on"):
+        simulation.advance(1)
+    assert simulation.step_count == 5
+    assert np.isfinite(simulation.array("particle.position")).all()
+
+
+def interrupted(run: DeviceRun, steps: range, threads: int) -> NoReturn:
+    raise KeyboardInterrupt
 
 
 def test_soil_that_piles_up_ends_the_run_and_leaves_its_curves(cone: Scene) -> None:

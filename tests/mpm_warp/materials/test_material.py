@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SimulationDiverged
+from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.material import Material
@@ -225,3 +225,17 @@ def test_a_material_that_never_yields_has_no_return_and_no_check(floating: Scene
     plan = make_plan(floating)
     assert plan.between_steps == {}
     assert not {"yield.margin", "yield.particle"} & set(plan.arrays)
+
+
+class Misshapen(Recording):
+    """A law that remembers one number for all points."""
+
+    def state_at(self, stress: Floats, place: Floats) -> Floats:
+        return np.zeros(6)
+
+
+def test_what_points_start_with_has_a_row_for_each(floating: Scene) -> None:
+    """Kernels would write beyond it."""
+    own = Misshapen(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
+    with pytest.raises(SceneError, match=r"Misshapen.state_at has shape \(6,\), must have"):
+        make_plan(dataclasses.replace(floating, material=own))

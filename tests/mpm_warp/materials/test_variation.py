@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp import FarField, Scene, SceneError, Simulation, Variation
+from mpm_warp import Anisotropic, FarField, Scene, SceneError, Simulation, Variation
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import PROPERTIES
 from mpm_warp.planning import make_plan
@@ -76,6 +76,32 @@ def test_each_point_yields_at_its_own_strength(cone: Scene) -> None:
     yields = shear > own * (1.0 - 1e-6)
     assert yields[own == 0.5 * 20e3].any()
     assert yields[own > 1.0 * 20e3].any()
+
+
+ANISOTROPIC = Anisotropic(
+    shear_modulus=100.0,
+    poissons_ratio=0.4,
+    density=1.0,
+    strength_compression=1.0,
+    strength_extension=0.7,
+    strength_simple_shear=0.8,
+    strength_horizontal=0.8,
+)
+
+
+def test_materials_of_rows_are_of_one_law_which_has_more_than_ratios(cone: Scene) -> None:
+    clay = cone.material
+    for law, rows, said in (
+        (clay, (clay,) * 4, "Tresca: variation.rows: stiffness and strength vary by the ratios"),
+        (ANISOTROPIC, (clay,) * 4, r"Anisotropic: variation.rows\[0\] = .* must be of type Aniso"),
+        (ANISOTROPIC, (1, 2, 3, 4), r"Anisotropic: variation.rows\[0\] = 1 must be of type Aniso"),
+    ):
+        variation = dataclasses.replace(TWO_LAYERS, rows=rows)
+        with pytest.raises(SceneError, match=said):
+            dataclasses.replace(law, variation=variation)
+    nothing = np.zeros(0)
+    with pytest.raises(SceneError, match="depth has no rows"):
+        Variation(depth=nothing, strength_ratio=nothing, stiffness_ratio=nothing)
 
 
 def test_stress_at_rest_does_not_follow_the_soil(cone: Scene) -> None:

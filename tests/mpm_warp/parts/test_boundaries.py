@@ -164,3 +164,11 @@ def test_nodes_along_lines_of_a_grid_are_held(rectilinear: Grid) -> None:
     np.testing.assert_array_equal(by_name.free, by_mask.free)
     with pytest.raises(SceneError, match="Fixed: line = 'left' must be one of bottom, top, side"):
         Fixed.on(rectilinear, radial=["left"])
+
+
+def test_a_far_field_is_around_a_round_grid_with_upright_sides(
+    rectilinear: Grid, spherical: Scene, elastic: LinearElastic
+) -> None:
+    for grid in (dataclasses.replace(rectilinear, planar=True), spherical.grid):
+        with pytest.raises(SceneError, match=r"FarField.around: not together with"):
+            FarField.around(grid, elastic)

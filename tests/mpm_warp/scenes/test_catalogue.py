@@ -1,6 +1,7 @@
 """The catalogue: which scenes there are, what each gives, and what is left where one diverges."""
 
 import dataclasses
+import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
@@ -149,6 +150,13 @@ def offer(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
         monkeypatch.setattr("mpm_warp.HalfColumn", HalfColumn, raising=False)
 
     return offered
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_scene_can_be_sent_to_another_process(name: str) -> None:
+    scene = scene_class(name)()
+    sent = pickle.loads(pickle.dumps(scene))
+    assert (sent, type(sent)) == (scene, type(scene))
 
 
 def test_a_scene_of_another_package_is_found_and_run(offer: Callable[..., None]) -> None:
