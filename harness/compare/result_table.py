@@ -174,7 +174,9 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
             yield _numbers(dataset, name, form, heading)
     if f"{PRESSURE}_uncertainty" in dataset:
         half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
-        told = zip(over_cases(dataset, PRESSURE), half_widths, strict=True)
+        reasons = over_cases(dataset, f"{PRESSURE}_why_no_uncertainty")
+        why = [it if isinstance(it, str) else "" for it in reasons]
+        told = zip(over_cases(dataset, PRESSURE), half_widths, why, strict=True)
         yield column("u2_over su", (stated(*it) if np.isfinite(it[0]) else MISSING for it in told))
     if "cone_factor_shear" in dataset:
         shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)

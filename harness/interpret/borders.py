@@ -46,6 +46,8 @@ nothing is gained. Of a thin layer, thickness and strength cannot both be told; 
 LEFT = 0.7
 """Half width of what is left of an effect, over the effect, beside the error of the factors: it
 holds 89 % within 15 radii of the borders of `two_layers`, 87 % in thin layers."""
+LEAST_ROWS = 3
+"""Rows above and below a border without which nothing is told of it."""
 BEFORE = {True: 3.0, False: 7.0}
 """Distances above a border from which on it is felt, over the radius, by whether the soil below is
 the stronger: 5 % of the change of resistance is reached, the largest of `two_layers`."""
@@ -96,7 +98,14 @@ def sharpened(depth: Floats, net: Floats, borders: Sequence[float], radius: floa
     """
     there = net > 0.0
     way, logarithm = depth[there] / radius, np.log(net[there])
-    inside = [it / radius for it in borders if (way[:1] < it / radius < way[-1:]).any()]
+    ends = way[LEAST_ROWS - 1 : -LEAST_ROWS]  # a border has rows of both its layers
+    inside = [
+        it / radius
+        for it in borders
+        if ((ends[:1] < it / radius) & (ends[-1:] > it / radius)).any()
+    ]
+    if not inside:
+        return net
     for number, border in enumerate(inside):
         inside[number] = _place(way, logarithm, inside, border)
     sharp = net.copy()

@@ -46,7 +46,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
     radius, depth = site.test.cone_radius, found.depth.values
     rows, soils, ways = [], [], []
     for number, layer in enumerate(site.layers):
-        inside = layer.holds(depth) & (found.reason.values == 0)
+        inside = (site.layer_at(depth) == number) & (found.reason.values == 0)
         # Depths that feel another layer tell of it too, unless their resistance is sharpened.
         own = inside & (found.near_border.values == 0)
         if "sharpened_resistance" in found or not own.any():
@@ -130,8 +130,9 @@ def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
 def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
     """How far the simulated net resistance is from the measured one, a sentence a layer."""
     sentences = []
-    for number, layer in enumerate(site.layers):
-        own = found.misfit[layer.holds(found.depth) & found.misfit.notnull()]
+    in_layer = site.layer_at(found.depth.values)
+    for number in range(len(site.layers)):
+        own = found.misfit[(in_layer == number) & found.misfit.notnull().values]
         if not own.size:
             continue
         worst = own[int(np.argmax(np.abs(own.values)))]

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import Heading, NotNamedError, TestFile, read_file
-from harness.interpret.keys import AXES, TEST_KEYS
+from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.arguments import Range
@@ -99,6 +99,12 @@ def read_columns(test: MeasuredTest) -> Columns:
     if len(file.rows) > MOST_ROWS:
         raise StudyError(f"{path}: has {len(file.rows)} rows; a test has at most {MOST_ROWS}")
     area_ratio, pre_drilled, notes = _of_the_cone(test, file)
+    for number, cells in file.rows:
+        if len(cells) > len(file.headings) and any(cells[len(file.headings) :]):
+            raise StudyError(
+                f"{path}: {file.row} {number}: has {len(cells)} values, the header names "
+                f"{len(file.headings)}; numbers with a decimal comma must be parted by ; or tab"
+            )
     found = columns_in(path, file.headings, test.columns, test.units)
     values = {
         name: size * _numbers(path, file, place, test.missing)
@@ -264,6 +270,11 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
         raise StudyError(
             f"{path}: {places[0]}: depth {depth[0]:g} m is above the ground; where the file has "
             "levels, or depths that are negative downward, give ground_level, 0 for the latter"
+        )
+    if depth[-1] > LARGEST_DEPTH:
+        raise StudyError(
+            f"{path}: {places[-1]}: depth {depth[-1]:g} m must be <= {LARGEST_DEPTH:g}; look at "
+            "its unit"
         )
     before = np.maximum.accumulate(np.concatenate([[-1.0], depth[:-1]]))
     kept, back = depth > before, before - depth

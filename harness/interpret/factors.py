@@ -57,8 +57,9 @@ SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, SLEEVE: 0.05}
 """Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
 the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
 that of u2 is by the law of its error in clay whose strength stays."""
-PRESSURE_CELL = 3.0**0.5 / 5.0
-"""Width of the cells of the second table at the cone, over its radius."""
+PRESSURE_CELL, PRESSURE_SPEED = 3.0**0.5 / 5.0, 0.045
+"""Width of the cells of the second table at the cone, over its radius; speed of its tests over that
+of shear waves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +184,13 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float
             "strength_ratio": table[SLEEVE] / table["adhesion_factor"],
         }
         deviator = table["radial_deviator_factor_shoulder"]
-        correction, half_width = shoulder_error(values, deviator, cell_size=PRESSURE_CELL, **soil)
+        correction, half_width = shoulder_error(
+            values,
+            deviator,
+            cell_size=PRESSURE_CELL,
+            inertia=table["rigidity_index"] * PRESSURE_SPEED**2,
+            **soil,
+        )
         pressure = values + correction
         radial = pressure - deviator_near_shaft(**soil)
         simulated_error = float(np.sqrt(np.mean((half_width / pressure) ** 2)))

@@ -108,7 +108,7 @@ SITE_KEYS: Mapping[str, Key] = {
     ),
     "samples": _integer(
         "how many combinations of the inputs are drawn",
-        Range(minimum=64, maximum=65536),
+        Range(minimum=512, maximum=65536),
         default=2048,
     ),
     "seed": _integer("of their random numbers", Range(minimum=0, maximum=1e9), default=1),
@@ -137,7 +137,8 @@ TEST_KEYS: Mapping[str, Key] = {
         "cross-section of the cone", Range(minimum=1, maximum=100), unit="cm2", default=10.0
     ),
     "water_level": _number(
-        "depth of the ground water, below which its pressure is hydrostatic",
+        "depth of the ground water, below which its pressure is hydrostatic; below 0 water stands "
+        "on the ground, and qc and u2 have its pressure",
         unit="m",
         required=True,
     ),
@@ -145,7 +146,7 @@ TEST_KEYS: Mapping[str, Key] = {
         "water pressure by depth [m], in place of water_level", forms=(Form.BY_DEPTH,), unit="kPa"
     ),
     "unit_weight": Key(
-        "of the ground",
+        "of the ground with its water",
         Range(above=0, maximum=30),
         forms=(Form.INPUT, Form.BY_DEPTH),
         unit="kN/m3",
@@ -185,7 +186,7 @@ LAYER_KEYS: Mapping[str, Key] = {
         default={"mean": 0.1, "deviation": 0.03},
     ),
     "laboratory_rate": Key(
-        "strain rate at which su is wanted",
+        "shear strain rate at which su is wanted",
         Range(minimum=TABLE_RATE, maximum=1e-2),
         forms=(Form.NUMBER, Form.RATE),
         unit="1/s",

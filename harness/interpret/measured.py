@@ -14,6 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from harness.interpret.columns import read_columns
 from harness.interpret.keys import COLUMNS
 from harness.interpret.site import ByDepth, MeasuredTest
+from harness.study.distributions import Input
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves
@@ -24,9 +25,13 @@ CLAY_INDEX = 2.6
 """Ic from which soil behaves as clay (Robertson 2009, as commonly quoted)."""
 BQ_RANGE = -0.3, 1.4
 """Pore pressure ratios between which a test in clay lies."""
+ROUNDING = 1e-6
+"""Of a depth [m]."""
 FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
 """A filter that reads the same within so much [Pa] over such a length [m] is not saturated."""
-USED = "used"
+LEAST_SHARE_ABOVE = 0.5
+"""Share of a test with qt above sigma_v0 below which its unit is asked for."""
+USED, NO_INDEX = "used", "no fs and it may be sand"
 REASONS = (
     USED,
     "pre-drilled",
@@ -36,6 +41,7 @@ REASONS = (
     "not undrained clay",
     "Delta beyond the table",
     "qnet not above 0",
+    NO_INDEX,
 )
 """Why a depth has no strength, by number; the first has one."""
 
@@ -48,27 +54,34 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     """
     read = read_columns(test)
     depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
-    if isinstance(test.water, ByDepth):
-        u0 = np.interp(depth, test.water.depth, test.water.value)
-    else:
-        u0 = WATER * np.maximum(0.0, depth - test.water)
+    u0 = water_pressure(test, depth)
     stress = vertical_stress(test, depth)
     by_u2 = 1.0 - read.area_ratio
     qt = qc + by_u2 * u2 if by_u2 > 0.0 else qc
     qt_error = np.hypot(error_of(test, "qc", qc), by_u2 * np.nan_to_num(error_of(test, "u2", u2)))
     net = qt - stress
-    if not (net > 0.0).any():
+    there = np.isfinite(net) & (depth >= read.pre_drilled)
+    share_above = int(np.sum(net[there] > 0.0)) / max(1, int(np.sum(there)))
+    if share_above < LEAST_SHARE_ABOVE:
         raise StudyError(
-            f"{test.file}: qt is nowhere above sigma_v0, {np.nanmax(stress):.3g} Pa at most; look "
-            "at the unit of qc"
+            f"{test.file}: qt is above sigma_v0, {np.nanmax(stress):.3g} Pa at most, in "
+            f"{share_above:.0%} of the rows; look at the unit of qc"
+        )
+    effective = np.where(depth > 0.0, stress - u0, 1.0)
+    if (effective <= 0.0).any():
+        first = depth[effective <= 0.0][0]
+        raise StudyError(
+            f"{test.where} unit_weight: sigma_v0 is not above u0 from {first:g} m on; it is the "
+            "weight of soil with its water, 14 to 22 kN/m3"
         )
     with np.errstate(invalid="ignore", divide="ignore"):
-        ratio, friction = (u2 - u0) / net, fs / net
-        effective = np.maximum(stress - u0, 1.0)
-        index = np.hypot(3.47 - np.log10(net / effective), 1.22 + np.log10(100.0 * friction))
+        ratio, friction = (u2 - u0) / net, np.where(fs > 0.0, fs / net, np.nan)
+        by_tip = 3.47 - np.log10(net / effective)
+        index = np.hypot(by_tip, 1.22 + np.log10(100.0 * friction))
     reason = np.zeros(len(depth), dtype=np.int8)
     low, high = BQ_RANGE
     drained = (index < CLAY_INDEX) | (ratio < low) | (ratio > high)
+    reason[np.isnan(friction) & (by_tip < CLAY_INDEX)] = REASONS.index(NO_INDEX)
     reason[drained] = REASONS.index("not undrained clay")
     reason[_flat(depth, u2, qc)] = REASONS.index("filter not saturated")
     reason[net <= 0.0] = REASONS.index("qnet not above 0")
@@ -104,26 +117,54 @@ def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:
     return np.maximum(least, share * np.abs(values))
 
 
+def water_pressure(test: MeasuredTest, depth: Floats) -> Floats:
+    """Pressure of the water before [Pa].
+
+    Raises:
+        StudyError: the test goes beyond the depths for which it is given.
+    """
+    if not isinstance(test.water, ByDepth):
+        return WATER * np.maximum(0.0, depth - test.water)
+    first, last = test.water.depth[0], test.water.depth[-1]
+    if first > depth[0] or last < depth[-1]:
+        raise StudyError(
+            f"{test.where} u0: is given from {first:g} to {last:g} m, the test goes from "
+            f"{depth[0]:g} to {depth[-1]:g} m; must be given for all of it"
+        )
+    return np.interp(depth, test.water.depth, test.water.value)
+
+
+def median(weight: Input) -> float:
+    """Unit weight of soil [N/m3] where it is not known exactly."""
+    return float(weight.quantiles(np.array(0.5)))
+
+
 def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
-    """Total vertical stress [Pa], with the median unit weight where that is not known exactly."""
-    weight = test.unit_weight
+    """Total vertical stress [Pa], water that stands on the ground with it, by the median weight."""
+    weight, water = test.unit_weight, test.water
+    if not isinstance(water, ByDepth):
+        above = WATER * max(0.0, -water)
+    else:
+        above = water.value[0] if water.depth[0] == 0.0 else 0.0
     if not isinstance(weight, ByDepth):
-        return float(weight.quantiles(np.array(0.5))) * depth
+        return above + median(weight) * depth
     # Linear between the depths given: fine steps integrate it to rounding of what is known.
     fine = np.linspace(0.0, depth[-1], 4001)
     values = np.interp(fine, weight.depth, weight.value)
     total = cumulative_trapezoid(values, fine, initial=0.0)
-    stress: Floats = np.interp(depth, fine, total)
+    stress: Floats = above + np.interp(depth, fine, total)
     return stress
 
 
 def _flat(depth: Floats, u2: Floats, qc: Floats) -> np.ndarray:
     """Where the pore pressure stays the same over a length in which the resistance does not."""
     flat = np.zeros(len(depth), dtype=bool)
-    ends = np.searchsorted(depth, depth + FLAT_LENGTH)
-    for begin, end in enumerate(ends):
+    after = depth + FLAT_LENGTH - ROUNDING
+    begins = np.flatnonzero(after <= depth[-1])
+    ends = np.searchsorted(depth, after[begins] + 2.0 * ROUNDING, side="right")
+    for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         piece = slice(begin, end)
-        if end < len(depth) and end - begin > 5:
+        if end - begin > 5:
             still = np.ptp(u2[piece]) < FLAT_RANGE and np.ptp(qc[piece]) > 10.0 * FLAT_RANGE
             flat[piece] |= still
     return flat

@@ -21,15 +21,15 @@ GROUND: Mapping[str, tuple[str, str]] = {
 """What a simulation of the ground needs by depth, all at the strain rate of the table; and which
 resistance is taken for that of the ground, without the errors of test, table and model that the
 draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
-FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str, str]]] = {
+FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
     ("depth", "percentile"): {
         "strength": ("Pa", "undrained shear strength su"),
         "resistance_factor": ("1", "resistance factor Nkt = qnet / su"),
     },
     ("depth", "cause"): {"error_share": ("1", "share of the variance of ln su")},
     ("layer", "cause", "percentile"): {
-        "input_before": ("1", "inputs as given"),
-        "input_after": ("1", "inputs by what the test tells of them"),
+        "input_before": (None, "inputs as given, in SI units"),
+        "input_after": (None, "inputs by what the test tells of them, in SI units"),
     },
     ("layer",): {"draws": ("1", "draws that count after weighing")},
     ("depth",): GROUND,
@@ -60,16 +60,18 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
     """What may be quoted, a sentence a layer, with its assumptions."""
-    sentences, measures = [], ", ".join(site.use).replace("_", " ")
-    for layer, told in zip(site.layers, found["layer"].values, strict=True):
-        inside = layer.holds(found.depth)
-        here = inside & (found.reason == 0)
-        if not bool(here.any()):
-            numbers = np.unique(found.reason.values[inside.values]).tolist()
-            why = ", ".join(REASONS[number] for number in numbers) or "the test does not reach it"
+    sentences = []
+    in_layer = site.layer_at(found.depth.values)
+    for place, layer in enumerate(site.layers):
+        told, inside = layer.title, in_layer == place
+        here = inside & (found.reason.values == 0)
+        if not here.any():
+            numbers = np.unique(found.reason.values[inside]).tolist()
+            why = ", ".join(REASONS[number] for number in numbers) or "the test has no row in it"
             sentences.append(f"{told}: no strength; {why}.")
             continue
-        own = found.sel(depth=here)
+        own = found.isel(depth=here)
+        measures = ", ".join(telling(site, own)).replace("_", " ")
         low, middle, high = own.strength.mean("depth").values / 1e3
         factor = own.resistance_factor.mean("depth").values
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
@@ -89,6 +91,16 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
     return sentences
 
 
+def telling(site: Site, own: xr.Dataset) -> list[str]:
+    """What of `use` tells something at depths; sleeve and pore pressure have to be above 0."""
+    above = {
+        "tip": own.net_resistance,
+        "sleeve": own.sleeve_friction,
+        "pore_pressure": own.pore_pressure - own.water_pressure,
+    }
+    return [measure for measure in site.use if bool((above[measure] > 0.0).any())]
+
+
 def rate_in_words(layer: Layer) -> str:
     """The strain rate of a layer's strength, in the unit of laboratories."""
-    return f"{100.0 * 3600.0 * layer.laboratory_rate:.2g} %/h"
+    return f"{100.0 * 3600.0 * layer.laboratory_rate:.6g} %/h"

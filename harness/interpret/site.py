@@ -21,13 +21,15 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+import numpy as np
 
 from harness.interpret import keys
 from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS, Form, Key
 from harness.study.distributions import Input, read_input
 from harness.study.files import read_toml
 from harness.study.tables import StudyError, Table, is_number
+from mpm_warp.grid.fitted import Floats, Integers
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +89,6 @@ class Layer:
     model_error: float
     assumed: tuple[str, ...] = ()
 
-    def holds(self, depth: Any) -> Any:
-        """Whether depths [m] lie in it, element by element."""
-        return (depth >= self.top) & (depth <= self.bottom)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Site:
@@ -109,6 +107,13 @@ class Site:
     use: tuple[str, ...]
     samples: int
     seed: int
+
+    def layer_at(self, depth: Floats) -> Integers:
+        """Number of the layer at depths [m], that below a border on it; -1 in none, shape [n]."""
+        numbers = np.full(len(depth), -1)
+        for number, layer in enumerate(self.layers):
+            numbers[(depth >= layer.top) & (depth <= layer.bottom)] = number
+        return numbers
 
     @property
     def borders(self) -> list[float]:
@@ -133,6 +138,10 @@ def load_site(path: Path) -> Site:
     read = [
         _layer(Table(f"{path}: [[layer]] {n}", layer)) for n, layer in enumerate(layers, start=1)
     ]
+    titles = [layer.title for layer in read]
+    for number, title in enumerate(titles, start=1):
+        if title in titles[: number - 1]:
+            raise StudyError(f"{path}: [[layer]] {number} title = {title!r}: another layer has it")
     for above, below in itertools.pairwise(read):
         if below.top < above.bottom:
             raise StudyError(

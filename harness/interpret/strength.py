@@ -24,7 +24,7 @@ import xarray as xr
 
 from harness.interpret.borders import near_border, without_borders
 from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, Along, at_table_rate, factors
-from harness.interpret.measured import REASONS, error_of, measured
+from harness.interpret.measured import REASONS, error_of, measured, median
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
@@ -100,11 +100,12 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
-    in_layer = np.full(len(depth), -1)
-    for number, layer in enumerate(site.layers):
-        in_layer[layer.holds(depth)] = number
+    in_layer = site.layer_at(depth)
     reason[in_layer < 0] = REASONS.index("no layer")
-    for number in range(len(site.layers)):
+    for number, layer in enumerate(site.layers):
+        if "adhesion_factor" not in layer.inputs:  # the sleeve is to tell it
+            lacking = np.isnan(test.sleeve_friction.values) & (reason == 0)
+            reason[lacking & (in_layer == number)] = REASONS.index("value missing")
         here = np.flatnonzero((in_layer == number) & (reason == 0))
         if not len(here):
             arrays["draws"][number] = 0.0
@@ -155,8 +156,8 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
 
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
     stress = at["vertical_stress"]
-    if WEIGHT in inputs:
-        stress = at["depth"] * inputs[WEIGHT]
+    if not isinstance(weight, ByDepth):
+        stress = stress + at["depth"] * (inputs[WEIGHT] - median(weight))
     qt_error = at["total_resistance_error"] * inputs[MEASUREMENT]
     net = at["total_resistance"] + qt_error - stress
     net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])

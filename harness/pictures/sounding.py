@@ -157,13 +157,14 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
         test.plot(sharp, depth, "k--", lw=0.8, label=text)
     test.set_xlabel("[kPa]")
     here = found.reason.values == 0
-    shown = found.net_resistance.values[here if here.any() else ...]
-    test.set_xlim(0.0, 1.2 * float(np.nanmax(shown)) / KILO)
+    shown = np.array([line.get_xdata() for line in test.get_lines()], dtype=float)
+    test.set_xlim(0.0, 1.05 * float(np.nanmax(shown[:, here] if here.any() else shown)))
     _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
     _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
     if points:
         at, values = np.array(points).T
         strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
+        strength.set_xlim(right=max(strength.get_xlim()[1], 1.05 * float(values.max()) / KILO))
         _legend(strength, 1)
     _shares(shares, found)
     _shade(figure.axes, found)
@@ -257,7 +258,9 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) ->
     low, middle, high = values.T
     axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
     axes.plot(middle, depth, color=colour, lw=1.0)
-    axes.set(xlabel=label, xlim=(0.0, 1.1 * float(np.nanmax(high, initial=1e-9))))
+    axes.set_xlabel(label)
+    if np.isfinite(high).any():
+        axes.set_xlim(0.0, 1.1 * float(np.nanmax(high)))
 
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:

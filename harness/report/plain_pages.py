@@ -96,8 +96,9 @@ def _span(low: float, middle: float, high: float) -> str:
 def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
     """Mean share of each cause in the variance of ln su in each layer, the largest first."""
     used = found.error_share[found.reason == USED]
+    in_layer = site.layer_at(used.depth.values)
     means = xr.concat(
-        [used[layer.holds(used.depth)].mean("depth") for layer in site.layers], "layer"
+        [used[in_layer == number].mean("depth") for number in range(len(site.layers))], "layer"
     ).fillna(0.0)
     total = means.sum("layer")
     rows: Rows = [("cause", *(layer.title for layer in site.layers))]
@@ -111,8 +112,9 @@ def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
 def _left_out(site: Site, found: xr.Dataset) -> Rows:
     """Of each layer and reason how many of its depths have no strength, and where they lie."""
     rows: Rows = [("layer", "why", "depths", "of", "between [m]")]
-    for layer in site.layers:
-        inside = layer.holds(found.depth.values)
+    in_layer = site.layer_at(found.depth.values)
+    for place, layer in enumerate(site.layers):
+        inside = in_layer == place
         for number, why in enumerate(REASONS):
             here = found.depth.values[inside & (found.reason.values == number)]
             if number != USED and len(here):

@@ -33,7 +33,7 @@ from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     APEX_ANGLE,
     LARGEST_CELL,
-    LARGEST_INERTIA,
+    LARGEST_MEASURED_INERTIA,
     LIMIT,
     WIDEST_CELL,
     Condition,
@@ -214,9 +214,9 @@ def _why_not_of_scene(built: Scene) -> list[str]:
 
 def check_measurable(laws: ErrorLaws) -> None:
     """Raise `ParameterError` where no law holds by which further runs can measure the error."""
-    for reason in those_that_hold(laws.why_not_linear()):
+    for reason in those_that_hold(laws.why_not_measurable):
         raise ParameterError(
             "uncertainty",
             f"uncertainty = measured: {reason}; cells at the cone must be <= {LARGEST_CELL:g} of "
-            f"its radius, and rigidity_index speed_ratio^2 <= {LARGEST_INERTIA:g}",
+            f"its radius, and rigidity_index speed_ratio^2 <= {LARGEST_MEASURED_INERTIA:g}",
         )

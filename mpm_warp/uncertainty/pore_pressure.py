@@ -4,7 +4,7 @@ Of the excess pore pressures it is known by laws.
 
 h is the width of the cells at the cone over its radius, F the factor u1 or u2 over su as simulated:
 
-    u1    error  A h          half width  0.7 h, 0.01 F
+    u1    error  A h          half width  0.7 h, 0.01 F, E i
 
 u1 has the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`); that
 of u2 is next to none. The parts of a half width add up as squares. A, and S and D below, follow the
@@ -15,7 +15,7 @@ pressure evens out over such a distance while a cone passes by. With s, the radi
 of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.55 i
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -23,8 +23,10 @@ the shaft; D_l is the deviator in it, close to what yield allows, D_b that of th
 and w is the share of the 0.06 radii that the layer takes. A mesh makes the layer about half a row
 thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
-width. Half widths grow beyond the rigidity indices where they were measured. How all of
-it was measured is in `uncertainty/README.md`.
+width; in very stiff clay nothing is known of u2 then. Half widths grow beyond the rigidity indices
+where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.55 i are
+the most that it was found to do. Nor is anything known where cells grow by more than 0.5. How all
+of it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -96,17 +98,29 @@ NOISE = {"face": 0.006, "shoulder": 0.012}
 BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 0.0}
 BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
+FACE_INERTIA = ((20.0, 100.0, 200.0, 500.0), (0.1, 0.45, 0.45, 0.2))
+"""E over the rigidity index: what i = 0.1 to 2.4 changes of u1, over i."""
+SHOULDER_INERTIA = 0.55
+"""The same of u2: 0.54 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
+LARGEST_GROWTH = 0.5
+"""Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
 
 def face_error(
-    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+    factor: Value,
+    *,
+    cell_size: float,
+    adhesion_factor: Value,
+    rigidity_index: Value,
+    inertia: Value,
 ) -> tuple[Value, Value]:
     """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
     slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
     beyond = FACE_RANGE * _beyond(FACE_INDICES, rigidity_index)
-    return -slope * cell_size, _added(FACE * cell_size, FACE_LEFT * factor, beyond)
+    by_inertia = inertia * np.interp(np.log(rigidity_index), *_over_logarithm(FACE_INERTIA))
+    return -slope * cell_size, _added(FACE * cell_size, FACE_LEFT * factor, beyond, by_inertia)
 
 
 def shoulder_error(
@@ -116,6 +130,7 @@ def shoulder_error(
     cell_size: float,
     adhesion_factor: Value,
     rigidity_index: Value,
+    inertia: Value,
     strength_ratio: Value = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
@@ -126,6 +141,7 @@ def shoulder_error(
         cell_size: width of the cells at the cone over its radius.
         adhesion_factor: of face and shaft, shape [...].
         rigidity_index: shape [...].
+        inertia: rho V^2 / su, shape [...].
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
     """
     slope = _of_table(
@@ -143,6 +159,7 @@ def shoulder_error(
         strength_ratio * share * (1.0 - share) * (beside - in_layer),
         NEAR_SHAFT,
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
+        SHOULDER_INERTIA * inertia,
     )
     return near_shaft - deviator - error, half_width
 
@@ -161,7 +178,7 @@ def _layer(rigidity_index: Value, adhesion_factor: Value) -> tuple[Value, Value,
         LAYER_SHARE, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
     )
     in_layer = np.interp(adhesion_factor, *IN_LAYER)
-    beside = np.interp(np.log(rigidity_index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
+    beside = np.interp(np.log(rigidity_index), *_over_logarithm(BESIDE_LAYER))
     return share, in_layer, beside
 
 
@@ -170,22 +187,23 @@ def stated_pressures(
     *,
     strength: float,
     bounded: float,
-    is_known: bool,
+    why_none: str,
     **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the arguments of `face_error`. Where these laws do not hold (`is_known`) there is
-    no correction, and the uncertainties are not numbers.
+    `of_cone` are the arguments of `face_error`. Where these laws do not hold there is no
+    correction, the uncertainties are not numbers, and `why_none` says why.
     """
     stated = {}
     for place in ("face", "shoulder"):
         name = f"pore_pressure_factor_{place}"
         simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
-        if is_known:
+        why = why_none or (_why_not_at_shoulder(**of_cone) if place == "shoulder" else "")
+        if not why:
             curve = recorded[f"excess_pore_pressure_{place}"].values / strength
             if place == "face":
                 off, of_laws = face_error(factor, **of_cone)
@@ -201,8 +219,10 @@ def stated_pressures(
         stated[f"{name}_uncertainty"] = variable(
             half_width,
             meaning=f"uncertainty of the {spoken}",
-            description="half width, 95 %; not a number where it is not known of the cone factor, "
-            "and where the shaft has another adhesion than the face",
+            description="half width, 95 %; not a number where it is not known",
+        )
+        stated[f"{name}_why_no_uncertainty"] = variable(
+            why, unit=None, meaning=f"why there is no uncertainty of the {spoken}"
         )
         stated[f"{name}_correction"] = variable(
             correction,
@@ -211,6 +231,12 @@ def stated_pressures(
             "the soil within 0.06 radii of the shaft then; 0 where nothing is known",
         )
     return stated
+
+
+def _why_not_at_shoulder(*, cell_size: float, rigidity_index: float, **_: float) -> str:
+    if cell_size > WIDEST and rigidity_index > SHOULDER_INDICES[3]:
+        return f"mesh: above Ir {SHOULDER_INDICES[3]:g} cells of three rows are too wide for u2"
+    return ""
 
 
 def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Variable]:
@@ -240,6 +266,10 @@ def _of_table(
         for row, at in enumerate(table)
     )
     return error
+
+
+def _over_logarithm(table: tuple[Row, Row]) -> tuple[Floats, Row]:
+    return np.log(table[0]), table[1]
 
 
 def _beyond(indices: Row, rigidity_index: Value) -> Value:

@@ -4,8 +4,8 @@ The resistance is corrected by the laws of a cone factor (`laws`), with rigidity
 strength of the soil around the tip. These laws were measured in uniform, perfectly plastic clay.
 Where strain or its rate changes the strength they say nothing, but further runs of cone tests may:
 in uniform clay as the ground is at some depths. Nothing is known while the surface of the ground is
-in the window. Near a border laws and tests are taken as they are. The place of the border is known
-to a cell: half of what a shift by one cell changes is a part of the half width.
+in the window, nor near a border. Strength that changes quickly is known to a cell: half of what a
+shift by one cell changes is a part of the half width.
 """
 
 import math
@@ -95,6 +95,7 @@ def sample_error(
     resistance: Floats,
     shift: Floats,
     surface: Mapping[str, Condition],
+    borders: Mapping[str, Condition],
     why_none: Sequence[str],
     measured: MeasuredError | None = None,
 ) -> SampleError:
@@ -102,9 +103,9 @@ def sample_error(
 
     Of each sample are given the laws, the depth of the tip [m], the mean strength around it and
     what a cell further down changes of that, the net resistance as simulated [Pa], and whether the
-    surface of the ground is in the window, by what is said of it. What is `measured` by further
-    runs is in place of the laws, but for the top of the window: its effect grows on a way that is
-    longer than theirs.
+    surface of the ground is in the window, or a border near, by what is said of it. What is
+    `measured` by further runs is in place of the laws, but for the top of the window: its effect
+    grows on a way that is longer than theirs.
     """
     factor = resistance / around
     if measured is None:
@@ -119,7 +120,8 @@ def sample_error(
     parts |= {"noise": SAMPLE_NOISE, "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:
         parts["surface"] = LEFT_BY_SURFACE * factor * FALLING / np.maximum(FALLING, laws.way)
-    reasons: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method, **surface}
+    told: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method, **borders}
+    reasons = {**told, **surface}
     not_known = np.zeros(depth.shape, dtype=bool)
     for holds in reasons.values():
         not_known |= holds
@@ -129,9 +131,7 @@ def sample_error(
         half_width=np.where(not_known, np.nan, half_width),
         reason="; ".join(
             [
-                *_with_depths(
-                    {reason: reasons[reason] for reason in reasons if reason not in surface}, depth
-                ),
+                *_with_depths(told, depth),
                 *(text for text, holds in surface.items() if np.any(holds)),
             ]
         ),

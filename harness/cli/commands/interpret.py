@@ -141,7 +141,9 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
 
 def read_points(path: Path) -> list[tuple[float, float]]:
     """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
-    reader = csv.DictReader(read_text(path, "a table of strengths").splitlines())
+    lines = read_text(path, "a table of strengths").splitlines()
+    mark = ";" if lines and ";" in lines[0] else ","
+    reader = csv.DictReader(lines, delimiter=mark, skipinitialspace=True)
     try:
         rows, titles = list(reader), reader.fieldnames or ()
     except csv.Error as error:

@@ -104,6 +104,11 @@ class ConeTestByDefault(ConeTest):
         return self.rigidity_index * self.speed_ratio * self.speed_ratio
 
     @property
+    def approach_inertia(self) -> float:
+        """See `FittedToCone`."""
+        return self.rigidity_index * self.approach_speed_ratio**2 if self.approach > 0.0 else 0.0
+
+    @property
     def bounded(self) -> float:
         """What the bound takes off Poisson's ratio."""
         return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)

@@ -88,6 +88,11 @@ class FittedToCone(ConeInGround):
         return max(ratios)
 
     @property
+    def approach_inertia(self) -> float:
+        """Inertia rho V^2 / su of a fast approach; 0 where there is none."""
+        return 0.0
+
+    @property
     def penetrometer(self) -> Penetrometer:
         """The penetrometer."""
         return Penetrometer(radius=self.cone_radius, apex_angle=math.radians(self.apex_angle))
@@ -112,6 +117,8 @@ class FittedToCone(ConeInGround):
             above=self.domain_above,
             below=self.domain_below,
             extent_ratio=self.extent_ratio,
+            above_ratio=self.domain_above / self.default_extents["domain_above"],
+            approach_inertia=self.approach_inertia,
             **of_clay_and_way,
         )
 

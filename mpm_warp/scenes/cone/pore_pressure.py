@@ -33,7 +33,8 @@ from mpm_warp.scenes.cone.penetration import penetration_axis, without_slowing
 from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
-from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
+from mpm_warp.uncertainty.further_runs import REASON
+from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.steadiness import steady_mean
 
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
@@ -131,15 +132,20 @@ def stated_beside_shaft(
     shaft = test.shaft_adhesion_factor
     slips_at_adhesion = test.rate_factor == 0.0 and test.friction_coefficient == 0.0
     is_bounded = slips_at_adhesion and isinstance(material, MEASURED_LAWS)
-    is_known = math.isfinite(results.cone_factor_uncertainty)
+    why_none = str(results[REASON].values)
+    if shaft != test.adhesion_factor:
+        why_none = why_none or "shaft: its adhesion is another than that of the face"
+    if test.cell_growth > LARGEST_GROWTH:
+        why_none = why_none or f"mesh: cell_growth is above {LARGEST_GROWTH:g}"
     return stated_pressures(
         results,
         strength=test.undrained_shear_strength,
         cell_size=test.relative_cell_size,
         adhesion_factor=test.adhesion_factor,
         rigidity_index=test.rigidity_index,
+        inertia=test.inertia,
         bounded=test.bounded,
-        is_known=is_known and shaft == test.adhesion_factor,
+        why_none=why_none,
     ) | stated_sleeve(
         results, remoulded=shaft * test.remoulded_strength_ratio if is_bounded else math.nan
     )

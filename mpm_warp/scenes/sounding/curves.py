@@ -15,8 +15,8 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import DEVIATOR, READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import TOP, top_error
-from mpm_warp.uncertainty.pore_pressure import shoulder_error
+from mpm_warp.uncertainty.laws import TOP, Condition, top_error
+from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
@@ -30,6 +30,8 @@ PRESSURE_NOISE = 0.1
 """Half width of the noise of one sample of u2, over strength."""
 HALF_WIDTH = "half width, 95 %"
 """What an uncertainty is."""
+BORDER = "border: the resistance feels another layer, where nothing was tested"
+"""Why samples have no uncertainty near a jump of the ground."""
 UNDISTURBED = 20
 """Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
 
@@ -109,7 +111,8 @@ def error_of_samples(
         inertia=sounding.dynamic_pressure / around,
         way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
     )
-    surface = {}
+    surface: dict[str, Condition] = {}
+    borders = {BORDER: ground.near_border(depth / radius, radius)}
     if sounding.starts_at_surface:
         passed = sounding.surface_passed
         left = sounding.start_depth + passed
@@ -122,6 +125,7 @@ def error_of_samples(
         resistance=resistance,
         shift=strength_around(depth + cell) - strength_around(depth - cell),
         surface=surface,
+        borders=borders,
         why_none=why_none,
         measured=measured,
     )
@@ -145,11 +149,13 @@ def _pore_pressure(
         cell_size=sounding.relative_cell_size,
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
+        inertia=sounding.dynamic_pressure / strength,
     )
     above = np.maximum(0.0, at_shoulder - READ_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)
     as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
-    is_known = is_known & (sounding.shaft_adhesion_factor == as_rough)
+    is_as_measured = sounding.cell_growth <= LARGEST_GROWTH
+    is_known = is_known & (sounding.shaft_adhesion_factor == as_rough) & is_as_measured
     of_sample = np.hypot(np.hypot(half_width, PRESSURE_NOISE) * strength, change)
     return (
         simulated + np.where(is_known, correction, 0.0) * strength,

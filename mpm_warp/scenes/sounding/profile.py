@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mpm_warp.arguments import FINITE, as_array, in_words
 from mpm_warp.grid.fitted import Floats
@@ -24,6 +25,10 @@ from mpm_warp.scenes.sounding.table import (
     text_of,
 )
 
+ROUNDED = 1e-9
+"""Relative difference of two rows that is none."""
+FELT_BY_STRENGTH, FELT_BY_STIFFNESS = (7.0, 9.0), (10.0, 15.0)
+"""How far above and below a jump it is felt, over the radius of the cone."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
 
@@ -176,6 +181,25 @@ class Profile:
         """The columns that there are, by name."""
         own = {name: getattr(self, name) for name in OWN}
         return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
+
+    def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
+        """Whether the resistance feels a jump of the ground, at depths over a cone's radius, [n].
+
+        A jump of strength alone is felt from 7 radii above it to 9 below, one of the rigidity index
+        from 10 to 15: 5 % of the change of resistance, at the most, in the studies `two_layers` and
+        `two_stiffnesses`.
+        """
+        near = np.zeros(len(way), dtype=bool)
+        index = self.shear_modulus / self.strength
+        for row in np.flatnonzero(np.diff(self.depth) == 0.0):
+            pairs = [values[row : row + 2] for values in self._columns.values()]
+            if all(math.isclose(*pair, rel_tol=ROUNDED) for pair in pairs):
+                continue
+            is_one_index = math.isclose(*index[row : row + 2], rel_tol=ROUNDED)
+            before, behind = FELT_BY_STRENGTH if is_one_index else FELT_BY_STIFFNESS
+            distance = way - self.depth[row] / radius
+            near |= (distance > -before) & (distance < behind)
+        return near
 
     def strength_at(self, depth: Floats) -> Floats:
         """Strength at depths [Pa]."""

@@ -280,18 +280,6 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
 
 
 @pytest.mark.slow
-def test_of_cases_that_are_computed_together_the_table_shows_speed_and_memory_alone(
-    tmp_path: Path, command: Command
-) -> None:
-    settings = ["--set", "physics=elastic", "--set", "threads=[1, 2]", "--set", "cases=[1, 2]"]
-    rows = command("bench", *QUICK, *settings, "--out", tmp_path).out.splitlines()
-    each = {f"threads {threads}, cases {cases}" for threads in (1, 2) for cases in (1, 2)}
-    assert table(rows, SPEED).keys() == table(rows, MEMORY).keys() == each
-    assert all(float(cell.split()[0]) > 0 for cell in table(rows, SPEED).values())
-    assert table(rows, GAIN).keys() == {"threads 2, cases 1"}
-
-
-@pytest.mark.slow
 def test_two_benches_can_be_compared(result: Path, tmp_path: Path, command: Command) -> None:
     command("bench", *QUICK, "--out", tmp_path)
     told = command("compare", result, tmp_path / "bench.nc", "--tolerance", "1e6").out

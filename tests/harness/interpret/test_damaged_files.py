@@ -44,7 +44,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     ),
     "no column": ("csv", replaced("fs [MPa]", "x [MPa]"), "has no column 'fs'"),
     "twice": ("csv", replaced("fs [MPa]", "qc [MPa]"), "2 columns may be qc: qc [MPa], qc [MPa]"),
-    "unit of qc": ("csv", replaced("qc [MPa]", "qc [kPa]"), "nowhere above sigma_v0, 2.02e+05 Pa"),
+    "unit of qc": (
+        "csv",
+        replaced("qc [MPa]", "qc [kPa]"),
+        "qt is above sigma_v0, 2.02e+05 Pa at most, in 0% of",
+    ),
     "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
     "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "as missing = [-9999]"),
     "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),

@@ -58,7 +58,7 @@ REFUSED = {
     "no water": ("water_level = 1.0", "", "water_level: is missing"),
     "K0 and Delta": ("[[layer]]", "[[layer]]\nK0 = 0.5", "says the same"),
     "no such use": ("[test]", 'use = ["tap"]\n[test]', "must be a list of tip, sleeve"),
-    "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer, 64 to 65536"),
+    "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer, 512 to 65536"),
     "rate of what": ("= 1e-6", '= "5 %"', 'must be a text as "5 %/h"'),
     "two points": ("= 1e-6", '= "1.2.3 %/h"', 'must be a text as "5 %/h"'),
     "rate too high": ("= 1e-6", "= 1", "must be >= 1e-06"),

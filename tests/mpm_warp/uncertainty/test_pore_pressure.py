@@ -4,6 +4,7 @@ import csv
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -80,7 +81,11 @@ def over_half_width(
     stated = []
     for rows, reading in readings.items():
         correction, half_width = error(
-            reading, cell_size=math.sqrt(3.0) / rows, adhesion_factor=adhesion, rigidity_index=index
+            reading,
+            cell_size=math.sqrt(3.0) / rows,
+            adhesion_factor=adhesion,
+            rigidity_index=index,
+            inertia=0.0,
         )
         stated.append((reading + float(correction), float(half_width)))
     best, of_best = stated.pop()
@@ -88,7 +93,12 @@ def over_half_width(
 
 
 def radial_error(
-    factor: Value, *, cell_size: float, adhesion_factor: Value, rigidity_index: Value
+    factor: Value,
+    *,
+    cell_size: float,
+    adhesion_factor: Value,
+    rigidity_index: Value,
+    inertia: Value = 0.0,
 ) -> tuple[Value, Value]:
     """Correction of a radial stress, which makes it u2."""
     return shoulder_error(
@@ -97,6 +107,7 @@ def radial_error(
         cell_size=cell_size,
         adhesion_factor=adhesion_factor,
         rigidity_index=rigidity_index,
+        inertia=inertia,
     )
 
 
@@ -151,7 +162,7 @@ def test_without_a_layer_the_first_column_is_as_the_soil_beside_it() -> None:
 
 def test_u2_depends_on_no_deviator_but_that_near_the_shaft() -> None:
     """Of the same radial stress u2 is the same, whatever deviator the cells have."""
-    at = {"cell_size": 0.35, "adhesion_factor": 0.25, "rigidity_index": 100.0}
+    at = {"cell_size": 0.35, "adhesion_factor": 0.25, "rigidity_index": 100.0, "inertia": 0.0}
     values = []
     for deviator in (-1.2, 0.1):
         pressure = 5.6 + deviator
@@ -166,7 +177,7 @@ def test_u1_of_all_meshes_is_one_value(case: str) -> None:
 
 
 def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
-    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0}
+    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0, "inertia": 0.0}
     (whole, _), (half, _) = (
         shoulder_error(4.2, -1.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
     )
@@ -212,11 +223,52 @@ def test_the_error_of_wide_cells_does_not_grow_and_its_half_width_does() -> None
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
     for error, edges in ((face_error, (20.0, 1000.0)), (radial_error, (20.0, 1000.0))):
         indices = np.array([0.25, 0.5, 1.0 - 1e-9, 1.0 + 1e-9, 2.0, 4.0]) * np.array(edges)[:, None]
-        _, (below, above) = error(6.0, cell_size=0.35, adhesion_factor=0.0, rigidity_index=indices)
+        of_cone = {"cell_size": 0.35, "adhesion_factor": 0.0, "inertia": 0.0}
+        _, (below, above) = error(6.0, rigidity_index=indices, **of_cone)
         assert below[0] > below[1] > below[2]
         assert above[3] < above[4] < above[5]
         for half_width in (below, above):
             assert half_width[2] == pytest.approx(half_width[3])
+
+
+INERTIA_OF_U1 = (
+    (22.0, (6.081, 6.059, 6.075, 6.150, 6.258)),
+    (100.0, (9.214, 9.337, 9.417, 9.675, 10.156)),
+    (140.0, (9.925, 10.067, 10.181, 10.424, 10.931)),
+    (500.0, (12.559, 12.600, 12.603, 12.762, 12.938)),
+    (900.0, (13.760, 13.757, 13.836, 13.959, 14.210)),
+)
+INERTIA_OF_U2 = (
+    (22.0, (3.321, 3.204, 3.062, 2.635, 2.083)),
+    (100.0, (4.065, 4.170, 4.341, 3.692, 3.622)),
+    (140.0, (4.697, 4.810, 4.844, 4.336, 4.453)),
+    (500.0, (7.056, 7.321, 7.133, 7.021, 7.820)),
+    (900.0, (9.062, 9.064, 8.746, 8.616, 9.032)),
+)
+"""u1 and u2 at i = 0.1, 0.3, 0.6, 1.2, 2.4 by default, but for the speed; adhesion factor 0.8, 0.4,
+0.35, 0.5, 0.35."""
+
+
+@pytest.mark.parametrize(
+    ("error", "simulated"), [(face_error, INERTIA_OF_U1), (radial_error, INERTIA_OF_U2)]
+)
+def test_what_inertia_changes_is_within_the_half_width(error: Any, simulated: Any) -> None:
+    """Of both runs, at any speed against the slowest."""
+    inertias = np.array([0.1, 0.3, 0.6, 1.2, 2.4])
+    for index, factors in simulated:
+        of_cone = {"cell_size": 0.33, "adhesion_factor": 0.5, "rigidity_index": index}
+        _, half_width = error(np.array(factors), inertia=inertias, **of_cone)
+        change = np.abs(np.array(factors) - factors[0])
+        assert (change <= np.hypot(half_width, half_width[0])).all()
+
+
+def test_in_very_stiff_clay_three_rows_tell_nothing_of_u2() -> None:
+    for index, rows, word in ((250.0, 3, ""), (350.0, 3, "mesh"), (350.0, 4, "")):
+        stated = stated_of(why_none="", rigidity_index=index, cell_size=math.sqrt(3.0) / rows)
+        name = "pore_pressure_factor_shoulder"
+        assert str(stated[f"{name}_why_no_uncertainty"].values).partition(":")[0] == word
+        assert math.isnan(float(stated[f"{name}_uncertainty"].values)) == bool(word)
+        assert math.isfinite(float(stated["pore_pressure_factor_face_uncertainty"].values))
 
 
 @pytest.mark.parametrize("is_known", [True, False])
@@ -225,26 +277,10 @@ def test_stated_pressures(is_known: bool) -> None:
 
     What a bound of Poisson's ratio takes off is another of u1 and u2.
     """
-    curve = ("penetration", np.append(np.full(20, 5.2e4), np.full(20, 5.0e4)))
-    places = ("face", "shoulder")
-    recorded = xr.Dataset(
-        {f"excess_pore_pressure_{it}": curve for it in places}
-        | {f"pore_pressure_factor_{it}": 5.0 for it in places}
-        | {"radial_deviator_shoulder": ("penetration", np.full(40, -4e3))}
-        | {"radial_deviator_factor_shoulder": -0.4}
-    )
-    stated = stated_pressures(
-        recorded,
-        strength=1e4,
-        cell_size=0.2,
-        adhesion_factor=1.0,
-        rigidity_index=100.0,
-        bounded=0.02,
-        is_known=is_known,
-    )
-    at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0}
+    at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.1}
+    stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
     errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at)
-    for place, (of_mesh, of_laws) in zip(places, errors, strict=True):
+    for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
         off = of_mesh + 0.02 * BOUND_EFFECT[place]
         name = f"pore_pressure_factor_{place}"
         value, correction, half_width = (
@@ -255,6 +291,23 @@ def test_stated_pressures(is_known: bool) -> None:
         of_mean = math.hypot(SETTLING * 0.2, 5.0 * NOISE[place])
         expected = math.hypot(of_laws, of_mean, 0.02 * BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
+        why = str(stated[f"{name}_why_no_uncertainty"].values)
+        assert why == ("" if is_known else "law: of one's own")
+
+
+def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
+    """What is stated of a run whose pressures have fallen from 5.2 to 5 su."""
+    curve = ("penetration", np.append(np.full(20, 5.2e4), np.full(20, 5.0e4)))
+    recorded = xr.Dataset(
+        {f"excess_pore_pressure_{it}": curve for it in ("face", "shoulder")}
+        | {f"pore_pressure_factor_{it}": 5.0 for it in ("face", "shoulder")}
+        | {"radial_deviator_shoulder": ("penetration", np.full(40, -4e3))}
+        | {"radial_deviator_factor_shoulder": -0.4}
+    )
+    given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
+    return stated_pressures(
+        recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
+    )
 
 
 def test_what_still_comes_of_u2_is_within_its_half_width() -> None:

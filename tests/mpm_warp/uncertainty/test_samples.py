@@ -1,5 +1,7 @@
 """What is stated of the error of samples in uniform clay: what a cone test there states."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -31,9 +33,16 @@ def stated(sounding: Sounding) -> tuple[float, float]:
 def test_a_smaller_window_is_less_certain(name: str) -> None:
     default = Sounding()
     extent = default.default_extents[name]
-    half = Sounding(**{name: 0.5 * extent})
-    expected = 15.0 * DOMAIN**2  # (2^2)^2 - 1
-    assert stated(half)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected)
+    smaller = Sounding(**{name: 0.75 * extent})
+    expected = (0.75**-4 - 1.0) * DOMAIN**2
+    assert stated(smaller)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.02)
+
+
+def test_a_top_that_is_too_near_leaves_the_error_unknown() -> None:
+    """Off by 1.3 to 2.5 half widths at half of the extent above, at Ir 140 to 900."""
+    extent = Sounding().default_extents["domain_above"]
+    correction, half_width = stated(Sounding(domain_above=0.65 * extent))
+    assert (correction, math.isnan(half_width)) == (0.0, True)
 
 
 def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> None:

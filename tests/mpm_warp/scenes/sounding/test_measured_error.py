@@ -110,7 +110,8 @@ def test_a_sounding_runs_its_tests_and_takes_their_errors(monkeypatch: pytest.Mo
         return measured(round(test.rigidity_index))
 
     monkeypatch.setattr(ConePenetration, "compute", compute)
-    sounding = changed(uncertainty="measured", cells_per_radius=2.31, profile=LAYERS, **SOFTENING)
+    method = {"uncertainty": "measured", "cells_per_radius": 2.31, "speed_ratio": 0.03}
+    sounding = changed(**method, profile=LAYERS, **SOFTENING)
     fractions: list[float] = []
     result = sounding.run(fractions.append)
     assert len(made) == 4
