@@ -60,8 +60,8 @@ SPEED_ERROR = 0.07
 LARGEST_INERTIA, LARGEST_MEASURED_INERTIA = 3.0, 1.0
 """rho V^2 / su up to which the law of the error of the speed holds, and up to which further runs at
 half the speed tell it: it is no straight line, and at 2.9 they left twice their half width open."""
-LARGEST_INERTIA_OF_APPROACH = 25.0
-"""The same of a fast approach: at 17, 22 and 60 Nc was within U, at 35 and 56 not."""
+LARGEST_INERTIA_OF_APPROACH = 20.0
+"""The same of a fast approach: at 17 and 22 Nc was within U, at 35 and 56 not."""
 NEAREST_TOP = 0.7
 """Extent of the window above the shoulder over that by default from which on the effect of the top
 is known: at 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0, at 0.75 random cases were within it."""

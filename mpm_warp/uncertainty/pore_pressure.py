@@ -15,7 +15,7 @@ pressure evens out over such a distance while a cone passes by. With s, the radi
 of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.55 i
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.6 i
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -24,7 +24,7 @@ and w is the share of the 0.06 radii that the layer takes. A mesh makes the laye
 thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u2 then. Half widths grow beyond the rigidity indices
-where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.55 i are
+where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.6 i are
 the most that it was found to do. Nor is anything known where cells grow by more than 0.5. How all
 of it was measured is in `uncertainty/README.md`.
 
@@ -100,8 +100,8 @@ BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
 FACE_INERTIA = ((20.0, 100.0, 200.0, 500.0), (0.1, 0.45, 0.45, 0.2))
 """E over the rigidity index: what i = 0.1 to 2.4 changes of u1, over i."""
-SHOULDER_INERTIA = 0.55
-"""The same of u2: 0.54 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
+SHOULDER_INERTIA = 0.6
+"""The same of u2: 0.6 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8

@@ -248,7 +248,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"speed_ratio": 0.2}, "speed: it is too high"),
         ({"domain_below": 7.0}, "window: its bottom is too near"),
         ({"domain_above": 0.69 * 13.0}, "window: its top is too near"),
-        ({"approach_speed_ratio": 0.52}, "approach: it is too fast"),
+        ({"approach_speed_ratio": 0.5}, "approach: it is too fast"),
         ({"cell_growth": 1.1}, "mesh: cell_growth is above 1"),
         ({"cells_per_radius": 1.2}, "mesh: the cells are too wide"),
         ({"penetration": 14.0}, "settling: soil that the cone has not passed is still beside it"),

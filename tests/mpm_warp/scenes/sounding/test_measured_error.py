@@ -111,16 +111,18 @@ def test_a_sounding_runs_its_tests_and_takes_their_errors(monkeypatch: pytest.Mo
 
     monkeypatch.setattr(ConePenetration, "compute", compute)
     method = {"uncertainty": "measured", "cells_per_radius": 2.31, "speed_ratio": 0.03}
-    sounding = changed(**method, profile=LAYERS, **SOFTENING)
+    sounding = changed(**method, profile=LAYERS, from_depth=12.7, **SOFTENING)
     fractions: list[float] = []
     result = sounding.run(fractions.append)
     assert len(made) == 4
     assert fractions == sorted(fractions)
     assert float(result.uncertainty_run_time) == 9.0
     half_width = result.net_resistance_uncertainty
-    assert np.isfinite(half_width[result.depth < 13.0]).all()
-    assert np.isnan(half_width[result.depth > 13.1]).all()
+    near = (result.depth > 13.0 - 10.0 * sounding.cone_radius) & (result.depth < 13.1)
+    assert np.isfinite(half_width[(result.depth < 13.0) & ~near]).all()
+    assert np.isnan(half_width[near | (result.depth > 13.1)]).all()
     assert str(result.why_no_uncertainty.values).startswith("further runs: it ended early, from ")
+    assert "; border: the resistance feels another layer" in str(result.why_no_uncertainty.values)
 
 
 def test_cells_too_wide_for_the_laws_are_refused() -> None:
