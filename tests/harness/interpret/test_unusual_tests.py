@@ -1,0 +1,161 @@
+"""Tests in unusual ground, and readings that tell nothing: what is given, what is left out, why."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from harness.cli.commands.interpret import read_points
+from harness.interpret.measured import REASONS, WATER
+from harness.interpret.result import in_words
+from harness.interpret.site import load_site
+from harness.interpret.strength import interpret
+from harness.pictures.sounding import interpretation_figure
+from tests.harness.conftest import Refusal
+from tests.harness.interpret.conftest import STRENGTH, changed
+
+LAYER_ENDS = "from = 2\nto = 10"
+ROW = 50
+"""A row within the layer of the site."""
+
+
+def rewritten(folder: Path, column: str, change: object, rows: slice = slice(None)) -> Path:
+    """The site file, when a column of its test has been changed: by what is added, or to a text."""
+    lines = (folder / "test.csv").read_text().splitlines()
+    place = [name.split()[0] for name in lines[0].split(",")].index(column)
+    table = [line.split(",") for line in lines[1:]]
+    for cells in table[rows]:
+        cells[place] = change if isinstance(change, str) else f"{float(cells[place]) + change:.9g}"
+    text = "\n".join([lines[0], *(",".join(cells) for cells in table)])
+    (folder / "test.csv").write_text(text + "\n")
+    return folder / "site.toml"
+
+
+def reasons(found: xr.Dataset) -> list[str]:
+    return [REASONS[number] for number in found.reason.values]
+
+
+def test_water_on_the_ground_weighs_on_it(folder: Path) -> None:
+    """The same ground below 30 m of water, whose pressure qc and u2 then have, is as strong."""
+    on_land = interpret(load_site(changed(folder, ("water_level = 1.0", "water_level = 0"))))
+    sea = 30.0 * WATER / 1e3  # kPa
+    rewritten(folder, "u2", sea)
+    # qt = qc + (1 - a) u2 has all of it, by the part of the cone that no water is behind.
+    rewritten(folder, "qc", 0.8 * sea / 1e3)
+    below = interpret(load_site(changed(folder, ("water_level = 0", "water_level = -30"))))
+    np.testing.assert_allclose(below.net_resistance, on_land.net_resistance, rtol=1e-6)
+    np.testing.assert_allclose(below.strength, on_land.strength, rtol=1e-6)
+    stresses = [it.vertical_stress - it.water_pressure for it in (on_land, below)]
+    np.testing.assert_allclose(*stresses, rtol=1e-6)
+
+
+def test_soil_without_effective_stress_is_refused(folder: Path, refusal: Refusal) -> None:
+    line = refusal(["interpret", str(changed(folder, ("unit_weight = 17", "unit_weight = 8")))])
+    assert "unit_weight: sigma_v0 is not above u0 from 5.5 m on" in line
+
+
+def test_water_pressure_is_given_for_all_of_a_test(folder: Path, refusal: Refusal) -> None:
+    given = "u0 = { depth = [0, 5], value = [0, 49] }"
+    line = refusal(["interpret", str(changed(folder, ("water_level = 1.0", given)))])
+    assert "u0: is given from 0 to 5 m, the test goes from 1 to 11.9 m" in line
+
+
+def test_a_row_on_a_border_is_of_the_lower_layer_alone(folder: Path) -> None:
+    """In the numbers, and where they are counted and averaged."""
+    lower = (folder / "site.toml").read_text().partition("[[layer]]")[2]
+    more = "[[layer]]" + lower.replace("from = 2\nto = 10", "from = 6\nto = 10")
+    path = changed(folder, (LAYER_ENDS, "from = 2\nto = 6"))
+    path.write_text(path.read_text() + more.replace("rate_factor = 0", "rate_factor = 0.1"))
+    site = load_site(path)
+    found = interpret(site)
+    upper, below = in_words(site, found)
+    assert "on average over 40 depths" in upper  # 2.0 to 5.9 m
+    assert "on average over 41 depths" in below
+    row = found.sel(depth=6.0, method="nearest")
+    assert float(row.strength[1] / found.sel(depth=5.9, method="nearest").strength[1]) < 0.9
+
+
+def test_two_layers_have_two_titles(folder: Path, refusal: Refusal) -> None:
+    path = changed(folder, ("from = 2", 'title = "clay"\nfrom = 2'))
+    layer = path.read_text().partition("[[layer]]")[2].replace("to = 10", "to = 11")
+    path.write_text(f"{path.read_text()}[[layer]]{layer.replace('from = 2', 'from = 10')}")
+    line = refusal(["interpret", str(path)])
+    assert "[[layer]] 2 title = 'clay': another layer has it" in line
+
+
+@pytest.mark.parametrize("friction", ["0", "-5", ""])
+def test_what_may_be_sand_by_the_tip_alone_has_no_strength(folder: Path, friction: str) -> None:
+    rewritten(folder, "fs", friction, slice(ROW, None))
+    rewritten(folder, "qc", 10.0, slice(ROW, ROW + 5))
+    found = interpret(load_site(folder / "site.toml"))
+    assert reasons(found)[ROW : ROW + 5] == ["no fs and it may be sand"] * 5
+    assert reasons(found)[ROW + 5 : ROW + 9] == ["used"] * 4  # too weak to be sand
+    assert found.soil_index[ROW:].isnull().all()
+
+
+def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_be_there(folder: Path) -> None:
+    rewritten(folder, "fs", "", slice(ROW, ROW + 1))
+    path = changed(folder, ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"'))
+    found = interpret(load_site(path))
+    assert reasons(found)[ROW - 1 : ROW + 2] == ["used", "value missing", "used"]
+
+
+def test_a_dead_filter_is_told_to_the_last_row(folder: Path) -> None:
+    rewritten(folder, "u2", "120", slice(ROW, None))
+    path = changed(folder, (LAYER_ENDS, "from = 2\nto = 12"))
+    found = interpret(load_site(path))
+    assert set(reasons(found)[ROW:]) == {"filter not saturated"}
+
+
+def test_only_what_tells_something_is_named(folder: Path) -> None:
+    rewritten(folder, "fs", "-1")
+    path = changed(folder, ("[test]", 'use = ["tip", "sleeve", "pore_pressure"]\n[test]'))
+    site = load_site(path)
+    (told,) = in_words(site, interpret(site))
+    assert ", by tip, pore pressure with Nkt" in told
+
+
+def test_rates_are_told_as_they_are_given(folder: Path) -> None:
+    for rate in ("1.25 %/h", "125 %/h"):
+        given = f'laboratory_rate = "{rate}"'
+        now = (folder / "site.toml").read_text().partition("laboratory_rate")[2].splitlines()[0]
+        site = load_site(changed(folder, (f"laboratory_rate{now}", given)))
+        assert f"at {rate})" in in_words(site, interpret(site))[0]
+
+
+def test_a_border_without_rows_on_both_sides_is_not_sharpened(folder: Path) -> None:
+    header, *rows = (folder / "test.csv").read_text().splitlines()
+    for kept in (rows[8:18], rows[10:11]):  # from 1.8 m, two rows above the layer; and one at 2 m
+        (folder / "test.csv").write_text("\n".join([header, *kept]))
+        found = interpret(load_site(folder / "site.toml"), sharpen=True)
+        np.testing.assert_array_equal(found.sharpened_resistance, found.net_resistance)
+
+
+def test_rows_longer_than_the_header_and_depths_in_another_unit_are_refused(
+    folder: Path, refusal: Refusal
+) -> None:
+    text = (folder / "test.csv").read_text()
+    (folder / "test.csv").write_text(text.replace("\n1,", "\n1,0,", 1))
+    line = refusal(["interpret", str(folder / "site.toml")])
+    assert "line 2: has 5 values, the header names 4; numbers with a decimal comma" in line
+    (folder / "test.csv").write_text(text.replace("\n11.9,", "\n11900,", 1))
+    line = refusal(["interpret", str(folder / "site.toml")])
+    assert "depth 11900 m must be <= 1000; look at its unit" in line
+
+
+def test_points_of_a_laboratory_are_all_in_the_picture(folder: Path) -> None:
+    """Read with a blank after the comma too; the panel reaches to the strongest of them."""
+    strongest = 3.0 * float(STRENGTH.max())
+    for mark in (", ", ";", ","):
+        text = f"depth [m]{mark}strength [kPa]\n5{mark}{strongest / 1e3}\n"
+        (folder / "lab.csv").write_text(text)
+        assert read_points(folder / "lab.csv") == [(5.0, pytest.approx(strongest))]
+    found = interpret(load_site(folder / "site.toml"))
+    figure = interpretation_figure(found, [(5.0, strongest)])
+    test, _, strength, _ = figure.axes
+    assert strength.get_xlim()[1] > strongest / 1e3
+    used = found.reason.values == 0
+    assert test.get_xlim()[1] > max(
+        float(line.get_xdata()[used].max()) for line in test.get_lines()
+    )
