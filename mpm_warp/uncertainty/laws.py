@@ -62,7 +62,7 @@ LARGEST_INERTIA, LARGEST_MEASURED_INERTIA = 3.0, 1.0
 half the speed tell it: it is no straight line, and at 2.9 they left twice their half width open."""
 LARGEST_INERTIA_OF_APPROACH = 20.0
 """The same of a fast approach: at 17 and 22 Nc was within U, at 35 and 56 not."""
-NEAREST_TOP = 0.7
+NEAREST_TOP = 0.74
 """Extent of the window above the shoulder over that by default from which on the effect of the top
 is known: at 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0, at 0.75 random cases were within it."""
 LARGEST_GROWTH = 1.0
