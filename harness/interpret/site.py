@@ -205,7 +205,7 @@ def _layer(given: Table) -> Layer:
         )
     # A value that is not used is checked too: it would be wrong as soon as it is.
     inputs = {
-        name: read_input(table, name, key.allowed)
+        name: read_input(table, name, key.allowed, key.choices)
         for name, key in LAYER_KEYS.items()
         if Form.INPUT in key.forms and table.values.get(name) not in (None, *key.choices)
     }
@@ -245,7 +245,8 @@ def _finite(table: Table, key: str, value: object) -> float:
 def _number(table: Table, key: str, known: Mapping[str, Key]) -> float:
     value, allowed = _finite(table, key, table.values[key]), known[key].allowed
     if not allowed.holds(value, value):
-        raise table.refuse(key, f"must be {allowed.allowed}; {known[key].meaning}")
+        told = f"{known[key].meaning}{known[key].in_unit}"
+        raise table.refuse(key, f"must be {allowed.allowed}; {told}")
     return value
 
 

@@ -17,7 +17,7 @@ SciPy takes half a second to load; what has no distributions does not wait for i
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -77,7 +77,7 @@ def is_distribution(value: Mapping[str, Any]) -> bool:
     return any(word in names or re.fullmatch(PERCENTILE, word) for word in value)
 
 
-def read_input(table: Table, key: str, allowed: Range) -> Input:
+def read_input(table: Table, key: str, allowed: Range, words: Sequence[str] = ()) -> Input:
     """An input of a table of a file.
 
     Args:
@@ -85,6 +85,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
         key: its name.
         allowed: the range of what it may be; samples beyond are moved to its bounds, and a
             distribution whose middle is beyond is refused.
+        words: what it may be besides, for the message.
 
     Raises:
         StudyError: it is none of the forms, or not allowed.
@@ -95,7 +96,7 @@ def read_input(table: Table, key: str, allowed: Range) -> Input:
             raise table.refuse(key, f"must be a number {allowed.allowed}")
         return known(float(value))
     if not isinstance(value, dict):
-        raise table.refuse(key, f"must be {HOW}")
+        raise table.refuse(key, f"must be {' or '.join([*words, HOW])}")
     for name, entry in value.items():
         if name != "shape" and not is_number(entry):
             raise table.refuse(key, f"{name} must be a number")

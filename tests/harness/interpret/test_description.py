@@ -50,7 +50,12 @@ REFUSED = {
     ),
     "one percentile": ("= 120", "= { p10 = 50 }", "must be a number, { low, high }"),
     "a text": ("= 120", '= "stiff"', "must be a number, { low, high }"),
-    "a depth above": ("from = 2", "from = -2", "must be >= 0; depth of its top"),
+    "by the tip": (
+        "adhesion_factor = 0.4",
+        'adhesion_factor = "tip"',
+        "must be sleeve or a number",
+    ),
+    "a depth above": ("from = 2", "from = -2", "must be >= 0; depth of its top [m]"),
     "sleeve of another key": ("= 120", '= "sleeve"', "must be a number, { low, high }"),
     "no such class": ("accuracy = {", 'accuracy = "class 7" # {', "must be one of class 1"),
     "half the errors": (", u2 = 0 }", " }", "must have qc, fs and u2"),
