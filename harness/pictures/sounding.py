@@ -200,10 +200,13 @@ def check_figure(found: xr.Dataset) -> Figure:
 def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
     figure, (test, strength) = panels(2, TALL, sharey=True)
+    titles = [one.attrs["title"] for one in found]
     for place, one in enumerate(map(_broken, found)):
+        title, site = titles[place], one.attrs["site"]
+        name = title if titles.count(title) == 1 else f"{title} ({site})"
         colour = series_colour(place, max(len(found), 2))
         own = one.net_resistance.where(one.reason == 0) / KILO
-        test.plot(own, one.depth, color=colour, lw=0.8, label=one.attrs["title"])
+        test.plot(own, one.depth, color=colour, lw=0.8, label=name)
         _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
     test.set_xlabel(f"{MEASURED['net_resistance']} [kPa]")
     strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")

@@ -142,7 +142,7 @@ def interpreted(title: str = "A site") -> xr.Dataset:
             "near_border": ("depth", (np.abs(depth - 8.0) < 0.35).astype(np.int8)),
         },
         {"depth": depth, "percentile": [5.0, 50.0, 95.0], "cause": ["test", "model"]},
-        {"title": title},
+        {"title": title, "site": f"site_{title}"},
     )
 
 
@@ -163,6 +163,8 @@ def test_several_tests_have_a_line_and_a_band_each() -> None:
     figure = soundings_figure([interpreted("one"), interpreted("two")])
     test, strength = figure.axes
     assert texts(test.get_legend().get_texts()) == ["one", "two"]
+    alike = soundings_figure([interpreted("one"), interpreted("one")]).axes[0]
+    assert texts(alike.get_legend().get_texts()) == ["one (site_one)"] * 2
     assert len(strength.get_lines()) == len(strength.collections) == 2
     assert len({line.get_color() for line in strength.get_lines()}) == 2
 
