@@ -142,9 +142,11 @@ def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> list[str]:
     """The reasons that hold somewhere, and from where to where."""
     told = []
     for reason, holds in reasons.items():
-        where = depth[np.broadcast_to(holds, depth.shape)]
-        if where.size == depth.size:
+        there = np.broadcast_to(holds, depth.shape)
+        edges = np.flatnonzero(np.diff(there, prepend=False, append=False))
+        spans = [f"{depth[a]:.4g} to {depth[b - 1]:.4g}" for a, b in edges.reshape(-1, 2)]
+        if there.all():
             told.append(reason)
-        elif where.size:
-            told.append(f"{reason}, from {where[0]:.4g} to {where[-1]:.4g} m")
+        elif spans:
+            told.append(f"{reason}, from {' and '.join(spans)} m")
     return told

@@ -75,6 +75,8 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
     reasons = reasons_of(dataset)
     words, (_, _, sentence) = words_of(reasons), next(filter(None, reasons), "").partition(": ")
+    if len(set(filter(None, reasons))) > 1:  # each with depths of its own
+        sentence = sentence.partition(", from ")[0]
     where = "Where there is none" if are_shown else "There are no half widths:"
     why = f" the error is not known: {words}" if words else ""
     if sentence and "," not in words:  # there is room for the whole of one reason

@@ -84,6 +84,25 @@ def test_beyond_the_anisotropy_measured_the_reason_is_told_with_its_depths() -> 
     assert error.reason == reason
 
 
+@pytest.mark.parametrize(("index", "before", "behind"), [(100, 7.0, 9.0), (50, 10.0, 15.0)])
+def test_near_borders_nothing_is_known_and_the_depths_are_told(
+    index: float, before: float, behind: float
+) -> None:
+    """Stiffness acts from farther away than strength; two equal rows are no border."""
+    upper = "0, 10, 100; 6, 10, 100; 6, 10, 100; 8, 10, 100"
+    lower = f"8, 30, {index}; 9, 30, {index}; 9, 10, {index}"
+    head = "depth [m], strength [kPa], rigidity_index [1]"
+    sounding = Sounding(profile=f"{head}; {upper}; {lower}", from_depth=5.0)
+    radius = sounding.cone_radius
+    places = np.concatenate([[6.0], *(b + radius * np.arange(-14.5, 20.0) for b in (8.0, 9.0))])
+    error = error_of_samples(sounding, places, np.full(len(places), FACTOR * 20e3))
+    way = (places - 8.0) / radius
+    near = (way > -before) & (way < behind)
+    np.testing.assert_array_equal(np.isnan(error.half_width)[places < 8.5], near[places < 8.5])
+    assert error.reason.startswith("border: the resistance feels another layer")
+    assert error.reason.count(" to ") == 2
+
+
 def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None:
     """K0 0.6, 16 kN/m3, water to the surface: Delta is 0.5 at 2.2 m, and 0.75 at 20 m."""
     depth = np.linspace(0.0, 25.0, 101)
