@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scene import Scene
@@ -38,8 +39,9 @@ class SampleError:
     """The error of samples."""
 
     # what is to be added to the resistance, over the mean strength around the tip, dimensionless, 0
-    # where nothing is known; shape [n]
+    # where no law holds; near a border that of uniform ground, so that the curve has no jump; [n]
     correction: Floats
+    is_corrected: NDArray[np.bool_]  # whether a law holds, shape [n]
     half_width: Floats  # of 95 % [Pa], NaN where nothing is known; shape [n]
     reason: str  # why nothing is known of some samples, as "word: sentence", with their depths; ""
 
@@ -120,22 +122,27 @@ def sample_error(
     parts |= {"noise": SAMPLE_NOISE, "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:
         parts["surface"] = LEFT_BY_SURFACE * factor * FALLING / np.maximum(FALLING, laws.way)
-    told: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method, **borders}
-    reasons = {**told, **surface}
-    not_known = np.zeros(depth.shape, dtype=bool)
-    for holds in reasons.values():
-        not_known |= holds
+    of_laws: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method}
+    no_law = _any_of({**of_laws, **surface}, depth)
     half_width = around * np.sqrt(sum(np.square(part) for part in parts.values()))
     return SampleError(
-        correction=np.where(not_known, 0.0, correction),
-        half_width=np.where(not_known, np.nan, half_width),
+        correction=np.where(no_law, 0.0, correction),
+        is_corrected=~no_law,
+        half_width=np.where(no_law | _any_of(borders, depth), np.nan, half_width),
         reason="; ".join(
             [
-                *_with_depths(told, depth),
+                *_with_depths({**of_laws, **borders}, depth),
                 *(text for text, holds in surface.items() if np.any(holds)),
             ]
         ),
     )
+
+
+def _any_of(conditions: Mapping[str, Condition], depth: Floats) -> NDArray[np.bool_]:
+    """Where one of the conditions holds, shape [n]."""
+    each = [np.broadcast_to(holds, depth.shape) for holds in conditions.values()]
+    found: NDArray[np.bool_] = np.logical_or.reduce([np.zeros(depth.shape, dtype=bool), *each])
+    return found
 
 
 def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> list[str]:

@@ -57,8 +57,9 @@ def sounding_curves(
     simulated = given.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
     net, of_net = simulated + error.correction * around, error.half_width
-    by_laws = np.isfinite(of_net) & (measured is None)
+    by_laws = error.is_corrected & (measured is None)
     u2, of_u2 = _pore_pressure(sounding, depth, given, by_laws)
+    of_u2[np.isnan(of_net)] = np.nan
     at_depth = "when the tip is at the depth"
     corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
