@@ -77,13 +77,7 @@ def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: f
         adhesion_factor=adhesion_factor,
         shaft_adhesion_factor=of_shaft,
     )
-    count = sounding.lead_count + len(sounding.samples)
-    names = ("penetration_resistance", "sleeve_friction", "contact_share")
-    simulated = dict.fromkeys((*names, "excess_pore_pressure_shoulder"), 5e4)
-    simulated["radial_deviator_shoulder"] = -1e4
-    recorded = xr.Dataset({it: ("penetration", np.full(count, v)) for it, v in simulated.items()})
-    found = sounding_curves(sounding, recorded, [])
-    pressure, half_width = found.excess_pore_pressure, found.excess_pore_pressure_uncertainty
+    pressure, half_width = u2_of(sounding)
     if of_shaft != adhesion_factor:
         assert half_width.isnull().all()
         np.testing.assert_array_equal(pressure, 5e4)
@@ -101,6 +95,26 @@ def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: f
     near = half_width.sel(depth=slice(12.95, 13.1))
     assert near.isnull().all()
     assert np.isfinite(half_width[-1])
+
+
+def test_u2_is_less_certain_where_the_strength_changes_quickly() -> None:
+    """Within 5 cm, which is no border: the shoulder is below, the soil that is read is not."""
+    steep = f"{HEAD}; 0, 10; 13, 10; 13.05, 30; 20, 30"
+    sounding = Sounding(profile=steep, from_depth=12.7, to_depth=13.4, adhesion_factor=0.5)
+    _, half_width = u2_of(sounding)
+    assert float(half_width.sel(depth=13.09, method="nearest")) > 5e4 * (1.0 - 15.0 / 30.0)
+    assert float(half_width[-1]) < 2e4
+
+
+def u2_of(sounding: Sounding) -> tuple[xr.DataArray, xr.DataArray]:
+    """u2 and its half width where 50 kPa are simulated at all depths."""
+    count = sounding.lead_count + len(sounding.samples)
+    names = ("penetration_resistance", "sleeve_friction", "contact_share")
+    simulated = dict.fromkeys((*names, "excess_pore_pressure_shoulder"), 5e4)
+    simulated["radial_deviator_shoulder"] = -1e4
+    recorded = xr.Dataset({it: ("penetration", np.full(count, v)) for it, v in simulated.items()})
+    found = sounding_curves(sounding, recorded, [])
+    return found.excess_pore_pressure, found.excess_pore_pressure_uncertainty
 
 
 def test_the_resistance_rises_towards_that_of_the_stronger_layer(layered: xr.Dataset) -> None:
