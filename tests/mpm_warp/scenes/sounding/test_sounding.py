@@ -91,7 +91,7 @@ def test_u2_has_its_error_away_from_a_border(adhesion_factor: float, of_shaft: f
         inertia=sounding.dynamic_pressure / 1e4,
     )
     assert float(pressure[0]) == pytest.approx(5e4 + 1e4 * float(correction))
-    assert float(half_width[0]) == pytest.approx(1e4 * np.hypot(float(of_laws), PRESSURE_NOISE))
+    assert float(half_width[0]) == pytest.approx(np.hypot(1e4 * of_laws, 5e4 * PRESSURE_NOISE))
     near = half_width.sel(depth=slice(12.95, 13.1))
     assert near.isnull().all()
     assert np.isfinite(half_width[-1])
