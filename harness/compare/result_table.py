@@ -174,8 +174,7 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
             yield _numbers(dataset, name, form, heading)
     if f"{PRESSURE}_uncertainty" in dataset:
         half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
-        reasons = over_cases(dataset, f"{PRESSURE}_why_no_uncertainty")
-        why = [it if isinstance(it, str) else "" for it in reasons]
+        why = _reasons_of_pressure(dataset)
         told = zip(over_cases(dataset, PRESSURE), half_widths, why, strict=True)
         yield column("u2_over su", (stated(*it) if np.isfinite(it[0]) else MISSING for it in told))
     if "cone_factor_shear" in dataset:
@@ -225,8 +224,21 @@ def _place(value: float, lower: float, upper: float) -> str:
 
 
 def reason_notes(dataset: xr.Dataset) -> list[str]:
-    """Why cases have no uncertainty: a line for each reason, with the cases that it is of."""
-    reasons = reasons_of(dataset)
+    """Why cases have no uncertainty: a line for each reason, with the cases that it is of.
+
+    Of u2 too, where that of the case is another.
+    """
+    of_cases, of_pressure = reasons_of(dataset), _reasons_of_pressure(dataset)
+    own = [why if why != reason else "" for why, reason in zip(of_pressure, of_cases, strict=True)]
+    return [*_told(dataset, of_cases), *_told(dataset, own, " of u2")]
+
+
+def _reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
+    reasons = over_cases(dataset, f"{PRESSURE}_why_no_uncertainty")
+    return [it if isinstance(it, str) else "" for it in reasons]
+
+
+def _told(dataset: xr.Dataset, reasons: list[str], what: str = "") -> list[str]:
     if not any(reasons):
         return []
     labels, notes = labels_of(dataset), []
@@ -235,7 +247,7 @@ def reason_notes(dataset: xr.Dataset) -> list[str]:
         further = f" and {len(cases) - MOST_CASES} more" if len(cases) > MOST_CASES else ""
         of_cases = f" of {', '.join(cases[:MOST_CASES])}{further}"
         every = len(cases) == len(reasons)
-        notes.append(f"no uncertainty{'' if every else of_cases}: {reason}")
+        notes.append(f"no uncertainty{what}{'' if every else of_cases}: {reason}")
     return notes
 
 

@@ -115,6 +115,11 @@ def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
         told = both.assign(why_no_uncertainty=("adhesion_factor", reasons, {"role": "reason"}))
         assert line in result_table(told).splitlines()
     assert "no uncertainty" not in result_table(both)
+    of_u2 = ("adhesion_factor", [reason, reason])
+    told = told.assign(pore_pressure_factor_shoulder_why_no_uncertainty=of_u2)
+    assert "of u2" not in result_table(told)  # for the reason of all
+    told = told.assign(why_no_uncertainty=("adhesion_factor", ["", ""], {"role": "reason"}))
+    assert f"no uncertainty of u2: {reason}" in result_table(told).splitlines()
 
 
 def test_half_widths_are_those_of_samples() -> None:
