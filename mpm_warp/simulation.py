@@ -60,7 +60,7 @@ class Simulation:
         self.step_count = 0
         self.particle_updates = 0
         self._first_step_at: float | None = None
-        self._is_torn = False  # left within steps, as by Ctrl-C: its parts are not of one time
+        self._is_interrupted = False  # in steps, as by Ctrl-C: its state may be of several times
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
         # They hold the run, not this: a run that is over then lets go of its arrays at once.
@@ -144,7 +144,7 @@ class Simulation:
             RuntimeError: steps were interrupted before, as by Ctrl-C.
         """
         check_whole("step_count", step_count, STEP_COUNTS, error=ValueError)
-        if self._is_torn:
+        if self._is_interrupted:
             raise RuntimeError("the run was interrupted in its steps and cannot go on: begin anew")
         if self._first_step_at is None:
             self._first_step_at = time.perf_counter()
@@ -156,13 +156,13 @@ class Simulation:
                 self._watch.prepare()
             block = 1 if is_watched else min(last, next_check - 1) - self.step_count
             block = min([block, *(actor.steps_ahead for actor in self._between_steps)])
-            self._is_torn = True
+            self._is_interrupted = True
             try:
                 self._take(block, is_watched=is_watched)
             except SimulationDiverged:
-                self._is_torn = False
+                self._is_interrupted = False
                 raise
-            self._is_torn = False
+            self._is_interrupted = False
 
     def _take(self, block: int, *, is_watched: bool) -> None:
         steps = range(self.step_count, self.step_count + block)

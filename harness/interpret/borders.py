@@ -25,6 +25,7 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.uncertainty.laws import FELT_BEFORE, FELT_BEHIND
 
 Kernel = tuple[float, float]
 """m and w of a share S, over the cone's radius."""
@@ -48,11 +49,6 @@ LEFT = 0.7
 holds 89 % within 15 radii of the borders of `two_layers`, 87 % in thin layers."""
 LEAST_ROWS = 3
 """Rows above and below a border without which nothing is told of it."""
-BEFORE = {True: 3.0, False: 7.0}
-"""Distances above a border from which on it is felt, over the radius, by whether the soil below is
-the stronger: 5 % of the change of resistance is reached, the largest of `two_layers`."""
-BEHIND = {True: 9.0, False: 4.0}
-"""Distances below it to where it is felt, likewise: 5 % of the change is lacking."""
 
 
 def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: float) -> np.ndarray:
@@ -68,11 +64,11 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
     there = np.isfinite(net)
     first, last = depth[there][[0, -1]] if there.any() else (0.0, 0.0)
     for border in [it for it in borders if first < it < last]:
-        around = border + radius * np.array([-BEFORE[False], BEHIND[True]])
+        around = border + radius * np.array([-FELT_BEFORE[False], FELT_BEHIND[True]])
         above, below = np.interp(around, depth[there], net[there])
         stronger = bool(below > above)
         distance = (depth - border) / radius
-        near |= (distance > -BEFORE[stronger]) & (distance < BEHIND[stronger])
+        near |= (distance > -FELT_BEFORE[stronger]) & (distance < FELT_BEHIND[stronger])
     return near
 
 

@@ -146,7 +146,8 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     compute, but another. The front goes by the half width that a case states, where that is greater
     than its error; the point stands at the error. A case that states none, among others that do, is
     on no front: its error may be small by luck. A case that did not complete has no error: it
-    stands on the upper edge, at the time it took.
+    stands on the upper edge, at the time it took. There is no picture where no case has an error
+    by which it could be on a front.
     """
     name = error_name(dataset)
     if name is None or not {"run_time", "status"} <= set(dataset):
@@ -156,10 +157,12 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     measured, errors = over_cases(dataset, name).astype(float), credited_error(dataset)
     seconds = over_cases(dataset, "run_time").astype(float)
-    figure, (axes,) = panels()
-    axes.set(xscale="log", yscale="log")
     drawn = np.isfinite(measured) & np.isfinite(seconds) & (measured > 0.0)
     errors = np.where(drawn, errors, np.nan)
+    if not np.isfinite(errors).any():
+        return None
+    figure, (axes,) = panels()
+    axes.set(xscale="log", yscale="log")
     _draw_fronts(axes, dataset, problems, seconds, measured, errors)
     silent = drawn & ~states_its_error(dataset)
     if silent.any():

@@ -90,6 +90,14 @@ TOP_ANISOTROPY = 0.46
 is the larger: the most that twice the extent above changes at Ir 25 to 300, Delta -0.4 to -0.9."""
 INERTIA = 0.05
 """Half width of S."""
+FELT_BEFORE = {True: 3.0, False: 7.0}
+"""Distances above a border of layers from which on the resistance feels it, over the radius, by
+whether the soil below is the stronger: 5 % of the change is reached, the largest of the study
+`two_layers`."""
+FELT_BEHIND = {True: 9.0, False: 4.0}
+"""Distances below it to where it is felt, likewise: 5 % of the change is lacking."""
+STIFFNESS_FELT = 10.0, 15.0
+"""Both where the rigidity index changes, by the study `two_stiffnesses`."""
 TESTED_INDICES = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
 TESTED_ANISOTROPY, TESTED_POISSONS_RATIO = 0.5, 0.45
 """Rigidity indices, |Delta| and Poisson's ratios up to which the laws were measured and tested."""

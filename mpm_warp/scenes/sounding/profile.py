@@ -24,11 +24,12 @@ from mpm_warp.scenes.sounding.table import (
     refused,
     text_of,
 )
+from mpm_warp.uncertainty.laws import FELT_BEFORE, FELT_BEHIND, STIFFNESS_FELT
 
 ROUNDED = 1e-9
 """Relative difference of two rows that is none."""
-FELT_BY_STRENGTH, FELT_BY_STIFFNESS = (7.0, 9.0), (10.0, 15.0)
-"""How far above and below a jump it is felt, over the radius of the cone."""
+STRENGTH_FELT = max(FELT_BEFORE.values()), max(FELT_BEHIND.values())
+"""How far above and below a jump of strength it is felt, whichever layer is the stronger."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
 
@@ -185,9 +186,7 @@ class Profile:
     def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
         """Whether the resistance feels a jump of the ground, at depths over a cone's radius, [n].
 
-        A jump of strength alone is felt from 7 radii above it to 9 below, one of the rigidity index
-        from 10 to 15: 5 % of the change of resistance, at the most, in the studies `two_layers` and
-        `two_stiffnesses`.
+        A jump of the rigidity index is felt farther than one of strength alone.
         """
         near = np.zeros(len(way), dtype=bool)
         index = self.shear_modulus / self.strength
@@ -196,7 +195,7 @@ class Profile:
             if all(math.isclose(*pair, rel_tol=ROUNDED) for pair in pairs):
                 continue
             is_one_index = math.isclose(*index[row : row + 2], rel_tol=ROUNDED)
-            before, behind = FELT_BY_STRENGTH if is_one_index else FELT_BY_STIFFNESS
+            before, behind = STRENGTH_FELT if is_one_index else STIFFNESS_FELT
             distance = way - self.depth[row] / radius
             near |= (distance > -before) & (distance < behind)
         return near
