@@ -206,8 +206,8 @@ def _why_not_of_scene(built: Scene) -> list[str]:
     is_other_cone = not math.isclose(angle, APEX_ANGLE, rel_tol=1e-9)
     return why_not_tresca(built.material) + those_that_hold(
         {
-            f"cone: its apex angle is {angle:g} degrees, not {APEX_ANGLE:g}": is_other_cone,
-            "contact: it has friction": built[SurfaceContact].friction != 0.0,
+            f"cone: the apex angle is {angle:g} degrees, not {APEX_ANGLE:g}": is_other_cone,
+            "contact: the contact has friction": built[SurfaceContact].friction != 0.0,
         }
     )
 

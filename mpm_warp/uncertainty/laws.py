@@ -164,21 +164,23 @@ class ErrorLaws:
         The cells at the cone are allowed to be as wide as `largest_cell`.
         """
         return {
-            f"rigidity index: it is not {SMALLEST_INDEX:g} to {LARGEST_INDEX:g}": (
+            f"rigidity index: the rigidity index is not {SMALLEST_INDEX:g} to {LARGEST_INDEX:g}": (
                 (self.rigidity_index < SMALLEST_INDEX) | (self.rigidity_index > LARGEST_INDEX)
             ),
             f"Delta: the stress anisotropy is beyond {LARGEST_ANISOTROPY:g}": (
                 np.abs(self.stress_anisotropy) > LARGEST_ANISOTROPY
             ),
-            f"Poisson's ratio: it is below {SMALLEST_POISSONS_RATIO:g}": (
+            f"Poisson's ratio: Poisson's ratio is below {SMALLEST_POISSONS_RATIO:g}": (
                 self.poissons_ratio < SMALLEST_POISSONS_RATIO
             ),
-            "window: its bottom is too near": self._nearness * NEAREST_BOTTOM**2 > 1.0,
-            "window: its top is too near": self.above_ratio < NEAREST_TOP,
+            "window: the bottom of the window is too near": self._nearness * NEAREST_BOTTOM**2
+            > 1.0,
+            "window: the top of the window is too near": self.above_ratio < NEAREST_TOP,
             "mesh: the cells are too wide": self.cell_size > largest_cell,
             f"mesh: cell_growth is above {LARGEST_GROWTH:g}": self.cell_growth > LARGEST_GROWTH,
-            "speed: it is too high": self.inertia > LARGEST_INERTIA,
-            "approach: it is too fast": self.approach_inertia > LARGEST_INERTIA_OF_APPROACH,
+            "speed: the speed is too high": self.inertia > LARGEST_INERTIA,
+            "approach: the approach is too fast": self.approach_inertia
+            > LARGEST_INERTIA_OF_APPROACH,
         }
 
     @property
@@ -186,7 +188,7 @@ class ErrorLaws:
         """What keeps the laws of mesh and speed from holding, whatever B, C and S are; likewise."""
         return {
             "mesh: the cells are too wide": self.cell_size > LARGEST_CELL,
-            "speed: it is too high": self.inertia > LARGEST_MEASURED_INERTIA,
+            "speed: the speed is too high": self.inertia > LARGEST_MEASURED_INERTIA,
         }
 
     @property

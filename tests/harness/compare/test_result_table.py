@@ -56,7 +56,7 @@ def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
     assert lines[4].split()[1] == "6.10"
     meaning = "+-: half width of 95 %: numerical error only, of this clay, not of your soil"
     assert meaning in lines
-    reasons = ["", "Delta: it is beyond 0.95; speed: it is too high"]
+    reasons = ["", "Delta: it is beyond 0.95; speed: the speed is too high"]
     told = stated.assign(why_no_uncertainty=("adhesion_factor", reasons, {"role": "reason"}))
     assert "6.10, no U: Delta, speed" in result_table(told).splitlines()[4]
 

@@ -116,7 +116,9 @@ def test_the_caption_names_what_the_profile_has_and_that_stretches_are_joined() 
 
 
 def test_where_there_is_no_band_the_caption_says_why() -> None:
-    reasons = np.full((2, 2), "Delta: it is beyond 0.5, from 2 to 3 m; speed: it is too high")
+    reasons = np.full(
+        (2, 2), "Delta: it is beyond 0.5, from 2 to 3 m; speed: the speed is too high"
+    )
     dims = ("adhesion_factor", "stretch_number")
     told = result().assign(why_no_uncertainty=(dims, reasons, {"role": "reason"}))
     said = "Where there is none the error is not known: Delta, speed."

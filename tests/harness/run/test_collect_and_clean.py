@@ -62,7 +62,7 @@ def test_status_lists_every_case_and_counts_them(half_done: Study, of_small: Com
 def test_status_says_why_a_case_has_no_half_width_and_what_one_means(
     folder: Path, out: Path, small: Study, command: Command, of_small: Command
 ) -> None:
-    told = ((), "Delta: it is beyond 0.95; speed: it is too high", {"role": "reason"})
+    told = ((), "Delta: it is beyond 0.95; speed: the speed is too high", {"role": "reason"})
     write_case(folder, small.cases[0], DONE.assign(why_no_uncertainty=told), COMPLETED)
     of_small("collect", code=1)
     for said in (of_small("status", code=1), command("status", out / "small.nc", code=1)):

@@ -191,7 +191,11 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
 @pytest.mark.parametrize(
     ("scene", "given", "message"),
     [
-        (ConePenetration, {"speed_ratio": 0.11}, "uncertainty = measured: .*speed: it is too high"),
+        (
+            ConePenetration,
+            {"speed_ratio": 0.11},
+            "uncertainty = measured: .*speed: the speed is too high",
+        ),
         (ConePenetration, {"accuracy": "quick"}, "uncertainty = measured: .*too wide"),
         (
             ConePenetration,
