@@ -4,7 +4,7 @@ Of the excess pore pressures it is known by laws.
 
 h is the width of the cells at the cone over its radius, F the factor u1 or u2 over su as simulated:
 
-    u1    error  A h          half width  0.7 h, 0.01 F, E i
+    u1    error  A h          half width  0.7 h, 0.01 F, E i, W
 
 u1 has the error -P b of a bound of Poisson's ratio beside it, as the cone factor has (`laws`); that
 of u2 is next to none. The parts of a half width add up as squares. A, and S and D below, follow the
@@ -15,7 +15,7 @@ pressure evens out over such a distance while a cone passes by. With s, the radi
 of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.6 i
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.6 i, W
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -25,8 +25,9 @@ thicker, so w is known from ever finer meshes. On fewer than five rows F - s is 
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u2 then. Half widths grow beyond the rigidity indices
 where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.6 i are
-the most that it was found to do. Nor is anything known where cells grow by more than 0.5. How all
-of it was measured is in `uncertainty/README.md`.
+the most that it was found to do. A window that is smaller than by default leaves open as much of
+both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How all of
+it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -42,7 +43,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import variable
-from mpm_warp.uncertainty.laws import BOUND_ERROR
+from mpm_warp.uncertainty.laws import BOUND_ERROR, window_uncertainty
 from mpm_warp.uncertainty.steadiness import last_change
 
 Value = Floats | float
@@ -115,12 +116,14 @@ def face_error(
     adhesion_factor: Value,
     rigidity_index: Value,
     inertia: Value,
+    extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
     slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
     beyond = FACE_RANGE * _beyond(FACE_INDICES, rigidity_index)
     by_inertia = inertia * np.interp(np.log(rigidity_index), *_over_logarithm(FACE_INERTIA))
-    return -slope * cell_size, _added(FACE * cell_size, FACE_LEFT * factor, beyond, by_inertia)
+    of_grid = math.hypot(FACE * cell_size, window_uncertainty(extent_ratio))
+    return -slope * cell_size, _added(of_grid, FACE_LEFT * factor, beyond, by_inertia)
 
 
 def shoulder_error(
@@ -132,6 +135,7 @@ def shoulder_error(
     rigidity_index: Value,
     inertia: Value,
     strength_ratio: Value = 1.0,
+    extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
 
@@ -143,6 +147,7 @@ def shoulder_error(
         rigidity_index: shape [...].
         inertia: rho V^2 / su, shape [...].
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
+        extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
     """
     slope = _of_table(
         SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
@@ -160,6 +165,7 @@ def shoulder_error(
         NEAR_SHAFT,
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,
+        window_uncertainty(extent_ratio),
     )
     return near_shaft - deviator - error, half_width
 

@@ -59,7 +59,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 26
+    version = 27
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

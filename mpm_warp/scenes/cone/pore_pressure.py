@@ -144,6 +144,7 @@ def stated_beside_shaft(
         adhesion_factor=test.adhesion_factor,
         rigidity_index=test.rigidity_index,
         inertia=test.inertia,
+        extent_ratio=test.extent_ratio,
         bounded=test.bounded,
         why_none=why_none,
     ) | stated_sleeve(

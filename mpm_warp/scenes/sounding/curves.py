@@ -152,6 +152,7 @@ def _pore_pressure(
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
+        extent_ratio=sounding.extent_ratio,
     )
     above = np.maximum(0.0, at_shoulder - READ_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)

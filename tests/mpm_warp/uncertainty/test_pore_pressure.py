@@ -99,6 +99,7 @@ def radial_error(
     adhesion_factor: Value,
     rigidity_index: Value,
     inertia: Value = 0.0,
+    extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of a radial stress, which makes it u2."""
     return shoulder_error(
@@ -108,6 +109,7 @@ def radial_error(
         adhesion_factor=adhesion_factor,
         rigidity_index=rigidity_index,
         inertia=inertia,
+        extent_ratio=extent_ratio,
     )
 
 
@@ -260,6 +262,32 @@ def test_what_inertia_changes_is_within_the_half_width(error: Any, simulated: An
         _, half_width = error(np.array(factors), inertia=inertias, **of_cone)
         change = np.abs(np.array(factors) - factors[0])
         assert (change <= np.hypot(half_width, half_width[0])).all()
+
+
+IN_SMALL_WINDOWS = (
+    (100.0, 0.5, 40.0, (9.209, 4.085), {6.0: (8.708, 3.346), 10.0: (9.082, 3.903)}),
+    (100.0, 0.0, 40.0, (9.289, 4.885), {6.0: (8.813, 4.194), 10.0: (9.170, 4.545)}),
+    (400.0, 0.3, 80.0, (12.16, 6.894), {6.0: (15.22, 11.13), 10.0: (11.69, 5.608)}),
+)
+"""u1 and u2 with the default radius of the window, and with others, by default otherwise."""
+
+
+def test_a_small_window_is_a_part_of_the_half_widths_of_u1_and_u2() -> None:
+    """And a window that is larger than by default is none."""
+    for index, adhesion, default, of_default, others in IN_SMALL_WINDOWS:
+        of_cone = {
+            "cell_size": 0.35,
+            "adhesion_factor": adhesion,
+            "rigidity_index": index,
+            "inertia": 0.09,
+        }
+        for radius, factors in others.items():
+            for error, factor, other in zip(
+                (face_error, radial_error), of_default, factors, strict=True
+            ):
+                _, half_width = error(other, extent_ratio=default / radius, **of_cone)
+                assert abs(other - factor) <= half_width
+                assert error(other, extent_ratio=0.5, **of_cone) == error(other, **of_cone)
 
 
 def test_in_very_stiff_clay_three_rows_tell_nothing_of_u2() -> None:

@@ -16,8 +16,10 @@ from mpm_warp.scenes.cone.pore_pressure import (
     SHOULDER_FILTER,
     pore_pressure_curves,
     pore_pressure_factors,
+    stated_beside_shaft,
 )
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.further_runs import REASON
 
 ROUNDING = 1e-12
 TEST = ConePenetration(
@@ -107,3 +109,20 @@ def test_factors_are_means_over_the_last_two_radii() -> None:
     factors = pore_pressure_factors(recorded, strength=2e4)
     assert [float(it) for it in factors.values()] == pytest.approx([2.5] * len(PLACES) + [-1.0])
     assert "last 2 radii" in factors["pore_pressure_factor_face"].attrs["description"]
+
+
+def test_u1_and_u2_are_less_certain_in_a_small_window() -> None:
+    """A radius of 10 instead of 40, each by default otherwise."""
+    half_widths = []
+    for radius in (40.0, 10.0):
+        test = ConePenetration(domain_radius=radius)
+        curves = {f"excess_pore_pressure_{it}": ("penetration", np.full(40, 1e5)) for it in PLACES}
+        factors = {f"pore_pressure_factor_{it}": 5.0 for it in PLACES}
+        deviator = {DEVIATOR: ("penetration", np.zeros(40)), "radial_deviator_factor_shoulder": 0.0}
+        others = {"sleeve_friction_factor": 0.0, REASON: ""}
+        recorded = xr.Dataset(curves | factors | deviator | others)
+        stated = stated_beside_shaft(test, recorded, test.clay)
+        names = [f"pore_pressure_factor_{it}_uncertainty" for it in ("face", "shoulder")]
+        half_widths.append(np.array([float(stated[name].values) for name in names]))
+    default, small = half_widths
+    np.testing.assert_allclose(small, np.hypot(default, 0.03 * (4.0**2 - 1.0)))

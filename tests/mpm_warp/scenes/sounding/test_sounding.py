@@ -106,6 +106,15 @@ def test_u2_is_less_certain_where_the_strength_changes_quickly() -> None:
     assert float(half_width[-1]) < 2e4
 
 
+def test_u2_is_less_certain_in_a_small_window() -> None:
+    """With a radius of 8 instead of 40, 91 % of the samples were out."""
+    small, default = (
+        u2_of(Sounding(from_depth=2.0, to_depth=2.1, domain_radius=radius))[1] for radius in (8, 40)
+    )
+    of_window = 20e3 * 0.03 * (5.0**2 - 1.0)
+    np.testing.assert_allclose(small, np.hypot(default, of_window), rtol=1e-6)
+
+
 def u2_of(sounding: Sounding) -> tuple[xr.DataArray, xr.DataArray]:
     """u2 and its half width where 50 kPa are simulated at all depths."""
     count = sounding.lead_count + len(sounding.samples)
