@@ -40,6 +40,7 @@ from mpm_warp.uncertainty.laws import (
     ErrorLaws,
     curvature_error,
     growth_measure,
+    window_uncertainty,
 )
 from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
 
@@ -108,6 +109,10 @@ class ConeRun(TestRun):
             cell_size=laws.cell_size,
         )
         return {"mesh": float(known)}
+
+    def least_parts(self) -> dict[str, float]:
+        """That of a window smaller than by default: its effect follows no square then."""
+        return {"domain": window_uncertainty(self.laws.extent_ratio)}
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
         """What is still to come, the limit of fine cells, more points, the noise of all runs."""

@@ -88,6 +88,10 @@ class TestRun:
         """What is known of the errors of the value before anything is measured, by effect."""
         return {}
 
+    def least_parts(self) -> dict[str, float]:
+        """Half widths of what the laws leave open at least, by effect."""
+        return {}
+
     @abstractmethod
     def measures(self, case: Self) -> dict[str, float]:
         """What the errors are in proportion to, m, by effect, where `case` is that to measure."""
@@ -226,6 +230,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         left = zip(parts, of_best_run.tolist(), strict=True)
         parts = {effect: case.left_open[effect] * error for effect, error in left}
         parts["speed"] += case.approach * case.factor
+        parts |= {it: max(parts[it], least) for it, least in case.least_parts().items()}
         parts |= case.own_parts(inverse[0], runs)
     spoken = case.name.replace("_", " ")
     return case.stated(correction, parts, reasons) | {
