@@ -15,6 +15,7 @@ from mpm_warp.uncertainty.laws import (
     NEAREST_BOTTOM,
     growth_uncertainty,
 )
+from mpm_warp.uncertainty.samples import NOISE_OF_INFLOW, SAMPLE_NOISE
 
 FACTOR = 10.0
 WIDEST = 0.025
@@ -129,3 +130,32 @@ def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None
     assert error.reason.startswith("surface: the surface is in the window to a depth of ")
     is_deep = below_top > 2.0
     assert (error.half_width[is_deep] <= WIDEST * of_top[is_deep]).all()
+
+
+NOISE_MEASURED = (
+    (100.0, 0.5, 0.4, 0.1, 11.07, 0.106),
+    (100.0, 0.5, 0.4, 0.05, 11.08, 0.051),
+    (100.0, 0.5, 0.45, 0.1, 11.31, 0.068),
+    (20.0, 0.0, 0.4, 0.15, 6.63, 0.094),
+    (20.0, 0.5, 0.45, 0.1, 7.69, 0.045),
+    (100.0, 0.0, 0.49, 0.17, 10.65, 0.055),
+    (100.0, 1.0, 0.49, 0.17, 12.12, 0.049),
+)
+"""Rigidity index, adhesion factor, Poisson's ratio, speed_ratio; mean and standard deviation of
+cone_factor_around_tip: `Sounding(from_depth=4, to_depth=4.1, cells_per_radius=2.31)` and these."""
+
+
+@pytest.mark.parametrize(
+    ("index", "adhesion", "ratio", "speed", "factor", "deviation"), NOISE_MEASURED
+)
+def test_the_noise_of_fast_soundings_in_compressible_clay_is_within_the_half_width(
+    index: float, adhesion: float, ratio: float, speed: float, factor: float, deviation: float
+) -> None:
+    sounding = Sounding(
+        rigidity_index=index, adhesion_factor=adhesion, poissons_ratio=ratio, speed_ratio=speed
+    )
+    strength = sounding.undrained_shear_strength
+    error = error_of_samples(sounding, np.array([1.2]), np.array([factor * strength]))
+    waves = math.sqrt((1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio)))
+    noise = max(SAMPLE_NOISE, NOISE_OF_INFLOW * factor * speed * waves)
+    assert 1.9 * deviation <= noise <= float(error.half_width[0]) / strength
