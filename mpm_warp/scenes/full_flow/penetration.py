@@ -105,7 +105,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error, by choice; `ParameterError` where one is refused."""
-        full_flow.check_measurable(self.cells_per_radius)
+        full_flow.check_measurable(self.cells_per_radius, self.cell_growth)
         finer = {"cells_per_radius": math.ceil(full_flow.FINER * self.cells_per_radius)}
         slower = {"speed_ratio": full_flow.SLOWER * self.speed_ratio}
         changes: dict[str, dict[str, Any]] = {

@@ -212,6 +212,7 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
         ),
         (TBarPenetration, {"domain_extent": 80}, "needs a run with a wider window, where domain_"),
         (TBarPenetration, {"cells_per_radius": 2}, "cells_per_radius = 2 must be >= 3 where"),
+        (TBarPenetration, {"cell_growth": 1.1}, "cell_growth = 1.1 must be <= 1 where"),
     ],
 )
 def test_where_no_law_holds_or_a_further_run_is_none_the_case_is_refused(
