@@ -218,9 +218,11 @@ def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, 
     """
     ratio = 1.0 - inputs["rate_factor"] * math.log10(rate / TABLE_RATE)
     changed = ("rate_factor", "rigidity_index", "stress_anisotropy")
-    own = {
-        name: numbers / ratio if name in changed else numbers for name, numbers in inputs.items()
-    }
+    with np.errstate(divide="ignore"):  # no strength is left at the rate of the table
+        own = {
+            name: numbers / ratio if name in changed else numbers
+            for name, numbers in inputs.items()
+        }
     return own, np.asarray(ratio)
 
 

@@ -23,7 +23,15 @@ import numpy as np
 import xarray as xr
 
 from harness.interpret.borders import near_border, without_borders
-from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, Along, at_table_rate, factors
+from harness.interpret.factors import (
+    PRESSURE,
+    RANGES,
+    SLEEVE,
+    TABLE_RATE,
+    Along,
+    at_table_rate,
+    factors,
+)
 from harness.interpret.measured import REASONS, error_of, measured, median
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
@@ -220,7 +228,10 @@ def _in_table(
                 f"draws leave the table of factors: {name} is {values.min():.3g} to "
                 f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
             )
-    return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
+    # With mu' at the edge mu' / (1 + mu' L) is mu: the strength at the table's rate is as much.
+    edge = 1.0 / (1.0 + RANGES["rate_factor"][1] * math.log10(layer.laboratory_rate / TABLE_RATE))
+    held = {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}
+    return held, np.maximum(ratio, edge)
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:

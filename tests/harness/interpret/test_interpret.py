@@ -237,3 +237,15 @@ def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:
     assert float(ratio.min()) > 1.2
     strength = found.net_resistance * ratio / FACTOR
     np.testing.assert_allclose(found.strength.sel(percentile=50.0), strength, rtol=0.01)
+
+
+def test_draws_beyond_the_rate_effect_of_the_table_count_as_at_its_edge(folder: Path) -> None:
+    """Some have no strength left at the rate of the table, 1 - 4 mu; the band stays."""
+    rate = 'rate_factor = { mean = 0.04, deviation = 0.05, shape = "lognormal" }'
+    site = changed(
+        folder, ("rate_factor = 0", rate), ("laboratory_rate = 1e-6", "laboratory_rate = 1e-2")
+    )
+    found = interpret(load_site(site))
+    used = found.reason.values == 0
+    assert np.isfinite(found.strength.values[used]).all()
+    np.testing.assert_allclose(found.error_share.sum("cause").values[used], 1.0)
