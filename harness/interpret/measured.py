@@ -61,7 +61,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     qt_error = np.hypot(error_of(test, "qc", qc), by_u2 * np.nan_to_num(error_of(test, "u2", u2)))
     net = qt - stress
     there = np.isfinite(net) & (depth >= read.pre_drilled)
-    share_above = int(np.sum(net[there] > 0.0)) / max(1, int(np.sum(there)))
+    share_above = float(np.mean(net[there] > 0.0)) if there.any() else 1.0
     if share_above < LEAST_SHARE_ABOVE:
         raise StudyError(
             f"{test.file}: qt is above sigma_v0, {np.nanmax(stress):.3g} Pa at most, in "

@@ -159,3 +159,9 @@ def test_points_of_a_laboratory_are_all_in_the_picture(folder: Path) -> None:
     assert test.get_xlim()[1] > max(
         float(line.get_xdata()[used].max()) for line in test.get_lines()
     )
+
+
+def test_a_test_that_is_all_pre_drilled_has_no_strength(folder: Path) -> None:
+    """The unit of qc is not blamed, where no row is left to judge it by."""
+    site = load_site(changed(folder, ("unit_weight = 17", "unit_weight = 17\npre_drilled = 300")))
+    assert in_words(site, interpret(site)) == ["2 to 10 m: no strength; pre-drilled."]
