@@ -20,7 +20,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import Heading, NotNamedError, TestFile, read_file
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
-from harness.interpret.site import MeasuredTest
+from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
@@ -61,10 +61,12 @@ MOST_INCLINED = math.radians(45.0)
 """No cone is pushed so far; what is more is in another unit."""
 POSSIBLE: Mapping[str, Range] = {
     "qc": Range(minimum=-0.2e6, maximum=200e6),
-    "fs": Range(minimum=-5e6, maximum=5e6),
+    "fs": Range(minimum=-0.2e6, maximum=5e6),
     "u2": Range(minimum=-100e6, maximum=100e6),
 }
 """What a cone, a sleeve, a filter bears; a zero may be shifted [Pa]."""
+ABOVE_VACUUM = Range(minimum=-0.2e6, maximum=100e6)
+"""What a filter bears whose zero is the air: water boils at -0.1 MPa."""
 REBOUND = 0.05
 """By so much the tip may go back where rods are changed [m]."""
 GAP = 0.25
@@ -125,7 +127,8 @@ def read_columns(test: MeasuredTest) -> Columns:
             "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
             '{ u2 = "..." }'
         )
-    for name, possible in POSSIBLE.items():
+    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0  # 0 may be of the sea bed
+    for name, possible in (POSSIBLE | ({"u2": ABOVE_VACUUM} if from_air else {})).items():
         for place, value in zip(places, values[name].tolist(), strict=True):
             if not (math.isnan(value) or possible.holds(value, value)):
                 raise StudyError(

@@ -50,6 +50,8 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
         "qt is above sigma_v0, 2.02e+05 Pa at most, in 0% of",
     ),
     "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
+    "a code of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,-0.999,0\n1.51,"), "fs = -999000 Pa"),
+    "a code of u2": ("csv", replaced("\n1.5,", "\n1.5,0.1,0,-0.999\n1.51,"), "u2 = -999000 Pa"),
     "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "as missing = [-9999]"),
     "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),
     "no u2": ("csv", replaced("u2 [MPa]", "other [MPa]"), "has no u2"),

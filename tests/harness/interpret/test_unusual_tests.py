@@ -165,3 +165,10 @@ def test_a_test_that_is_all_pre_drilled_has_no_strength(folder: Path) -> None:
     """The unit of qc is not blamed, where no row is left to judge it by."""
     site = load_site(changed(folder, ("unit_weight = 17", "unit_weight = 17\npre_drilled = 300")))
     assert in_words(site, interpret(site)) == ["2 to 10 m: no strength; pre-drilled."]
+
+
+def test_a_filter_set_to_zero_on_the_sea_bed_may_read_far_below(folder: Path) -> None:
+    """There -1 MPa is no vacuum; in air it is a code for no value, and refused."""
+    rewritten(folder, "u2", "-999", slice(ROW, ROW + 2))
+    below = interpret(load_site(changed(folder, ("water_level = 1.0", "water_level = 0"))))
+    assert float(below.pore_pressure[ROW]) == -999e3
