@@ -102,13 +102,13 @@ DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma.
 
-    Parted by tab or ; numbers may have a decimal comma, where no cell has a point. Lines above the
+    Parted by tab or ; numbers may have a decimal comma, where none has a point. Lines above the
     header are left out; units may stand in a line of their own below it.
     """
     lines = {
         number: line
         for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip() and not line.lstrip().startswith("#")
+        if line.strip("\t;, ") and not line.lstrip().startswith("#")
     }
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
@@ -125,9 +125,10 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
         units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
         header = [replace(heading, unit=unit) for heading, unit in zip(header, units, strict=False)]
     cells_of_all = [cell for _, cells in rows for cell in cells]
-    if delimiter != "," and not any("." in cell for cell in cells_of_all):
+    with_point = (cell for cell in cells_of_all if "." in cell)  # as a date has too
+    if delimiter != "," and not _numbers(with_point):
         commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
-        if any(commas):  # no cell has a point, so a comma cannot part thousands from a fraction
+        if any(commas):  # no number has a point, so a comma cannot part thousands from a fraction
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
             notes.append("numbers have a decimal comma")
     return TestFile(headings=header, rows=rows, notes=tuple(notes))

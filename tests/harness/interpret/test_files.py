@@ -112,7 +112,7 @@ def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path
 
 
 def test_what_exports_have_around_their_rows(folder: Path) -> None:
-    """Lines above the header, units below it, names of several words, a superscript."""
+    """Lines above the header, units below it, names of several words, a superscript, blanks."""
     rows = rows_of(folder)
     body = [";".join(cells(row, "")).replace(".", ",") for row in rows]
     head = [
@@ -121,7 +121,7 @@ def test_what_exports_have_around_their_rows(folder: Path) -> None:
         "Depth;Cone Resistance;Sleeve friction;U2",
         "[m];MPa;MN/m\u00b2;MPa",
     ]
-    found = columns_of(site_of(folder, "csv", "\n".join([*head, *body])))
+    found = columns_of(site_of(folder, "csv", "\n".join([*head, *body, ";;;", ""])))
     for name, column in zip(("depth", "qc", "fs", "u2"), np.array(rows).T, strict=True):
         np.testing.assert_allclose(found.values[name], column * (1.0 if name == "depth" else 1e6))
     assert "1 lines above the header left out" in found.notes
@@ -162,6 +162,11 @@ def test_decimal_commas_are_read_where_the_cells_are_not_parted_by_commas(
     found = columns_of(site_of(folder, "csv", text))
     assert found.notes == ("numbers have a decimal comma",)
     np.testing.assert_array_equal(found.values["depth"], [row[0] for row in rows])
+    dated = [f"{line}{delimiter}01.02.2026" for line in text.splitlines()[1:]]
+    again = columns_of(
+        site_of(folder, "csv", "\n".join([f"{text.splitlines()[0]}{delimiter}day", *dated]))
+    )
+    np.testing.assert_array_equal(again.values["qc"], found.values["qc"])
 
 
 def test_levels_become_depths(folder: Path) -> None:
