@@ -31,12 +31,14 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "qc": ("qc", "cone_resistance", "coneresistance", "tip", "scpt_res"),
     "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres"),
     "u2": ("u2", "u", "pore_pressure", "porepressureu2", "scpt_pwp2"),
-    "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1"),
-    "inclination_across": ("inclination_across", "scpt_slp2"),
+    "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1", "inclinationns"),
+    "inclination_across": ("inclination_across", "scpt_slp2", "inclinationew"),
 }
 """What each column may be called, without regard to capitals."""
 RODS = ("penetration", "penetrationlength", "sondeerlengte")
 """Of the names of a depth those of a length of rods."""
+IN_PLANES = ("inclinationns", "inclinationew")
+"""Of the names of inclinations those in two planes; their resultant says the same."""
 OPTIONAL = ("u2", *AXES)
 LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 PRESSURES: Mapping[str, float] = {
@@ -128,7 +130,8 @@ def read_columns(test: MeasuredTest) -> Columns:
             '{ u2 = "..." }'
         )
     from_air = not isinstance(test.water, ByDepth) and test.water != 0.0  # 0 may be of the sea bed
-    for name, possible in (POSSIBLE | ({"u2": ABOVE_VACUUM} if from_air else {})).items():
+    bounds = {**POSSIBLE, "u2": ABOVE_VACUUM} if from_air else POSSIBLE
+    for name, possible in bounds.items():
         for place, value in zip(places, values[name].tolist(), strict=True):
             if not (math.isnan(value) or possible.holds(value, value)):
                 raise StudyError(
@@ -187,9 +190,13 @@ def columns_in(
         NotNamedError: a column or a unit is not known by its name.
     """
     found, lacking = {}, {}
+    names_of_all = {_joined(heading.name) for heading in headings}
+    resultant = AXES[0] in columns or "inclinationresultant" in names_of_all
     for name, usual in NAMES.items():
         wanted = columns.get(name)
         names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]
+        if resultant and wanted is None:
+            names = [own for own in names if own not in IN_PLANES]
         places = [
             place
             for place, heading in enumerate(headings)

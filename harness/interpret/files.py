@@ -156,7 +156,9 @@ GEF_QUANTITIES = {
     "2": "coneresistance",
     "3": "localfriction",
     "6": "porepressureu2",
-    "8": "inclination",
+    "8": "inclinationresultant",
+    "9": "inclinationns",
+    "10": "inclinationew",
     "11": "depth",
 }
 """Numbers that GEF gives to what a column holds."""
@@ -232,7 +234,9 @@ def _numbers(texts: Iterable[str | None]) -> tuple[float, ...]:
     return tuple(found)
 
 
-BRO_UNITS = {"depth": "m", "penetrationlength": "m", "inclinationresultant": "deg"}
+BRO_UNITS = {"depth": "m", "penetrationlength": "m"} | dict.fromkeys(
+    ("inclinationresultant", "inclinationns", "inclinationew"), "deg"
+)
 """Units are fixed by the catalogue; all others that are read are in MPa."""
 BRO_MISSING = (-999999.0,)
 BRO_TOLD = {"area_ratio": "coneSurfaceQuotient", "pre_drilled": "predrilledDepth"}

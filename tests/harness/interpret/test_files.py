@@ -95,6 +95,27 @@ def test_the_length_of_the_rods_is_corrected_by_inclination(folder: Path) -> Non
     assert "depth corrected by inclination, by 0.17 m at the end" in found.notes
 
 
+def test_inclinations_in_two_planes_are_those_of_a_gef_that_has_no_resultant(folder: Path) -> None:
+    """Columns of quantity 9 and 10: 1 / sqrt(1 + 2 tan^2 5); a resultant goes before them."""
+    text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling NZ, 9")
+    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, deg,")
+    info = next(line for line in text.splitlines() if line.startswith("#COLUMNINFO= 3"))
+    count = text.count("#COLUMNINFO")
+    more = [f"#COLUMNINFO= {count + 1}, deg, Helling OW, 10"]
+    for resultant, slope in ((False, 2.0**0.5 * np.tan(np.radians(5.0))), (True, 0.0)):
+        if resultant:
+            more.append(f"#COLUMNINFO= {count + 2}, deg, Helling, 8")
+        head, end, data = text.replace(info, "\n".join([info, *more])).partition("#EOH=\n")
+        lines = []
+        for line in data.splitlines():
+            values = [*line.removesuffix("!").rstrip("; ").split("; "), "5.0", *["0.0"][:resultant]]
+            values[2] = "5.0"
+            lines.append("; ".join(values) + "; !")
+        depth = columns_of(site_of(folder, "gef", head + end + "\n".join(lines))).values["depth"]
+        steps = np.diff(depth) / np.diff([row[0] for row in rows_of(folder)])
+        np.testing.assert_allclose(steps, 1.0 / np.hypot(1.0, slope))
+
+
 def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path) -> None:
     """In two planes: 1 / sqrt(1 + 2 tan^2 5)."""
     measured = rows_of(folder)
