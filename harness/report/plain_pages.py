@@ -17,6 +17,7 @@ from harness.archive.provenance import provenance
 from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
+from harness.interpret.keys import BY_SLEEVE
 from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words, rate_in_words
 from harness.interpret.site import Layer, Site
@@ -73,7 +74,9 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
 
 def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     """A row an input of a layer; then how su is meant."""
-    texts = {name: distribution.text for name, distribution in layer.inputs.items()} | {
+    by_sleeve = {} if "adhesion_factor" in layer.inputs else {"adhesion_factor": BY_SLEEVE}
+    given = {name: distribution.text for name, distribution in layer.inputs.items()} | by_sleeve
+    texts = given | {
         "strength": layer.strength,
         "laboratory_rate": rate_in_words(layer),
         "model_error": f"{layer.model_error:g}",

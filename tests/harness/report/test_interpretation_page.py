@@ -15,6 +15,7 @@ title = "assumed <clay>"
 from = 10
 to = 11
 rigidity_index = { low = 50, high = 300 }
+adhesion_factor = "sleeve"
 """
 
 
@@ -65,6 +66,7 @@ def test_several_tests_are_set_beside_each_other(pages: tuple[str, str, list[str
     assert pages[1].count('src="data:image/png;base64,') == 3
     assert 'href="#test-2">B site<' in pages[1]
     assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in page
+    assert "assumed <clay> adhesion_factor sleeve assumed <clay> strength" in page
     assert pages[2] == [
         f"{name}_interpretation.{form}"
         for name, forms in (
