@@ -37,12 +37,14 @@ COLUMNS = {
     "sigma_v0 [kPa]": ("vertical_stress", 1e3),
     "u0 [kPa]": ("water_pressure", 1e3),
     "qnet [kPa]": ("net_resistance", 1e3),
+    "qnet without borders [kPa]": ("sharpened_resistance", 1e3),
     "Bq [1]": ("pore_pressure_ratio", 1.0),
     "Fr [1]": ("friction_ratio", 1.0),
     "Ic [1]": ("soil_index", 1.0),
     "feels another layer": ("near_border", 1.0),
 }
-"""Columns of the table that is written, beside those of percentiles and causes."""
+"""Columns of the table that is written, where they are there, beside those of percentiles and
+causes."""
 LABORATORY = ("depth [m]", "strength [kPa]")
 """Columns of a file of strengths."""
 ENDING = "_interpretation"
@@ -123,7 +125,9 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
 
 def _table(found: xr.Dataset) -> Iterator[list[str]]:
     """The titles of the columns, then a row a depth; "" where there is no number."""
-    columns = {title: found[name].values / unit for title, (name, unit) in COLUMNS.items()}
+    columns = {
+        title: found[name].values / unit for title, (name, unit) in COLUMNS.items() if name in found
+    }
     for name, title, unit in (
         ("resistance_factor", "Nkt {:g}% [1]", 1.0),
         ("strength", "su {:g}% [kPa]", 1e3),

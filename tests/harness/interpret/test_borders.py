@@ -1,5 +1,6 @@
 """Borders of layers: their effect on a resistance, its inversion, and the loop closed."""
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -139,6 +140,20 @@ def test_a_site_of_two_layers_is_sharpened(folder: Path) -> None:
     low, middle, high = sharp.strength.values[widest]
     assert (high - low) / 2.0 / middle > half * 1.645 / 1.96
     assert 0 < int(sharp.near_border.sum()) == int(blurred.near_border.sum())
+
+
+def test_a_table_has_the_resistance_that_its_strength_is_by(folder: Path, command: Command) -> None:
+    """su Nkt, both medians, is qnet, or qnet without borders where these are taken away."""
+    for out, title, options in (
+        ("as_measured", "qnet [kPa]", ()),
+        ("sharp", "qnet without borders [kPa]", ("--sharpen",)),
+    ):
+        told = command("interpret", folder / "site.toml", *options, "--out", folder / out)
+        assert ("feel another layer, which is taken away" in told.out) == (out == "sharp")
+        rows = csv.DictReader((folder / out / "site_interpretation.csv").read_text().splitlines())
+        used = [row for row in rows if row["reason"] == "used"]
+        products = [float(row["su 50% [kPa]"]) * float(row["Nkt 50% [1]"]) for row in used]
+        np.testing.assert_allclose(products, [float(row[title]) for row in used], rtol=1e-3)
 
 
 @pytest.mark.slow
