@@ -132,7 +132,10 @@ def verify_scenes(options: argparse.Namespace) -> int:
     """Compare scenes with their exact solutions."""
     checks = checks_of(options.scene, extreme=options.extreme)
     if options.quick:
-        checks = quick(checks)
+        asked, checks = checks, quick(checks)
+        left = {it.scene for it in asked} - {it.scene for it in checks}
+        if options.scene and left:
+            tell(f"--quick: left out, without a quick check: {', '.join(sorted(left))}")
     if options.out is not None:
         prepare(options.out)
     seconds = [check.predicted_time for check in checks]

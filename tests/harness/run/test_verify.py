@@ -120,3 +120,8 @@ def test_plan_of_a_scene_without_a_grid(command: Command) -> None:
     text = command("plan", "material_point").out
     assert "strain_path" in text
     assert "node" not in text
+
+
+def test_a_scene_that_is_named_and_has_no_quick_check_is_told(command: Command) -> None:
+    told = command("verify", "--quick", "--scene", "material_point", "circular_footing").err
+    assert "--quick: left out, without a quick check: circular_footing" in told
