@@ -147,23 +147,13 @@ class ConeRun(TestRun):
     ) -> dict[str, xr.Variable]:
         """The cone factor, its normal part, and whether it has settled."""
         stated = super().stated(correction, parts, reasons)
-        settled = (
-            float(not self.why_not_settled),
-            "1",
-            "whether the cone factor has settled",
-            "1 where the cone has passed all soil beside the shaft, else 0",
-        )
-        normal = (
-            float(stated["cone_factor"].values) - float(self.recorded.cone_factor_shear),
-            "1",
-            "cone factor, normal part",
-            "what the normal traction on the face adds to Nc",
-        )
-        return (
-            stated
-            | labelled(role="settled", cone_factor_settled=settled)
-            | labelled(cone_factor_normal=normal)
-        )
+        passed = "1 where the cone has passed all soil beside the shaft, else 0"
+        is_settled = float(not self.why_not_settled)
+        settled = (is_settled, "1", "whether the cone factor has settled", passed)
+        normal = float(stated["cone_factor"].values) - float(self.recorded.cone_factor_shear)
+        adds = "what the normal traction on the face adds to Nc"
+        stated |= labelled(role="settled", cone_factor_settled=settled)
+        return stated | labelled(cone_factor_normal=(normal, "1", "cone factor, normal part", adds))
 
 
 def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str, xr.Variable]:

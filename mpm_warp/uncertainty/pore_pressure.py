@@ -42,7 +42,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import variable
+from mpm_warp.results import labelled, variable
 from mpm_warp.uncertainty.laws import BOUND_ERROR, window_uncertainty
 from mpm_warp.uncertainty.steadiness import last_change
 
@@ -251,14 +251,10 @@ def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Var
     It is bounded by the adhesion of the shaft in `remoulded` clay, over su; that is not a number
     where the strain rate changes the strength, where there is friction, and in other laws.
     """
-    name = "sleeve_friction_factor"
-    return {
-        f"{name}_uncertainty": variable(
-            abs(float(recorded[name]) - remoulded),
-            meaning="uncertainty of the sleeve friction factor",
-            description="how far it may be lower: to the adhesion beside remoulded clay",
-        )
-    }
+    lower = abs(float(recorded.sleeve_friction_factor) - remoulded)
+    meaning = "uncertainty of the sleeve friction factor"
+    how_far = "how far it may be lower: to the adhesion beside remoulded clay"
+    return labelled(sleeve_friction_factor_uncertainty=(lower, "1", meaning, how_far))
 
 
 def _of_table(

@@ -78,6 +78,7 @@ class Impact(CatalogueScene):
     """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
 
     method = ("cell_count",)
+    loads_solvers = True  # for the shock
     verifications = compared("cell_count", (40, 80), error=0.02, extreme=True)
     modulus: ClassVar[float]
     """Modulus of uniaxial strain [Pa]."""
@@ -107,11 +108,6 @@ class Impact(CatalogueScene):
         """The shock of this impact, exact."""
         speed = self.speed_ratio * self.wave_speed
         return Shock(modulus=self.modulus, density=self.density, speed=speed)
-
-    @property
-    def loads_solvers(self) -> bool:
-        """See `CatalogueScene`: for the shock."""
-        return True
 
     @property
     def end_time(self) -> float:
