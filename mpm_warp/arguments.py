@@ -20,17 +20,12 @@ from mpm_warp.errors import SceneError
 
 @dataclass(frozen=True, kw_only=True)
 class Range:
-    """Finite numbers within bounds.
+    """Finite numbers within bounds."""
 
-    Attributes:
-        above, below: exclusive bounds.
-        minimum, maximum: inclusive bounds.
-    """
-
-    above: float = -math.inf
-    below: float = math.inf
-    minimum: float = -math.inf
-    maximum: float = math.inf
+    above: float = -math.inf  # exclusive
+    below: float = math.inf  # exclusive
+    minimum: float = -math.inf  # inclusive
+    maximum: float = math.inf  # inclusive
 
     def holds(self, lowest: Any, highest: Any) -> bool:
         """Whether the lowest and the highest of some values are within; NaN never is."""

@@ -37,31 +37,21 @@ class Derived(float):
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """Definition of one parameter.
+    """Definition of one parameter."""
 
-    Attributes:
-        name: field name in the scene.
-        kind: ``float``, ``int``, ``bool`` or ``str``.
-        default: value where none is given; None where the scene derives it from the others, or
-            where there may be none, as `meaning` says.
-        unit: SI unit, "1" for a dimensionless number.
-        meaning: one phrase for help, documentation and the long names of datasets.
-        bounds: within which a number is allowed.
-        choices: all the values that are allowed, where there are few.
-        sane: least and greatest value between which nearly all random cases of the scene complete
-            (studies/stability.md); None where that is all that is allowed.
-        optional: whether there may be no value, so that its type is ``float | None``.
-    """
-
-    name: str
-    kind: type
+    name: str  # field name in the scene
+    kind: type  # ``float``, ``int``, ``bool`` or ``str``
+    # value where none is given; None where the scene derives it from the others, or where there may
+    # be none, as `meaning` says
     default: Value | None
-    unit: str
-    meaning: str
-    bounds: Range = FINITE
-    choices: tuple[Value, ...] | None = None
+    unit: str  # SI unit, "1" for a dimensionless number
+    meaning: str  # one phrase for help, documentation and the long names of datasets
+    bounds: Range = FINITE  # within which a number is allowed
+    choices: tuple[Value, ...] | None = None  # all the values that are allowed, where there are few
+    # least and greatest value between which nearly all random cases of the scene complete
+    # (studies/stability.md); None where that is all that is allowed
     sane: tuple[float, float] | None = None
-    optional: bool = False
+    optional: bool = False  # whether there may be no value, so that its type is ``float | None``
 
     @property
     def allowed(self) -> str:

@@ -100,28 +100,21 @@ def clock(time_step: real, load_time: wp.array[real]):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Body(Checked):
-    """A linear elastic body, or a rigid one, as a square lattice of particles.
+    """A linear elastic body, or a rigid one, as a square lattice of particles."""
 
-    Attributes:
-        position: positions of the particles [m], shape [particle_count, 2].
-        volume: volumes of the particles per radian or thickness, shape [particle_count].
-        spacing: side of the square that a particle stands for [m], > 0.
-        material: elastic constants and density.
-        held: particles that are always at rest, shape [particle_count]; the body is rigid and
-            immovable at every node that one of them reaches. None where there are none.
-        retardation_time: tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau
-            times the rate of strain [s], > 0; None where the body has no damping. It damps a
-            frequency omega by omega tau / 2 of the critical damping.
-        loads: forces on the particles.
-    """
-
-    position: Floats
+    position: Floats  # positions of the particles [m], shape [particle_count, 2]
+    # volumes of the particles per radian or thickness, shape [particle_count]
     volume: Floats = field(metadata=array_of(None, allowed=POSITIVE))
-    spacing: float = checked(POSITIVE, unit="m")
-    material: LinearElastic
+    spacing: float = checked(POSITIVE, unit="m")  # side of a particle's square [m], > 0
+    material: LinearElastic  # elastic constants and density
+    # particles that are always at rest, shape [particle_count]; the body is rigid and immovable at
+    # every node that one of them reaches. None where there are none
     held: NDArray[np.bool_] | None = None
+    # tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau times the rate of
+    # strain [s], > 0; None where the body has no damping. It damps a frequency omega by
+    # omega tau / 2 of the critical damping
     retardation_time: float | None = checked(POSITIVE, unit="s", default=None)
-    loads: tuple[Load, ...] = ()
+    loads: tuple[Load, ...] = ()  # forces on the particles
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -54,13 +54,10 @@ class BodyContact(Checked):
 
     The normal is that of the base, whose surface should go on where the body's ends: at its edges
     a body's own normal turns away. The area is the body's own along that normal.
-
-    Attributes:
-        friction: Coulomb coefficient, dimensionless, >= 0.
-        adhesion: shear stress transmitted without normal stress [Pa], >= 0.
     """
 
-    friction: float = checked(NOT_NEGATIVE, default=0.0)
+    friction: float = checked(NOT_NEGATIVE, default=0.0)  # Coulomb coefficient, dimensionless, >= 0
+    # shear stress transmitted without normal stress [Pa], >= 0
     adhesion: float = checked(NOT_NEGATIVE, unit="Pa", default=0.0)
 
 

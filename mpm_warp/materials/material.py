@@ -43,35 +43,26 @@ class Law:
 
     Stresses and strains are (rr, zz, rz, tt), tension positive, rz that of the tensor. `properties`
     holds the material's `properties`, `state` what the point remembers, both as vectors.
-
-    Attributes:
-        update: (stress, strain, time step, properties, state) -> (stress, state) after a step. The
-            stress has been turned by the spin already.
-        moduli: (stress, properties, state) -> (G, K), the elastic moduli [Pa] at that stress.
-        yield_function: (stress, properties, state) -> (f, k): the material yields where the measure
-            f of the stress [Pa] reaches k [Pa]; None where it never does.
-        strength: (stress, properties, state) -> undrained shear strength [Pa], which the adhesion
-            of a surface beside the point follows; None where nothing changes it.
-        turn: (state, motion) -> state, of a law whose ground has an axis that turns with the soil;
-            the motion is what `motion_of` gives. None where there is no axis.
-        properties_type: type of the vector of properties.
-        state_type: type of the vector that a point remembers.
-        remembers: whether points remember anything; otherwise `state` is of length 1 and is not
-            kept.
-        varies: whether each point has properties of its own.
-        of_point: (properties, states, number of a point) -> (properties, state) of that point.
     """
 
+    # (stress, strain, time step, properties, state) -> (stress, state) after a step; the stress has
+    # been turned by the spin already
     update: Any
-    moduli: Any
+    moduli: Any  # (stress, properties, state) -> (G, K), the elastic moduli [Pa] at that stress
+    # (stress, properties, state) -> (f, k): the material yields where the measure f of the stress
+    # [Pa] reaches k [Pa]; None where it never does
     yield_function: Any
+    # (stress, properties, state) -> undrained shear strength [Pa], which the adhesion of a surface
+    # beside the point follows; None where nothing changes it
     strength: Any
+    # (state, motion) -> state, of a law whose ground has an axis that turns with the soil; the
+    # motion is what `motion_of` gives. None where there is no axis
     turn: Any
-    properties_type: Any
-    state_type: Any
-    remembers: bool
-    varies: bool
-    of_point: Any
+    properties_type: Any  # type of the vector of properties
+    state_type: Any  # type of the vector that a point remembers
+    remembers: bool  # whether points do; otherwise `state` is of length 1 and is not kept
+    varies: bool  # whether each point has properties of its own
+    of_point: Any  # (properties, states, number of a point) -> (properties, state) of that point
 
     @property
     def properties_argument(self) -> Any:

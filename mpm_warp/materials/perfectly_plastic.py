@@ -67,26 +67,21 @@ class PerfectlyPlastic(UndrainedClay):
 
     A criterion is some functions on the device. Their last argument `shape` is a vector of the
     numbers of shape and axis; of length 1 where there are none.
-
-    Attributes:
-        measure: (stress, shape) -> f, its measure by the criterion [Pa].
-        within: (stress, strength, shape) -> whether the stress is within the yield surface. It is
-            asked of every point in every step, and takes no root.
-        nearest: (trial stress outside, strength, shape) -> nearest stress of the yield surface.
-        shear_measure: (strain, shape) -> half its shear strain, as the criterion counts it.
-        softened: (trial stress, k, what of it can be lost, G, decay, shape) -> what a return leaves
-            of that, see `EinavRandolph`; None where the measure less k is G times the plastic
-            shear strain.
-        shape_count: how many numbers of shape it has.
-        axis: numbers of state that say how the axis of the ground stands, and what they start as.
     """
 
-    measure: ClassVar[Any]
+    measure: ClassVar[Any]  # (stress, shape) -> f, its measure by the criterion [Pa]
+    # (stress, strength, shape) -> whether the stress is within the yield surface; it is asked of
+    # every point in every step, and takes no root
     within: ClassVar[Any]
+    # (trial stress outside, strength, shape) -> nearest stress of the yield surface
     nearest: ClassVar[Any]
+    # (strain, shape) -> half its shear strain, as the criterion counts it
     shear_measure: ClassVar[Any]
+    # (trial stress, k, what of it can be lost, G, decay, shape) -> what a return leaves of that,
+    # see `EinavRandolph`; None where the measure less k is G times the plastic shear strain
     softened: ClassVar[Any] = None
-    shape_count: ClassVar[int] = 0
+    shape_count: ClassVar[int] = 0  # how many numbers of shape it has
+    # numbers of state that say how the axis of the ground stands, and what they start as
     axis: ClassVar[Mapping[str, float]] = {}
 
     @property

@@ -62,8 +62,4 @@ class Variation(Checked):
 
     def at(self, place: Floats, values: Floats) -> Floats:
         """Of values by depth, those at places (r, z) in the ground [m], [..., 2]."""
-        return np.interp(self.depth_of(place), self.depth, values)
-
-    def depth_of(self, place: Floats) -> Floats:
-        """Depth of places in the ground [m], shape [...]."""
-        return self.origin_depth - place[..., 1]
+        return np.interp(self.origin_depth - place[..., 1], self.depth, values)

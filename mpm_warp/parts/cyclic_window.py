@@ -73,8 +73,11 @@ class CyclicWindow(MovingGrid):
         return passages * self.passage_time + time
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """Slots for the ground below a grid, over the number of particles that fill it."""
-        return rows_below(grid, self.stroke) / grid.row_count
+        """Slots for the ground below a grid, over the number of particles that fill it.
+
+        It is in rows as high as the lowest of the grid, which fill a stroke.
+        """
+        return math.ceil(self.stroke / float(grid.rows[1] - grid.rows[0])) / grid.row_count
 
     def top(self, scene: Scene) -> float:
         """Height above which the stage of the particles takes them out of the grid: none [m]."""
@@ -123,11 +126,6 @@ class CyclicWindow(MovingGrid):
             ramp_time=self.ramp_time,
             passage_time=self.passage_time,
         )
-
-
-def rows_below(grid: Grid, stroke: float) -> int:
-    """Rows of soil below a grid, as high as the lowest of its own, that fill a stroke [m]."""
-    return math.ceil(stroke / float(grid.rows[1] - grid.rows[0]))
 
 
 @kernel

@@ -74,7 +74,7 @@ def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves() -> None:
     density, height = scene.material.density, np.diff(scene.grid.rows).min()
     free = simulation.plan.time_step * 30e3 / (density * height)
     assert velocity[:, 1:-1].max() < 1e-12 * free
-    depth = scene.material.variation.depth_of(scene.grid.node_positions).reshape(shape[:2])[:, -1]
+    depth = scene.material.variation.origin_depth - scene.grid.rows
     assert velocity[np.abs(depth - 13.0) > height, -1].max() < 1e-12 * free
     pressure = np.abs(excess_pore_pressure(simulation)).reshape(scene.grid.row_count, -1)
     assert np.count_nonzero(pressure.max(axis=1) > 1e-9 * 30e3) <= 1
