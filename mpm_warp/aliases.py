@@ -27,21 +27,15 @@ ALIASES: dict[str, dict[str, str]] = {
         "isotropic_overconsolidation_ratio": "p_c over p'",
     },
     "m phi friction_angle": {"critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
-    "anisotropy": {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
-    "delta": {
-        "stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)",
-        "remoulded_strength_ratio": "1 / sensitivity",
+    "anisotropy delta": {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
+    "sensitivity st delta delta_rem remoulded_strength": {
+        "remoulded_strength_ratio": "1 / sensitivity"
     },
-    "friction": {
+    "friction mu": {
         "friction_coefficient": "tan of the angle of friction",
         "friction": "tan of the angle of friction",
     },
-    "mu": {
-        "friction_coefficient": "tan of the angle of friction",
-        "friction": "tan of the angle of friction",
-        "rate_factor": "what a log cycle of strain rate adds to su, over su",
-    },
-    "sensitivity st delta_rem remoulded_strength": {"remoulded_strength_ratio": "1 / sensitivity"},
+    "mu": {"rate_factor": "what a log cycle of strain rate adds to su, over su"},
     "xi_95 xi95 softening": {
         "ductility": "plastic shear strain at which 95 % of the loss of strength is done"
     },
@@ -90,10 +84,10 @@ def what_to_give(word: str, known: Container[str]) -> str:
     small = word.lower()
     if small in RESULTS:
         return "; it is a result, not a parameter"
-    meanings = next((them for words, them in ALIASES.items() if small in words.split()), {})
     offers = [
         f"{name!r}" + (f", {value}" if value else "")
+        for words, meanings in ALIASES.items()
         for name, value in meanings.items()
-        if name in known
+        if small in words.split() and name in known
     ]
     return f"; give {', or '.join(offers)}" if offers else ""

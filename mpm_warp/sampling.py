@@ -102,12 +102,9 @@ def evenly(end: float, count: int) -> list[float]:
     return [end * number / count for number in range(1, count + 1)]
 
 
-def even_steps(step_count: int, count: int = 20) -> list[int]:
-    """Steps at even distances, up to the last, at which a run of so many reports progress.
-
-    They are so many, fewer where there are fewer steps.
-    """
-    steps = np.linspace(0, step_count, count + 1).round().astype(int)
+def even_steps(step_count: int) -> list[int]:
+    """Steps at even distances, up to the last, at which a run of so many reports progress: 20."""
+    steps = np.linspace(0, step_count, 21).round().astype(int)
     even: list[int] = np.unique(steps)[1:].tolist()
     return even
 

@@ -168,8 +168,8 @@ def test_contact_forces_are_means_since_they_were_last_taken(cone: Scene) -> Non
 
 
 @pytest.mark.parametrize(
-    ("step_count", "count", "expected"),
-    [(100, 4, [25, 50, 75, 100]), (10, 4, [2, 5, 8, 10]), (3, 20, [1, 2, 3]), (1, 20, [1])],
+    ("step_count", "expected"),
+    [(100, [*range(5, 101, 5)]), (21, [*range(1, 11), *range(12, 22)]), (3, [1, 2, 3]), (1, [1])],
 )
-def test_even_steps_end_with_the_last_one(step_count: int, count: int, expected: list[int]) -> None:
-    assert even_steps(step_count, count) == expected
+def test_even_steps_end_with_the_last_one(step_count: int, expected: list[int]) -> None:
+    assert even_steps(step_count) == expected
