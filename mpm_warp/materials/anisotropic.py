@@ -212,13 +212,8 @@ def turned_axis(state: Any, motion: vec7):
 class Anisotropic(PerfectlyPlastic):
     """Total stress; what is called strength and su elsewhere is that in triaxial compression.
 
-    Attributes:
-        strength_compression: su_C in triaxial compression along the axis [Pa], > 0.
-        strength_extension: su_E in triaxial extension [Pa], > 0.
-        strength_simple_shear: su_S in simple shear on the plane across the axis [Pa], more than
-            half the difference of the two.
-        strength_horizontal: su_H in shear within that plane, as around a pressuremeter [Pa], > 0;
-            None: (su_C + su_E) / sqrt(3).
+    The strengths su_C, su_E, su_S, su_H, in the order of the fields [Pa], are > 0, and su_S is more
+    than half the difference of su_C and su_E.
 
     Raises:
         SceneError: a strength is not allowed, or is not possible with the others.

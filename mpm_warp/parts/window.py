@@ -4,10 +4,8 @@ Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It 
 device so that a recorded step can be replayed as it is. Soil enters below and leaves above.
 """
 
-import functools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import warp as wp
 
@@ -155,13 +153,14 @@ class Window(MovingGrid):
         """Add the launch that moves it on, and what lets soil enter."""
         approach = self.approach
         plan.add_launch(
-            _make_advance_window(approach is not None),
+            advance_window,
             1,
             speed=self.first_speed,
             ramp_time=self.ramp_time,
             final_speed=self.speed,
-            approach_travel=0.0 if approach is None else approach.travel,
-            slowing_travel=0.0 if approach is None else approach.slowing_travel,
+            # Without an approach the speed never falls.
+            approach_travel=math.inf if approach is None else approach.travel,
+            slowing_travel=1.0 if approach is None else approach.slowing_travel,
         )
         closer = self.stray_speed or math.inf
         add_inflow(plan, scene, window_speed=self.first_speed, stray_speed=closer)
@@ -171,30 +170,22 @@ class Window(MovingGrid):
         return Inflow(run, scene, self.highest_speed_from)
 
 
-@functools.cache
-def _make_advance_window(hurried: bool) -> Any:
-    """One step of the motion, the speed rising linearly in time; launched once.
+@kernel
+def advance_window(
+    time_step: real,
+    speed: real,
+    ramp_time: real,
+    final_speed: real,
+    approach_travel: real,
+    slowing_travel: real,
+    window_motion: wp.array[real],
+):
+    """One step of the motion: the speed rises linearly in time; launched once.
 
-    `hurried`: the speed falls again at the end of an approach, linearly in travel.
+    At the end of an approach it falls again, linearly in travel.
     """
-
-    @kernel
-    def advance_window(
-        time_step: real,
-        speed: real,
-        ramp_time: real,
-        final_speed: real,
-        approach_travel: real,
-        slowing_travel: real,
-        window_motion: wp.array[real],
-    ):
-        window_motion[2] += time_step * window_motion[1]
-        window_motion[0] += time_step
-        risen = speed * wp.min(window_motion[0] / ramp_time, one)
-        if wp.static(hurried):
-            left = wp.clamp((approach_travel - window_motion[2]) / slowing_travel, zero, one)
-            window_motion[1] = wp.min(risen, final_speed + left * (speed - final_speed))
-        else:
-            window_motion[1] = risen
-
-    return advance_window
+    window_motion[2] += time_step * window_motion[1]
+    window_motion[0] += time_step
+    risen = speed * wp.min(window_motion[0] / ramp_time, one)
+    left = wp.clamp((approach_travel - window_motion[2]) / slowing_travel, zero, one)
+    window_motion[1] = wp.min(risen, final_speed + left * (speed - final_speed))
