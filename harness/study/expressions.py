@@ -19,23 +19,20 @@ from mpm_warp.parameters import Value, nearest_name
 LONGEST = 200
 """Characters that an expression may have, which bounds its depth too."""
 
-ARITHMETIC: dict[type[ast.operator], Callable[[float, float], float]] = {
+OF_NUMBERS: dict[type[ast.AST], Callable[..., Value]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
     ast.Pow: math.pow,
-}
-ORDER: dict[type[ast.cmpop], Callable[[float, float], bool]] = {
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
     ast.Lt: operator.lt,
     ast.LtE: operator.le,
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
-EQUALITY: dict[type[ast.cmpop], Callable[[Value, Value], bool]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-}
+EQUALITY: dict[type[ast.AST], Callable[..., bool]] = {ast.Eq: operator.eq, ast.NotEq: operator.ne}
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "exp": math.exp,
@@ -56,13 +53,26 @@ class ExpressionError(ValueError):
     """An expression is malformed or has no value; the message is one phrase."""
 
 
+Parameters = Mapping[str, Value | None]
+Meaning = Callable[[Parameters], Value]
+"""What works a piece of an expression out, from the values of the parameters."""
+
+
 @dataclass(frozen=True)
 class Expression:
-    """A well-formed expression: as it was written, the parameters that it needs, its syntax."""
+    """A well-formed expression.
+
+    Attributes:
+        text: as it was written.
+        names: the parameters that it needs.
+        is_condition: whether it is true or false, no number.
+        meaning: what works it out.
+    """
 
     text: str
     names: frozenset[str]
-    tree: ast.expr = field(compare=False, repr=False)
+    is_condition: bool
+    meaning: Meaning = field(compare=False, repr=False)
 
     @classmethod
     def parsed(cls, text: object) -> Expression:
@@ -74,28 +84,24 @@ class Expression:
                 f"has {len(text)} characters; an expression has at most {LONGEST}"
             )
         tree = _tree(text)
-        _check(tree)
+        meaning = _meaning(tree)
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         names = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
-        return cls(text, frozenset(name.id for name in names), tree)
+        is_negation = isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.Not)
+        is_condition = is_negation or isinstance(tree, ast.Compare | ast.BoolOp)
+        return cls(text, frozenset(name.id for name in names), is_condition, meaning)
 
-    @property
-    def is_condition(self) -> bool:
-        """Whether it is true or false, no number."""
-        is_negation = isinstance(self.tree, ast.UnaryOp) and isinstance(self.tree.op, ast.Not)
-        return is_negation or isinstance(self.tree, ast.Compare | ast.BoolOp)
-
-    def value(self, parameters: Mapping[str, Value | None]) -> Value:
+    def value(self, parameters: Parameters) -> Value:
         """Work it out."""
         try:
-            value = _value(self.tree, parameters)
+            value = self.meaning(parameters)
         except (ArithmeticError, ValueError, TypeError) as error:
             raise ExpressionError(f"{self.text!r} has no value: {error}") from None
         if isinstance(value, float) and not math.isfinite(value):
             raise ExpressionError(f"{self.text!r} has no value: it is {value}")
         return value
 
-    def is_true(self, parameters: Mapping[str, Value | None]) -> bool:
+    def is_true(self, parameters: Parameters) -> bool:
         """Work out a condition."""
         value = self.value(parameters)
         if not isinstance(value, bool):
@@ -112,85 +118,65 @@ def _tree(text: str) -> ast.expr:
         raise ExpressionError(f"is no expression; allowed: {ALLOWED}") from None
 
 
-def _check(node: ast.expr) -> None:
-    """Refuse what is not among the few things that an expression may have."""
+def _meaning(node: ast.expr) -> Meaning:
+    """What works out one of the few things that an expression may have; others are refused."""
     match node:
-        case ast.Constant(value=bool() | int() | float() | str()) | ast.Name():
-            return
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in ARITHMETIC:
-            parts = [left, right]
-        case ast.UnaryOp(op=ast.USub() | ast.UAdd() | ast.Not(), operand=operand):
-            parts = [operand]
-        case ast.BoolOp(values=parts):
-            pass
+        case ast.Constant(value=bool() | int() | float() | str() as constant):
+            return lambda _: _plain("", constant)
+        case ast.Name(id=name):
+            return lambda given: _plain(name, given[name])
+        case ast.BinOp(op=op, left=left, right=right) if type(op) in OF_NUMBERS:
+            function, nodes = OF_NUMBERS[type(op)], [left, right]
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in OF_NUMBERS:
+            function, nodes = OF_NUMBERS[type(op)], [operand]
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            return _applied(operator.not_, bool, operand)
+        case ast.BoolOp(op=op, values=values):
+            decide, parts = all if isinstance(op, ast.And) else any, [*map(_meaning, values)]
+            return lambda given: decide(_of_kind(bool, part(given)) for part in parts)
         case ast.Compare(left=left, ops=ops, comparators=others) if all(
-            type(op) in ORDER or type(op) in EQUALITY for op in ops
+            type(op) in OF_NUMBERS or type(op) in EQUALITY for op in ops
         ):
-            parts = [left, *others]
-        case ast.Call(func=ast.Name(id=name), args=parts, keywords=[]):
+            links = [*map(_compared, ops, [left, *others], others)]
+            return lambda given: all(link(given) for link in links)
+        case ast.Call(func=ast.Name(id=name), args=nodes, keywords=[]):
             if name not in FUNCTIONS:
                 raise ExpressionError(f"unknown function {name!r}{nearest_name(name, FUNCTIONS)}")
+            function = FUNCTIONS[name]
         case _:
             raise ExpressionError(f"{ast.unparse(node)!r} is not allowed; allowed: {ALLOWED}")
-    for part in parts:
-        _check(part)
+    return _applied(function, float, *nodes)
 
 
-def _value(node: ast.expr, parameters: Mapping[str, Value | None]) -> Value:
-    value: Value
-    match node:
-        case ast.Constant(value=str() | bool() | int() | float() as constant):
-            value = constant
-        case ast.Name(id=name):
-            given = parameters[name]
-            if given is None:
-                raise ExpressionError(f"{name} is what the scene derives itself; give it a value")
-            value = given
-        case ast.BinOp(left=left, op=op, right=right):
-            value = ARITHMETIC[type(op)](_number(left, parameters), _number(right, parameters))
-        case ast.UnaryOp(op=ast.Not(), operand=operand):
-            value = not _truth(operand, parameters)
-        case ast.UnaryOp(op=op, operand=operand):
-            number = _number(operand, parameters)
-            value = -number if isinstance(op, ast.USub) else number
-        case ast.BoolOp(op=op, values=parts):
-            decide = all if isinstance(op, ast.And) else any
-            value = decide(_truth(part, parameters) for part in parts)
-        case ast.Compare():
-            value = _compared(node, parameters)
-        case ast.Call(func=ast.Name(id=name), args=parts):
-            value = FUNCTIONS[name](*(_number(part, parameters) for part in parts))
-        case _:
-            raise AssertionError(f"{ast.dump(node)} has passed the check")
-    # A number is a float, whatever it is written as.
+def _compared(op: ast.cmpop, left: ast.expr, right: ast.expr) -> Meaning:
+    if type(op) in OF_NUMBERS:
+        return _applied(OF_NUMBERS[type(op)], float, left, right)
+    sides = _meaning(left), _meaning(right)
+
+    def holds(given: Parameters) -> bool:
+        one, other = (side(given) for side in sides)
+        if type(one) is not type(other):
+            raise TypeError(f"{one!r} and {other!r} cannot be equal")
+        return EQUALITY[type(op)](one, other)
+
+    return holds
+
+
+def _applied(function: Callable[..., Value], kind: type[Value], *nodes: ast.expr) -> Meaning:
+    """The meaning of a function of numbers, or of truths."""
+    parts = [*map(_meaning, nodes)]
+    return lambda given: function(*(_of_kind(kind, part(given)) for part in parts))
+
+
+def _of_kind(kind: type[Value], value: Value) -> Value:
+    if not isinstance(value, kind):
+        told = "not a number" if kind is float else "neither true nor false"
+        raise TypeError(f"{value!r} is {told}")
+    return value
+
+
+def _plain(name: str, value: Value | None) -> Value:
+    """A value in which a number is a float, whatever it is written as."""
+    if value is None:
+        raise ExpressionError(f"{name} is what the scene derives itself; give it a value")
     return value if isinstance(value, (str, bool)) else float(value)
-
-
-def _compared(node: ast.Compare, parameters: Mapping[str, Value | None]) -> bool:
-    left = node.left
-    for op, right in zip(node.ops, node.comparators, strict=True):
-        if type(op) in ORDER:
-            holds = ORDER[type(op)](_number(left, parameters), _number(right, parameters))
-        else:
-            values = _value(left, parameters), _value(right, parameters)
-            if type(values[0]) is not type(values[1]):
-                raise TypeError(f"{values[0]!r} and {values[1]!r} cannot be equal")
-            holds = EQUALITY[type(op)](*values)
-        if not holds:
-            return False
-        left = right
-    return True
-
-
-def _number(node: ast.expr, parameters: Mapping[str, Value | None]) -> float:
-    value = _value(node, parameters)
-    if not isinstance(value, float):
-        raise TypeError(f"{value!r} is not a number")
-    return value
-
-
-def _truth(node: ast.expr, parameters: Mapping[str, Value | None]) -> bool:
-    value = _value(node, parameters)
-    if not isinstance(value, bool):
-        raise TypeError(f"{value!r} is neither true nor false")
-    return value
