@@ -1,15 +1,11 @@
-"""Help, and completion by the Tab key in bash, zsh and fish: what is offered where, found at once.
+"""Help, and completion by the Tab key in bash, zsh and fish: what is offered where.
 
-The shell runs the program itself at each Tab, by argcomplete. So nothing that computes is imported
-here: names of scenes are read out of their source files.
+The shell runs the program itself at each Tab, by argcomplete. Scenes are imported only where names
+of scenes are offered, which takes a quarter of a second.
 """
 
 import argparse
-import importlib.util
-import re
 from collections.abc import Iterable
-from importlib.metadata import entry_points
-from pathlib import Path
 
 import argcomplete
 from argcomplete.shell_integration import shellcode
@@ -17,6 +13,7 @@ from argcomplete.shell_integration import shellcode
 from harness.cli.options import make_parser
 from harness.cli.process import DONE
 from harness.study.files import study_names
+from mpm_warp.scenes import scene_names
 
 STUDIES = ("study", "subject")
 RESULTS = ("file", "other", "study")
@@ -57,26 +54,10 @@ class _Words(argcomplete.completers.BaseCompleter):
             words += study_names()
             endings.append("toml")
         if action.dest in ("scene", "subject"):
-            words += scene_names_at_once()
+            words += scene_names()
         if action.dest in RESULTS:
             endings.append("nc")
         if action.dest in ("out", "results", "set"):
             return ()
         files = argcomplete.completers.FilesCompleter(endings)(prefix) if endings else ()
         return [*words, *files]
-
-
-def scene_names_at_once() -> list[str]:
-    """Names of all scenes, sorted, without importing any: a scene says its `summary` itself."""
-    package = importlib.util.find_spec("mpm_warp")
-    assert package is not None, "it has imported this module"
-    assert package.submodule_search_locations is not None
-    folder = Path(package.submodule_search_locations[0]) / "scenes"
-    names = {point.name for point in entry_points(group="mpm_warp.scenes")}
-    for file in folder.rglob("*.py"):
-        for definition in re.split(r"^class ", file.read_text("utf-8"), flags=re.MULTILINE)[1:]:
-            if "\n    summary = " in definition:
-                name = re.match(r"\w+", definition)
-                assert name is not None
-                names.add(re.sub(r"(?<!^)(?=[A-Z])", "_", name[0]).lower())
-    return sorted(names)

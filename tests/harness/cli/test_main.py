@@ -14,12 +14,10 @@ import pytest
 import xarray as xr
 
 from harness.cli.commands import studies
-from harness.cli.commands.completion import scene_names_at_once
 from harness.cli.help import HELP
 from harness.cli.options import make_parser
 from harness.cli.process import DEFECT
 from harness.run import pool
-from mpm_warp.scenes import scene_names
 from tests.harness.conftest import Command, Refusal
 
 EXAMPLES = [example for told in HELP.values() for example in told.examples]
@@ -80,10 +78,6 @@ def test_an_error_of_the_program_is_not_called_the_users(
     assert "please report it to the mpm_warp developers" in line
     assert bool(trace) == bool(debug)
     assert not trace or "in broken" in "".join(trace)
-
-
-def test_names_of_scenes_are_found_without_importing_them() -> None:
-    assert scene_names_at_once() == sorted(scene_names())
 
 
 @pytest.mark.slow
