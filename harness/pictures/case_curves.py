@@ -48,8 +48,6 @@ APPROACHED = (
     "Before the gap the cone approaches faster, which is no result: its speed rises over the first "
     "radius, and falls in the gap."
 )
-LABELLED_CHANGES = 5
-"""Curves of one parameter at a time that have a label: those that differ most from the first."""
 
 
 @STYLED
@@ -110,12 +108,12 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _furthest(dataset: xr.Dataset, ends: dict[int, float]) -> list[int]:
-    """Where a design starts from one case, that and those whose curves end furthest from it."""
+    """Where a design starts from one case, that and the five whose curves end furthest from it."""
     if dataset.attrs.get("design") != ONE_AT_A_TIME or 0 not in ends:
         return []
     others = sorted(ends, key=lambda case: abs(ends[case] - ends[0]), reverse=True)
     others.remove(0)
-    return [0, *others[:LABELLED_CHANGES]]
+    return [0, *others[:5]]
 
 
 def _with_scene(dataset: xr.Dataset, case: int) -> str:
@@ -144,8 +142,6 @@ LABELS = {
     EFFECTIVE: "effective mean stress $p'$ [kPa]",
     WATER: "pore pressure of shear [kPa]",
 }
-SHOWN_STRENGTH = 0.99
-"""The strain axis ends where every case has this share of the stress at its end, and twice that."""
 
 
 @STYLED
@@ -194,9 +190,9 @@ def _draw(axes: Axes, x: Floats, curves: Floats, line: Series) -> None:
 
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
-    """Where the strain axis ends: beyond it nothing is to be seen."""
+    """Twice the strain at which every case has 99 % of its last stress: the axis ends there."""
     last = np.array([[row[np.isfinite(row)][-1]] for row in stress])
-    far = (np.abs(stress - last) > (1.0 - SHOWN_STRENGTH) * np.abs(last)).any(axis=0)
+    far = (np.abs(stress - last) > 0.01 * np.abs(last)).any(axis=0)
     reached = strain[far][-1] if far.any() else strain[-1]
     return float(min(strain[-1], 2.0 * reached))
 
@@ -209,8 +205,6 @@ FITTED = {
     "misfit": "fit_misfit",
 }
 """Where a result has the numbers of a `Degradation`."""
-FINE = 200
-"""Points of a fitted curve."""
 
 
 @STYLED
@@ -254,7 +248,7 @@ def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> bool:
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
     is_fitted = math.isfinite(fit.cycles)
     if is_fitted:
-        along = np.linspace(0.0, float(cycle[-1]), FINE)
+        along = np.linspace(0.0, float(cycle[-1]), 200)
         axes.plot(along, fit.resistance_factor(along), color=line.colour, lw=0.8)
     return is_fitted
 

@@ -35,10 +35,6 @@ from harness.pictures.studied import BARS
 
 CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
 """Inches of the row of a case and of a soil, and of axis, legend and caption."""
-SPREAD = 0.5
-"""Height that the scenes of a row take, over its own."""
-MOST_ROWS = 24
-"""Rows on a page."""
 
 
 @STYLED
@@ -96,19 +92,19 @@ def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
 def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     """A row for each soil, with a mark for each scene; the first of the study on top.
 
-    It is for few soils that all scenes share, and results of one unit.
+    It is for up to 24 soils that all scenes share, and results of one unit.
     """
     if "status" not in dataset or "scene" not in dataset.coords:
         return None
     headlines, (labels, soils) = headlines_of(dataset), _soils(dataset)
     units = {unit_of(dataset, name) for name in headlines}
-    if len(soils) < 2 or len(units) != 1 or len(labels) > MOST_ROWS:
+    if len(soils) < 2 or len(units) != 1 or len(labels) > 24:
         return None
     figure, axes = _rows(labels, SOIL_HEIGHT)
     completed = over_cases(dataset, "status").astype(str) == COMPLETED
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)
-    beside = np.linspace(-0.5, 0.5, len(soils)) * SPREAD
+    beside = np.linspace(-0.25, 0.25, len(soils))  # of the height of a row
     for (kind, cases), line in series(soils.items(), None):
         axes.errorbar(
             values[cases],
@@ -126,17 +122,13 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     return captioned(figure, dataset, bars, _lost(values), legend=axes)
 
 
-HEIGHT = 3.4
-"""Inches of the figure."""
-
-
 @STYLED
 def spread_figure(dataset: xr.Dataset) -> Figure | None:
     """A histogram of the first headline, and the shares of the inputs in its variance."""
     spread = next(iter(spreads_of(dataset)), None)
     if spread is None:
         return None
-    figure, (counts, shares) = panels(2, HEIGHT, width_ratios=(3, 2))
+    figure, (counts, shares) = panels(2, height=3.4, width_ratios=(3, 2))
     _histogram(counts, spread)
     counts.set_xlabel(axis_label(dataset, spread.name))
     _bars(shares, dataset, spread)

@@ -44,21 +44,12 @@ from harness.study.compared import OwnReference
 
 BY_COMPRESSION = f"{COMPARED}_by_compression"
 """Cone factors by su in triaxial compression."""
-LEAST_VALUES = 3
-"""Values of each of two parameters from which on there is a map."""
 MOST_CURVES = 5
 """Curves beside a map."""
-LEVELS = 7
-MAP_HEIGHT = 3.6
-"""Of a map, in inches."""
-EDGE = 0.05
-"""Of the axes: a contour's label that is nearer to their edge would be cut off, and is left out."""
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
-HATCH_COLOUR = "#8C8C8C"
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
 """Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
-ENVELOPE_LABEL = "envelope of the literature (no confidence interval)"
 FINE = 400
 """Points of a literature curve."""
 
@@ -146,13 +137,13 @@ def _table(studied: Studied) -> tuple[Values, Values, Floats]:
 
 
 def _is_map(studied: Studied) -> bool:
-    """Whether two numbers vary, in all combinations of their values."""
+    """Whether two numbers vary, in all combinations of three values or more of each."""
     if not studied.is_combined or len(studied.varied) != 2 or len(studied.numbers) != 2:
         return False
     table = _table(studied)[2]
     # Contours need neighbours: a map with holes says less than the curves.
     full = bool(np.isfinite(table).mean() > 0.5)
-    return min(table.shape) >= LEAST_VALUES and studied.computed.size == table.size and full
+    return min(table.shape) >= 3 and studied.computed.size == table.size and full
 
 
 @STYLED
@@ -161,7 +152,7 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
     studied = Studied.of(dataset)
     if studied is None or refined(studied) or not _is_map(studied):
         return None
-    figure, (left, right) = panels(2, MAP_HEIGHT, width_ratios=(1.25, 1))
+    figure, (left, right) = panels(2, height=3.6, width_ratios=(1.25, 1))
     x, y, table = _table(studied)
     _draw_contours(left, studied, x, y, np.ma.masked_invalid(table))
     if studied.headline == COMPARED:
@@ -179,15 +170,15 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values, table: Floats) -> None:
-    levels: Sequence[float] = MaxNLocator(LEVELS).tick_values(table.min(), table.max())
+    levels: Sequence[float] = MaxNLocator(7).tick_values(table.min(), table.max())
     filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
     lines = axes.contour(filled, colors="white", linewidths=0.8)
     # Labels are placed on the page: the axes need their scales before.
     x.dress(axes, room=7)
     y.dress(axes, room=10, which="y")
-    for label in axes.clabel(lines, fontsize=7, fmt="%g"):
+    for label in axes.clabel(lines, fontsize=7, fmt="%g"):  # at the edge it would be cut off
         place = (axes.transData - axes.transAxes).transform(label.get_position())
-        label.set_visible(bool((np.abs(place - 0.5) < 0.5 - EDGE).all()))
+        label.set_visible(bool((np.abs(place - 0.5) < 0.45).all()))
     sound = np.isfinite(studied.computed)
     axes.plot(x.numbers[sound], y.numbers[sound], ".", color=INK, ms=3, clip_on=False)
     if not sound.all():
@@ -223,7 +214,7 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
         axes.axhspan(
             *entry.bounds,
             facecolor="none",
-            edgecolor=HATCH_COLOUR,
+            edgecolor="#8C8C8C",
             hatch=hatch,
             linewidth=0,
             alpha=0.5,
@@ -255,7 +246,7 @@ def _draw_literature(
     if inside.any():
         own = colour or "0.6"
         band = axes.fill_between(x, lower, upper, inside, color=own, alpha=0.2, lw=0)
-        band.set_label(once(axes, ENVELOPE_LABEL))
+        band.set_label(once(axes, "envelope of the literature (no confidence interval)"))
         # A band has no width where the references hold for one value alone, as of the apex angle.
         beside = np.pad(inside, 1)
         alone = inside & ~beside[:-2] & ~beside[2:]

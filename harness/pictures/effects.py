@@ -37,14 +37,8 @@ from harness.pictures.drawing.quantities import (
 from harness.pictures.studied import Studied
 
 LEAST_PARAMETERS = 3
-MOST_LISTED = 20
-"""Cases that a reader takes in one by one."""
 COLUMNS = 3
-PANEL_HEIGHT, PANEL_MARGIN = 1.75, 0.9
-"""Inches of a row of panels, and of the caption."""
 MOST_BARS = 20
-BAR_HEIGHT, BAR_MARGIN = 0.3, 1.6
-"""Inches of a bar of a tornado, and of all around them."""
 
 
 def much_varied(dataset: xr.Dataset) -> Studied | None:
@@ -58,8 +52,8 @@ def much_varied(dataset: xr.Dataset) -> Studied | None:
 
 
 def has_few_cases(studied: Studied) -> bool:
-    """Whether there are too few for a fit, and not too many to look at each."""
-    return studied.computed.size <= MOST_LISTED and not _effects(studied).is_fitted
+    """Whether there are too few for a fit, and not too many to look at each: 20 at most."""
+    return studied.computed.size <= 20 and not _effects(studied).is_fitted
 
 
 class _Effects(NamedTuple):
@@ -129,7 +123,7 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
     names = sorted(strength, key=lambda name: strength[name], reverse=True)[:MOST_LABELS]
     row_count = math.ceil(len(names) / COLUMNS)
     figure = Figure()
-    figure.set_figheight(PANEL_HEIGHT * row_count + PANEL_MARGIN)
+    figure.set_figheight(1.75 * row_count + 0.9)
     panels = figure.subplots(row_count, COLUMNS, squeeze=False, sharey=True)
     for axes in panels.flat[len(names) :]:
         axes.remove()
@@ -228,7 +222,7 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     if not any(bar.reach > 0.0 for bar in bars):
         return None
     shown = bars[:MOST_BARS]
-    figure, (axes,) = panels(height=BAR_HEIGHT * len(shown) + BAR_MARGIN)
+    figure, (axes,) = panels(height=0.3 * len(shown) + 1.6)
     start = float(studied.computed[0])
     axes.axvline(start, color=INK, lw=1)
     for place, bar in enumerate(shown):

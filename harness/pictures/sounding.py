@@ -28,12 +28,8 @@ from harness.pictures.studied import Studied
 
 RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
 DEPTH, STRETCH = "depth", "stretch_number"
-LEFT_TO_ONE = (STRETCH, "to_depth")
-"""Parameters of a stretch, which its sounding does not have."""
 CURVES = (RESISTANCE, UNCERTAINTY, "cone_factor_at_tip", "strength")
 JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
-HEIGHT = 5.0
-"""Of the picture of soundings [inch]: depth needs room."""
 
 
 def joined(dataset: xr.Dataset) -> xr.Dataset:
@@ -80,10 +76,11 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     studied = Studied.of(dataset)
     soundings = joined(dataset)
-    figure, (strength, resistance, factor) = panels(3, HEIGHT, sharey=True)
+    figure, (strength, resistance, factor) = panels(3, height=5.0, sharey=True)
     count = soundings.sizes["sounding"]
     shown = series(range(count))
-    names = [name for name in (studied.varied if studied else ()) if name not in LEFT_TO_ONE]
+    varied = studied.varied if studied else ()
+    names = [name for name in varied if name not in (STRETCH, "to_depth")]  # of a stretch alone
     for place, line in shown:
         sounding, colour = soundings.isel(sounding=place), line.colour
         label = studied.label(int(sounding["case"]), names) if studied else ""
@@ -116,24 +113,14 @@ MEASURED = {
     "pore_pressure": "$u_2$",
 }
 """Symbols of what is measured."""
-WIDTH, TALL = 9.0, 6.0
-"""Of the pictures of tests [inch]."""
-NOT_READ = "0.92"
-"""Shade of depths that have no strength."""
-NEAR_BORDER = "#f6e6c8"
-"""Shade of depths that feel another layer."""
+TALL = 6.0
+"""Height of the pictures of tests [inch]."""
 SHADES_MEAN = "Grey: no strength, the table says why; brown: feels another layer."
 OF_CHECK = (
     "Simulated: in the ground of the medians; misfit: over expected, less 1; band: test, 95 %."
 )
-LEAST_SHARE = 0.03
-"""Causes with less of the error on average are drawn as one."""
 BAND = shade(0.3)
 """Colour of medians and bands."""
-GAP = 5.0
-"""Steps of depth that are a gap, over the usual one."""
-AROUND = 1.0
-"""Length above and below the layers that is shown [m]."""
 
 
 @STYLED
@@ -218,10 +205,10 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
 
 
 def _broken(found: xr.Dataset) -> xr.Dataset:
-    """With a depth without values at the top of each gap: no line is drawn across it."""
+    """With a depth without values at the top of each gap, of five steps: no line crosses it."""
     depth = found.depth.values
     step = np.diff(depth, append=depth[-1])
-    tops = depth[step > GAP * float(np.median(step))]
+    tops = depth[step > 5.0 * float(np.median(step))]
     return found.reindex(depth=np.union1d(depth, np.nextafter(tops, np.inf)))
 
 
@@ -238,13 +225,13 @@ def _legend(axes: Axes, columns: int) -> None:
 
 
 def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure:
-    """With a caption; depth grows downward, around the layers that were asked for."""
+    """With a caption; depth grows downward, from 1 m above the layers asked for to 1 m below."""
     asked = np.concatenate([_asked(sounding) for sounding in found])
     deepest = max(float(sounding.depth.max()) for sounding in found)
     axes = figure.axes[0]
     axes.set_ylabel("depth of the tip [m]")
-    axes.set_ylim(min(deepest, asked.max() + AROUND), max(0.0, asked.min() - AROUND))
-    figure.set_figwidth(WIDTH)
+    axes.set_ylim(min(deepest, asked.max() + 1.0), max(0.0, asked.min() - 1.0))
+    figure.set_figwidth(9.0)
     figure.supxlabel(words, fontsize=7)
     return figure
 
@@ -267,11 +254,11 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) ->
 
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:
-    """Shares of the error, side by side to 100 %, the largest first."""
+    """Shares of the error, side by side to 100 %, the largest first; those below 3 % as one."""
     shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
     means = shares.mean("depth")
     shares = shares.sortby(-means)
-    small = means.sortby(-means).values < LEAST_SHARE
+    small = means.sortby(-means).values < 0.03
     names = [str(cause).replace("_", " ") for cause in shares.cause.values[~small]]
     columns = list(shares.values.T[~small])
     if small.any():
@@ -289,7 +276,7 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
 def _shade(all_axes: Sequence[Axes], found: xr.Dataset) -> None:
     """Shades over depths that feel another layer, and over those without a strength."""
     depth = found.depth.values
-    for where, colour in ((found.near_border, NEAR_BORDER), (found.reason, NOT_READ)):
+    for where, colour in ((found.near_border, "#f6e6c8"), (found.reason, "0.92")):
         for run in runs(where.values != 0):
             for axes in all_axes:
                 bottom = depth[min(run.stop, len(depth) - 1)]

@@ -56,12 +56,8 @@ STATUSES = {
 """Marker and colour of each status, in Okabe and Ito's colours."""
 OTHER = ("*", "black")
 """Those of any other status."""
-STRIP_HEIGHT, LEGEND_HEIGHT, SCALE_HEIGHT = 0.62, 0.45, 0.6
-"""Inches of a strip, of the legend above, and of the scale of colours and the caption each."""
 LEFT, RIGHT = 0.18, 0.6
 """Where strips begin and end, of the page's width: names stand before them, words behind."""
-BESIDE = 46
-"""Letters of a line beside a strip."""
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
@@ -332,11 +328,12 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
     if not shows_stability(dataset):
         return None
     rows, outcomes = stability_strips(dataset), Outcomes.of(dataset)
-    height = STRIP_HEIGHT * len(rows) + LEGEND_HEIGHT + 2 * SCALE_HEIGHT
+    above, below = 0.45, 1.2  # of the legend; of the scale of colours and the caption [inch]
+    height = 0.62 * len(rows) + above + below
     with rc_context({"figure.constrained_layout.use": False}):
         figure = Figure(figsize=(Figure().get_figwidth(), height))
     all_axes = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
-    top, bottom = 1 - LEGEND_HEIGHT / height, 2 * SCALE_HEIGHT / height
+    top, bottom = 1 - above / height, below / height
     figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
     for axes, row in zip(all_axes, rows, strict=True):
         axes.spines[["top", "right", "left"]].set_visible(False)
@@ -344,7 +341,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
         axes.set_ylabel(label, rotation=0, ha="right", va="center", fontsize=7, labelpad=8)
         axes.tick_params(axis="x", labelsize=6, pad=1)
         row.draw(axes)
-        text = "\n".join(textwrap.fill(line, BESIDE, max_lines=2) for line in row.beside)
+        text = "\n".join(textwrap.fill(line, 46, max_lines=2) for line in row.beside)
         axes.text(1.03, 0.5, text, transform=axes.transAxes, va="center", fontsize=6)
     is_scaled, is_strip = outcomes.known_shares.size > 0, isinstance(rows[0], Strip)
     handles: list[Artist] = []

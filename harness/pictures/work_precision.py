@@ -108,10 +108,6 @@ OF_HALF_WIDTH = (
     "Points are measured errors. Thin lines go up to the half width of the case, or of the "
     "reference, where that is greater; the front goes by their upper ends."
 )
-LEGEND_LINE = 0.15
-"""Inches of a line of a legend."""
-LABEL_GAP = 0.06
-"""Least distance of two labels, of the range of errors."""
 
 
 def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
@@ -125,7 +121,7 @@ def _checks_figure(dataset: xr.Dataset) -> Figure:
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
     lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
-    figure.set_figheight(figure.get_figheight() + LEGEND_LINE * len(lines) / 2)
+    figure.set_figheight(figure.get_figheight() + 0.075 * len(lines))  # room for the legend
     for number, scene in enumerate(scenes):
         curve = dataset.isel(check=number)
         axes.loglog(
@@ -229,10 +225,10 @@ def _draw_fronts(
 
 
 def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
-    """The points of a front whose labels do not meet, the best among them."""
+    """The points of a front whose labels are 0.06 of the range apart, the best among them."""
     kept: list[int] = []
     for case in front[::-1]:
-        if not kept or abs(np.log(errors[case] / errors[kept[-1]])) > LABEL_GAP * log_range:
+        if not kept or abs(np.log(errors[case] / errors[kept[-1]])) > 0.06 * log_range:
             kept.append(int(case))
     return np.array(kept[::-1], dtype=int)
 

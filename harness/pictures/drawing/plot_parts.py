@@ -185,12 +185,11 @@ def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
     ]
 
 
-LABEL_GAP = 0.06
-"""Least distance of two labels beside curves, of the height of the axes."""
-
-
 def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
-    """Write each curve's label right of the axes, as near to its end as those of others allow."""
+    """Write each curve's label right of the axes, as near to its end as those of others allow.
+
+    They are 0.06 of the axes' height apart, or less where there are too many.
+    """
     from scipy.optimize import isotonic_regression
 
     ordered = sorted(ends, key=lambda end: end.y)
@@ -198,7 +197,7 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
         return
     low, high = axes.get_ylim()
     heights = [(end.y - low) / (high - low) for end in ordered]
-    steps = min(LABEL_GAP, 1.0 / len(ordered)) * np.arange(len(ordered))
+    steps = min(0.06, 1.0 / len(ordered)) * np.arange(len(ordered))
     # Less these steps the places only have to rise.
     places = np.clip(isotonic_regression(heights - steps).x, 0.0, 1.0 - steps[-1]) + steps
     for end, place in zip(ordered, places, strict=True):

@@ -118,11 +118,6 @@ def assigned(dataset: xr.Dataset, name: Hashable, value: object) -> str:
 Floats = NDArray[np.float64]
 Texts = NDArray[np.str_]
 
-MOST_SINGLE_TICKS = 24
-"""Values that have a tick each; of more an axis has round ticks."""
-TICK_DIGITS = 4
-"""Of a value that has a tick of its own; random values have more, and round ticks instead."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Values:
@@ -194,11 +189,9 @@ class Values:
 
     @property
     def has_single_ticks(self) -> bool:
-        """Whether each number has a tick of its own: they are few, and short to write."""
-        short = all(
-            float(f"{number:.{TICK_DIGITS}g}") == number for number in self.different.tolist()
-        )
-        return short and self.different.size <= MOST_SINGLE_TICKS
+        """Whether each number has a tick of its own: they are few, and have four digits at most."""
+        short = all(float(f"{number:.4g}") == number for number in self.different.tolist())
+        return short and self.different.size <= 24
 
     def text(self, number: float) -> str:
         """A value in words."""
