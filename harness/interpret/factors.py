@@ -15,8 +15,6 @@ the error of the fit. That of degree 2 is 3, 1.5 and 1.2 times that of degree 3 
 and u2; degree 4 and radial basis functions (scipy) have a tenth less at most.
 """
 
-from __future__ import annotations
-
 import functools
 import itertools
 import math
@@ -87,7 +85,7 @@ class Factors:
         values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
         return _whole(values, inputs["rigidity_index"], inputs["adhesion_factor"])
 
-    def along(self, fixed: Mapping[str, Floats | float]) -> Along:
+    def along(self, fixed: Mapping[str, Floats | float]) -> "Along":
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
         names, own = list(RANGES), coordinates(fixed)
         places = [names.index(name) for name in own]

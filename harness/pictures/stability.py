@@ -4,14 +4,12 @@ One parameter at a time: a strip of single cases for each parameter, from the de
 failure on either side. At random: the share that completed over the range of each parameter.
 """
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 import xarray as xr
@@ -74,7 +72,7 @@ def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     return [strips[0].heading, *(row.words for row in strips)]
 
 
-def stability_strips(dataset: xr.Dataset) -> Sequence[Strip | Shares]:
+def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     """A strip for each varied parameter, of the cases that were run.
 
     One at a time, in the order of the dataset: the first case, which has the defaults, and those
@@ -110,7 +108,7 @@ class Outcomes(NamedTuple):
     limit_share: Floats
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> Outcomes:
+    def of(cls, dataset: xr.Dataset) -> Self:
         """Those of all cases of a result."""
         status = over_cases(dataset, "status").astype(str)
         reason = np.array([short_reason(str(value)) for value in over_cases(dataset, "message")])
@@ -118,9 +116,9 @@ class Outcomes(NamedTuple):
         sizes = [np.abs(over_cases(dataset, name)) / limit for name, limit in limits]
         return cls(status, reason, np.fmax.reduce([np.full(status.shape, np.nan), *sizes]))
 
-    def at(self, cases: np.ndarray) -> Outcomes:
+    def at(self, cases: np.ndarray) -> Self:
         """Those of some cases."""
-        return Outcomes(*(field[cases] for field in self))
+        return type(self)(*(field[cases] for field in self))
 
     @property
     def known_shares(self) -> Floats:
@@ -250,7 +248,7 @@ class Shares:
     parts: Sequence[Outcomes]
 
     @classmethod
-    def of(cls, values: Values, outcomes: Outcomes) -> Shares:
+    def of(cls, values: Values, outcomes: Outcomes) -> Self:
         """Parts of single values where there are few of them, else of about as many cases each."""
         numbers, edges = values.numbers, values.different
         if not values.categories and edges.size > PART_COUNT:

@@ -1,11 +1,9 @@
 """What a study is about: what its cases vary, and the result that they were run for."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -38,7 +36,7 @@ class Studied:
     headline: str
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> Studied | None:
+    def of(cls, dataset: xr.Dataset) -> Self | None:
         """What a result is about; None where its cases share no headline."""
         if "status" not in dataset:
             return None

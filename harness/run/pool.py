@@ -3,8 +3,6 @@
 A worker's beginning stands here too: it sees to its own end where its parent is gone.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing
@@ -78,7 +76,7 @@ def run_cases(
             watcher.finished(case, Outcome(COMPLETED, "by another run"))
         return None
 
-    def hear(worker: WorkerProcess) -> None:
+    def hear(worker: "WorkerProcess") -> None:
         news = worker.news()
         if isinstance(news, float):
             watcher.advanced(worker.case, news)
@@ -123,7 +121,7 @@ def cases_at_once(threads: int | None) -> int:
     return max(1, (os.cpu_count() or 1) // (threads or 1))
 
 
-def _with_news(workers: Sequence[WorkerProcess]) -> list[WorkerProcess]:
+def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
     """Wait for workers that have something to say or have taken too long.
 
     While this process is stopped, as by Ctrl-Z, so are its workers: that is no time of theirs.
@@ -223,7 +221,7 @@ class WorkerProcess:
         return Outcome(status, message, seconds=seconds)
 
 
-def end_all(workers: Sequence[WorkerProcess]) -> None:
+def end_all(workers: Sequence["WorkerProcess"]) -> None:
     """End worker processes at once, and remove what they were writing."""
     with _interrupts_held():
         for worker in workers:

@@ -4,8 +4,6 @@ That is references, the result of another study, experience, and tolerances. A r
 is a formula of parameters of the scene, in SI units, and of the symbols of those that ship.
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math
@@ -95,7 +93,7 @@ def takes_references(scene: Scene) -> bool:
     return scene.comparable == COMPARED
 
 
-def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, OwnReference]:
+def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, "OwnReference"]:
     """The references that the study defines: formulas of parameters of the scenes compared."""
     compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:

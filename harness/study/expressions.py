@@ -5,14 +5,13 @@ executed. It has numbers, texts, names of parameters, ``+ - * / **``, comparison
 ``not`` and a few functions. Numbers are floats, so that no power grows without bound.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 import operator
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Self
 
 from mpm_warp.parameters import Value, nearest_name
 
@@ -75,7 +74,7 @@ class Expression:
     meaning: Meaning = field(compare=False, repr=False)
 
     @classmethod
-    def parsed(cls, text: object) -> Expression:
+    def parsed(cls, text: object) -> Self:
         """Read an expression."""
         if not isinstance(text, str) or not text.strip():
             raise ExpressionError('must be an expression in a text, as "2 * penetration"')

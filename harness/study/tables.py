@@ -3,8 +3,6 @@
 The line names the place, the key, the value, what is allowed, and the nearest valid name.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections import Counter
@@ -53,7 +51,7 @@ class Table:
             if key not in keys:
                 raise self.refuse(key, f"unknown key{nearest_name(key, keys)}")
 
-    def table(self, key: str) -> Table:
+    def table(self, key: str) -> "Table":
         """The table [key], empty where there is none."""
         value = self.values.get(key, {})
         if not isinstance(value, dict):

@@ -1,7 +1,5 @@
 """Commands on what there is: a new study; what a scene, study or reference is; what it takes."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re
@@ -153,7 +151,7 @@ def _scene_of(case: Case) -> CatalogueScene:
     return scene_class(case.scene)(**case.parameters)
 
 
-def _at_work(count: int, what: str) -> tqdm[Any]:
+def _at_work(count: int, what: str) -> "tqdm[Any]":
     """A line on a terminal that says how far the planning of cases has come."""
     layout = "{desc}, {n_fmt}/{total_fmt}, {elapsed}"
     hidden = not sys.stderr.isatty()

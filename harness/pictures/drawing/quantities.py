@@ -4,11 +4,10 @@ A symbol is written as in ``I_r``: what follows the underscore is its subscript.
 a symbol is called by its name.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -137,7 +136,7 @@ class Values:
     categories: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, dataset: xr.Dataset, name: str) -> Values:
+    def of(cls, dataset: xr.Dataset, name: str) -> Self:
         """The values that the cases of a dataset have."""
         values, unit = over_cases(dataset, name), str(dataset[name].attrs.get("units", "1"))
         if values.dtype.kind in "iuf" and np.isfinite(values).all():
@@ -147,7 +146,7 @@ class Values:
         numbers = np.array([float(categories.index(text)) for text in texts])
         return cls(name=name, unit=unit, numbers=numbers, categories=categories)
 
-    def at(self, cases: np.ndarray) -> Values:
+    def at(self, cases: np.ndarray) -> Self:
         """Those of some cases."""
         return replace(self, numbers=self.numbers[cases])
 
