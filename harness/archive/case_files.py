@@ -149,11 +149,11 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
         return Outcome(MISSING)
     try:
         with opened(path, as_result=True) as found:
-            attributes, forms = found.attributes, found.forms
-            seconds = float(found.values("case_time")) if "case_time" in forms else 0.0
-            timed = forms["repeat"].shape[0] if "repeat" in forms else 0
+            attributes, variables = found
+            seconds = float(variables.get("case_time", 0.0))
+            timed = variables["repeat"].size if "repeat" in variables else 0
             half_widths, reasons = (
-                [found.values(name) for name in forms if forms[name].attributes.get("role") == role]
+                [it.values for it in variables.values() if it.attrs.get("role") == role]
                 for role in (Role.UNCERTAINTY, Role.REASON)
             )
             is_known = any(np.isfinite(half_width).all() for half_width in half_widths)

@@ -15,31 +15,29 @@ even where its numbers are the same.
 """
 
 import hashlib
+import os
 import stat
 from collections.abc import Hashable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 import numpy as np
 import xarray as xr
+from xarray.backends import NetCDF4DataStore
 
 from harness.archive.atomic_files import ArchiveError, write_whole
 from harness.archive.conventions import FORMAT_VERSION
-from harness.archive.netcdf_content import (
-    TEXT,
-    UNREADABLE,
-    Outline,
-    memory_of_machine,
-    outline,
-)
-from harness.archive.structure import malformed
+from harness.archive.structure import TEXT, Stored, malformed
 
 DIGEST = "digest"
 """Attribute of a file that ends with its digest."""
-COORDINATES = "coordinates"
-"""Attribute, of a variable or of the file, that names coordinates which are no dims (CF, 5)."""
+UNREADABLE = (
+    *(OSError, RuntimeError, ValueError, TypeError, AttributeError),
+    *(LookupError, ArithmeticError, MemoryError, AssertionError),
+)
+"""What netCDF4 and HDF5 raise where a file is not what they expect."""
 
 _STATEMENT = "SHA-256 of all bytes before it, in the last 72 bytes of the file"
 _MARK = b"sha256: "
@@ -48,6 +46,10 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 """How a file of HDF5 begins."""
 _SUPERBLOCK = 48
 """Bytes that such a file has at the least."""
+_LARGEST_RATIO = 1032
+"""Bytes that one byte compressed by deflate stands for at most (zlib's technical details)."""
+_STRING_SIZE = 64
+"""Bytes that a text takes in memory at least."""
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
@@ -59,42 +61,25 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
 
 
 def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
-    """Read a file of the archive into memory, checked as `opened` does it."""
-    with opened(path, as_result=as_result) as found:
-        return _loaded(found)
-
-
-def _loaded(found: Outline) -> xr.Dataset:
-    """All of a file, as xarray reads it in twice the time; dates would stay numbers."""
-    data: dict[str, xr.Variable] = {}
-    coordinates = set(str(found.attributes.get(COORDINATES, "")).split())
-    for name, form in found.forms.items():
-        attributes = dict(form.attributes)
-        attributes.pop("_FillValue", None)
-        coordinates.update(str(attributes.pop(COORDINATES, "")).split())
-        values = found.values(name)
-        if form.kind == TEXT:
-            values = values.astype(str)
-        elif attributes.pop("dtype", None) == "bool":
-            values = values.astype(bool)
-        data[name] = xr.Variable(form.dims, values, attributes)
-    # The digest is of the file, not of what was computed.
-    hidden = (DIGEST, COORDINATES)
-    said = {key: value for key, value in found.attributes.items() if key not in hidden}
-    coordinates |= {name for name in data if name in data[name].dims}
-    along = {name: data.pop(name) for name in [*data] if name in coordinates}
-    return xr.Dataset(data, along, said)
+    """Read a file of the archive into memory, checked as `opened` does it; dates stay numbers."""
+    with opened(path, as_result=as_result) as stored:
+        variables, attributes, coordinates = xr.conventions.decode_cf_variables(
+            stored.variables, {**stored.attributes}, concat_characters=False, decode_times=False
+        )
+        found = xr.Dataset(variables, attrs=attributes).set_coords(coordinates).load()
+    found.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
+    return found[[*found.data_vars, *found.coords]].drop_encoding()
 
 
 def read_attributes(path: Path, *, any_version: bool = True) -> dict[str, Any]:
     """Read the attributes of a file alone, by default of whatever format version."""
-    with opened(path, as_result=False, any_version=any_version) as found:
-        return dict(found.attributes)
+    with opened(path, as_result=False, any_version=any_version) as stored:
+        return dict(stored.attributes)
 
 
 @contextmanager
-def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterator[Outline]:
-    """What is in a file of the archive, which is checked and stays open for its values.
+def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterator[Stored]:
+    """What is in a file of the archive as it is stored, which is checked and open for its values.
 
     Args:
         path: the file.
@@ -106,28 +91,38 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
         ArchiveError: it is no file, damaged, of another format version, not built as results are,
             or says that it holds more than its bytes or this machine's memory can.
     """
-    content = _content(path)
-    with ExitStack() as stack:
-        with _reported(path):
-            _check_digest(path, content)
-            # What was checked is what is read, whatever becomes of the file meanwhile.
-            file = stack.enter_context(netCDF4.Dataset(path.name, memory=content))
-            found = outline(file, len(content))
+    with _reported(path):
+        content = _content(path)
+        _check_digest(path, content)
+        # What was checked is what is read, whatever becomes of the file meanwhile.
+        with netCDF4.Dataset(path.name, memory=content) as file:
+            variables, attributes = NetCDF4DataStore(file).load()
+            stored = Stored(attributes, variables)
+            _check_size(stored, len(content))
+            version = attributes.get("format_version")
+            is_ours = isinstance(version, int | np.integer) and version == FORMAT_VERSION
+            if not (is_ours or any_version):
+                raise ArchiveError(
+                    f"{path}: has format version {version}, where {FORMAT_VERSION} can be read"
+                )
+            if as_result and (fault := malformed(stored)) is not None:
+                raise ArchiveError(f"{path}: is no whole result: {fault}")
+            yield stored
 
-        def values(name: str) -> np.ndarray:
-            with _reported(path):
-                return found.values(name)
 
-        checked = found._replace(values=values)
-        version = checked.attributes.get("format_version")
-        is_ours = isinstance(version, int | np.integer) and version == FORMAT_VERSION
-        if not (is_ours or any_version):
-            raise ArchiveError(
-                f"{path}: has format version {version}, where {FORMAT_VERSION} can be read"
-            )
-        if as_result and (fault := malformed(checked)) is not None:
-            raise ArchiveError(f"{path}: is no whole result: {fault}")
-        yield checked
+def _check_size(stored: Stored, byte_count: int) -> None:
+    """Refuse a file that says that it holds more than its bytes or this machine's memory can."""
+    sizes = [
+        it.size * (_STRING_SIZE if it.dtype.kind == TEXT else it.dtype.itemsize)
+        for it in stored.variables.values()
+    ]
+    if sum(sizes) > min(memory_of_machine(), _LARGEST_RATIO * byte_count):
+        raise ValueError(f"its variables would take {sum(sizes):.3g} bytes, more than it can hold")
+
+
+def memory_of_machine() -> int:
+    """Bytes of memory that this machine has."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
 
 
 @contextmanager
@@ -143,16 +138,14 @@ def _reported(path: Path) -> Iterator[None]:
 
 def _content(path: Path) -> bytes:
     """The bytes of an ordinary file that fits into memory."""
-    with _reported(path):
-        about = path.stat()
-        if not stat.S_ISREG(about.st_mode):
-            # Whoever opens a FIFO waits for its writer, and a device may have no end.
-            raise ValueError(
-                f"it is {'a folder' if stat.S_ISDIR(about.st_mode) else 'no ordinary file'}"
-            )
-        if about.st_size > memory_of_machine():
-            raise ValueError("it is larger than the memory here")
-        return path.read_bytes()
+    about = path.stat()
+    if not stat.S_ISREG(about.st_mode):
+        # Whoever opens a FIFO waits for its writer, and a device may have no end.
+        what = "a folder" if stat.S_ISDIR(about.st_mode) else "no ordinary file"
+        raise ValueError(f"it is {what}")
+    if about.st_size > memory_of_machine():
+        raise ValueError("it is larger than the memory here")
+    return path.read_bytes()
 
 
 def _check_digest(path: Path, content: bytes) -> None:

@@ -1,24 +1,37 @@
 """Whether a result is built as every result is, so that what reads it by name finds what it needs.
 
 A digest says that a file is as it was written. It does not say who wrote it: these checks are for
-files of other programs. They need the outline of a result, not its numbers: so the status of a case
-is known without reading them.
+files of other programs. They need no numbers of a result but those of its dims: so the status of a
+case is known without reading them.
 """
 
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from harness.archive.conventions import COMPLETED, PER_CASE, TOLERANCES, Role, parameter_of
-from harness.archive.netcdf_content import NUMBERS, TEXT, Form, Outline
 from harness.archive.provenance import OF_CASE
 from harness.study.files import STUDY_NAME
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
+Forms = Mapping[str, xr.Variable]
+
+
+class Stored(NamedTuple):
+    """What a file holds: its attributes, and its variables, whose values are read on demand."""
+
+    attributes: Mapping[str, Any]
+    variables: Forms
+
+
+NUMBERS, TEXT = "biuf", "O"
+"""Kinds of variables, as NumPy calls them."""
 _OF_EACH_CASE = (
     *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
     *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
@@ -30,16 +43,16 @@ _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
 """Attributes by which a number in a file stands for another one; no result has any."""
 
 
-def malformed(result: Outline) -> str | None:
+def malformed(result: Stored) -> str | None:
     """What is not as it has to be in the result of a case or a study; None where all is well."""
     return next(_faults(result), None)
 
 
-def _faults(result: Outline) -> Iterator[str]:
+def _faults(result: Stored) -> Iterator[str]:
     for key, value in result.attributes.items():
         if not isinstance(value, str | int | float | np.number):
             yield f"{key} is neither a text nor a number"
-    forms = result.forms
+    forms = result.variables
     over = forms["status"].dims if "status" in forms else ()
     if "study" in result.attributes:
         yield from _faulty_study(result, over)
@@ -50,17 +63,17 @@ def _faults(result: Outline) -> Iterator[str]:
     is_known = all(scene in scene_names() for scene in scenes)
     for name, form in forms.items():
         if name in texts or _role(form) in (Role.REASON, Role.BUILT):
-            if form.kind != TEXT:
+            if form.dtype.kind != TEXT:
                 yield f"{name} is no text"
         # Which parameters of an unknown scene are texts is not known either.
-        elif form.kind not in NUMBERS and (
-            form.kind != TEXT or (is_known and "units" in form.attributes)
+        elif form.dtype.kind not in NUMBERS and (
+            form.dtype.kind != TEXT or (is_known and "units" in form.attrs)
         ):
             yield f"{name} is no number"
         yield from _faulty_attributes(forms, name)
         yield from _faulty_dims(forms, name, over)
-    for dim in sorted({dim for form in forms.values() for dim in form.dims if dim in forms}):
-        values = result.values(dim)
+    for dim in sorted({str(dim) for form in forms.values() for dim in form.dims} & forms.keys()):
+        values = forms[dim].values
         if values.ndim == 0:
             yield f"{dim} is a dim and has one value"
         elif np.unique(values).size < values.size:
@@ -69,9 +82,9 @@ def _faults(result: Outline) -> Iterator[str]:
         yield from _faulty_headline(result)
 
 
-def _faulty_study(result: Outline, over: tuple[str, ...]) -> Iterator[str]:
+def _faulty_study(result: Stored, over: tuple[Hashable, ...]) -> Iterator[str]:
     """A collected dataset has what every one has, whoever has written it."""
-    said, forms = result.attributes, result.forms
+    said, forms = result.attributes, result.variables
     try:
         tolerances = json.loads(str(said.get(TOLERANCES, "{}")))
     except ValueError:
@@ -90,7 +103,7 @@ def _faulty_study(result: Outline, over: tuple[str, ...]) -> Iterator[str]:
             yield f"{name} is missing or malformed; collect it again"
 
 
-def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) -> Iterator[str]:
+def _faulty_dims(forms: Forms, name: str, over: tuple[Hashable, ...]) -> Iterator[str]:
     form = forms[name]
     of_cases = tuple(dim for dim in form.dims if dim in over)
     if of_cases != tuple(dim for dim in over if dim in of_cases):
@@ -108,8 +121,8 @@ def _faulty_dims(forms: Mapping[str, Form], name: str, over: tuple[str, ...]) ->
         yield f"{name} has more than one value a case"
 
 
-def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
-    said = forms[name].attributes
+def _faulty_attributes(forms: Forms, name: str) -> Iterator[str]:
+    said = forms[name].attrs
     for key in _TEXTS:
         if not isinstance(said.get(key, ""), str):
             yield f"{key} of {name} is no text"
@@ -122,23 +135,23 @@ def _faulty_attributes(forms: Mapping[str, Form], name: str) -> Iterator[str]:
     if role == Role.EXACT and str(said.get("exact_of")) not in forms:
         yield f"{name} is exact of nothing"
     # Where a number is missing it is not a number, in the file too.
-    is_filled = forms[name].kind in NUMBERS and str(said.get("_FillValue", "nan")) != "nan"
+    is_filled = forms[name].dtype.kind in NUMBERS and str(said.get("_FillValue", "nan")) != "nan"
     if is_filled or any(key in said for key in _ENCODED):
         yield f"the numbers of {name} stand for others"
 
 
-def _faulty_headline(result: Outline) -> Iterator[str]:
+def _faulty_headline(result: Stored) -> Iterator[str]:
     """A case that has completed has what its scene is run for."""
-    headlines = [name for name, form in result.forms.items() if _role(form) == Role.HEADLINE]
+    headlines = [name for name, form in result.variables.items() if _role(form) == Role.HEADLINE]
     if not headlines:
         yield "it has completed without a headline"
     for name in headlines:
-        is_number = result.forms[name].kind in NUMBERS
-        if not (is_number and np.isfinite(result.values(name)).all()):
+        is_number = result.variables[name].dtype.kind in NUMBERS
+        if not (is_number and np.isfinite(result.variables[name].values).all()):
             yield f"{name} is not finite, and yet it has completed"
 
 
-def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[str]:
+def _text_parameters(forms: Forms, scenes: list[str]) -> Iterator[str]:
     """What the parameters that are texts are called in a result."""
     stored = {
         parameter_of(stored_name): stored_name
@@ -152,7 +165,7 @@ def _text_parameters(forms: Mapping[str, Form], scenes: list[str]) -> Iterator[s
                     yield stored[name]
 
 
-def _role(form: Form) -> str:
+def _role(form: xr.Variable) -> str:
     """The role of a variable; "" where it has none, or one that is no text."""
-    role = form.attributes.get("role")
+    role = form.attrs.get("role")
     return role if isinstance(role, str) else ""

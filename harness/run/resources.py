@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import Role
-from harness.archive.netcdf_content import memory_of_machine
+from harness.archive.netcdf_files import memory_of_machine
 from harness.errors import HarnessError, tell
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
