@@ -10,7 +10,6 @@ two cases have the same sign, as that of the limit of fine meshes. Of the 276 di
 cases and as many ratios all but one are within it and that of the fine ones.
 """
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
@@ -40,8 +39,8 @@ from harness.archive.conventions import (
 )
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import NothingToCompareError
-from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value, parameters_of
+from harness.study.cases import completed
+from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 Identity = tuple[str, frozenset[tuple[str, object]]]
@@ -189,18 +188,9 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
         others = {
             key: value for key, value in given.items() if key in shared or dataset[names[key]].ndim
         }
-        identity = frozenset({**_complete(scene, known), **others}.items())
+        identity = frozenset({**completed(scene, known)[0], **others}.items())
         places[name, identity] = place
     return places
-
-
-def _complete(scene: type, given: dict[str, Value]) -> dict[str, Value | None]:
-    """All parameters of a scene, defaults and those that it derives filled in."""
-    try:
-        return dataclasses.asdict(scene(**given))
-    except ParameterError:  # a case that the scene refuses has nothing derived
-        defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
-        return {**defaults, **given}
 
 
 PARTS = ("stretch_number", "stretch_count", "to_depth", "from_depth")

@@ -10,17 +10,16 @@ from dataclasses import dataclass
 from harness.errors import tell
 from harness.study.designs import (
     LATIN_HYPERCUBE,
-    Combination,
     Design,
     combination_count,
     combinations,
     rounded,
 )
-from harness.study.expressions import ExpressionError
+from harness.study.expressions import Expression, ExpressionError
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value
+from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import CatalogueScene
 
 MANY = 10_000
@@ -82,7 +81,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             text = [f"{name}={value}" for name, value in values.items()]
             label = ", ".join([*of_many, *text]) or part.name
             try:
-                complete, refusal = _complete(part, values)
+                complete, refusal = completed(part.scene, {**part.fixed, **values}, part.derived)
                 if refusal is not None and design.kind != LATIN_HYPERCUBE:
                     raise StudyError(f"{where}: {label}: {refusal}")
                 is_excluded = any(condition.is_true(complete) for condition in part.excluded)
@@ -116,18 +115,20 @@ def naming(scene: Scene, complete: Mapping[str, Value | None]) -> dict[str, Valu
     return {name: value for name, value in complete.items() if name not in absent}
 
 
-def _complete(
-    part: ScenePart, values: Combination
+def completed(
+    scene: Scene, given: dict[str, Value], derived: Mapping[str, Expression] | None = None
 ) -> tuple[dict[str, Value | None], ParameterError | None]:
-    """All parameters of the scene with these values, and why the scene refuses them, if it does."""
-    given: dict[str, Value] = {**part.fixed, **values}
+    """All parameters of a scene with these values, and why the scene refuses them, if it does.
+
+    Where it does, nothing is worked out from others.
+    """
     try:
-        for name, expression in part.derived.items():
-            value = expression.value(_parameters(part.scene(**given)))
-            given[name] = rounded(value) if isinstance(value, float) else value
-        return _parameters(part.scene(**given)), None
+        for name, expression in (derived or {}).items():
+            value = expression.value(_parameters(scene(**given)))
+            given = given | {name: rounded(value) if isinstance(value, float) else value}
+        return _parameters(scene(**given)), None
     except ParameterError as error:
-        defaults = {name: definition.default for name, definition in part.parameters.items()}
+        defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
         return {**defaults, **given}, error
 
 

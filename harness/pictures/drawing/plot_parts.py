@@ -137,9 +137,7 @@ def once(axes: Axes, label: str) -> str:
 
 def chosen(count: int, most: int = MOST_LABELS) -> list[int]:
     """Up to `most` of `count` places, evenly spread, the first and the last among them."""
-    if count <= most:
-        return list(range(count))
-    return sorted({round(place) for place in np.linspace(0, count - 1, most).tolist()})
+    return sorted({round(it) for it in np.linspace(0, count - 1, min(count, most)).tolist()})
 
 
 Thing = TypeVar("Thing")
