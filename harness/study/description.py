@@ -17,13 +17,12 @@ import numpy as np
 from harness.errors import tell
 from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
-from harness.study.cases import most_cases
+from harness.study.cases import completed, most_cases
 from harness.study.compared import takes_references
 from harness.study.designs import DESIGNS, Range, Variation
 from harness.study.distributions import Input
 from harness.study.scene_part import ScenePart, method_of
 from harness.study.study import Study
-from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of
@@ -181,16 +180,13 @@ def study_text(name: str, scene_name: str) -> str:
 
 
 def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
-    """The first parameter that is none of the method, with values that the scene allows."""
+    """The first parameter, those of the method last, with several values that the scene allows."""
     method, known = method_of(scene), parameters_of(scene)
-    for name, definition in sorted(known.items(), key=lambda it: it[0] in method):
-        values = [
-            candidate for candidate in _candidates(definition) if _allows(scene, name, candidate)
-        ]
-        if len(values) > 1:
-            return name, values
-    name = next(iter(known))
-    return name, [value for value in (known[name].default,) if value is not None]
+    tried = {
+        name: [it for it in _candidates(known[name]) if completed(scene, {name: it})[1] is None]
+        for name in sorted(known, key=lambda it: it in method)
+    }
+    return max(tried.items(), key=lambda it: len(it[1]) > 1)
 
 
 def _candidates(definition: Parameter) -> list[Value]:
@@ -204,14 +200,6 @@ def _candidates(definition: Parameter) -> list[Value]:
         return [type(default)(default / 2), default]
     greatest = definition.bounds.maximum
     return [default, *([float(greatest)] if math.isfinite(greatest) else [])]
-
-
-def _allows(scene: type[CatalogueScene], name: str, value: Value) -> bool:
-    try:
-        scene(**{name: value})
-    except ParameterError:
-        return False
-    return True
 
 
 def _commented(parameters: Iterable[Parameter]) -> list[str]:
