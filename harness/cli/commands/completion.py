@@ -57,7 +57,5 @@ class _Words(argcomplete.completers.BaseCompleter):
             words += scene_names()
         if action.dest in RESULTS:
             endings.append("nc")
-        if action.dest in ("out", "results", "set"):
-            return ()
         files = argcomplete.completers.FilesCompleter(endings)(prefix) if endings else ()
         return [*words, *files]
