@@ -14,7 +14,7 @@ Then m mass, v velocity predicted for each alone, v_S that of both together, d =
 friction coefficient, a adhesion:
 
     P = A_k sum_j (max(m_A d . n, 0)_j / sum_i A_i)    j near k, i near j: within two cells
-    J = law(m_A, d, n, P, mu, a A_k dt)     while the gap is closed
+    J = law(m_A, d, n, P, mu P + a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
 
 The nodes on either side of an interface share its normal force in a way that stresses leave open.
@@ -222,7 +222,8 @@ def body_contact(
     n = contact_normal[k]
     jump = field_velocity[A, k] - field_velocity[B, k]
     mobility = field_inverse_mass[A, k] + field_inverse_mass[B, k]
-    J = contact_law(one / mobility, jump, n, P, friction, adhesion * area * time_step, zero)
+    most_shear = friction * P + adhesion * area * time_step
+    J = contact_law(one / mobility, jump, n, P, most_shear, zero)
     impulse = J[0] * n + vec2(J[1], J[2])
     field_velocity[A, k] = field_velocity[A, k] - field_inverse_mass[A, k] * impulse
     field_velocity[B, k] = field_velocity[B, k] + field_inverse_mass[B, k] * impulse

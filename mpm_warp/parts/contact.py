@@ -12,6 +12,18 @@ times contact area, which the simulated stress leaves out.
     J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
     P   = m d.n + K + p A dt        where the surface goes through the nodes, as here
 
+Two things bound the friction of a surface in the grid. Soil bears no more shear than its strength
+k, whatever presses: a rougher surface shears the cells beside it, whose stress acts half a cell
+farther out, so that it bore 1.28 k on five rows of cells beside a cone. And friction that follows
+the pressure at once makes sliding on elastic soil unstable, the shortest waves most (Adams 1995, J.
+Appl. Mech. 62:867-872): along a shaft waves of six cells ran at the speed of shear waves, of a
+third of the speed of the cone. So it follows over a way of sliding L, the shortest cell, as it does
+where it was measured (Prakash & Clifton 1993; Ranjith & Rice 2001, J. Mech. Phys. Solids
+49:341-361). V is the speed of the body, R the force that friction is of, which starts as p A:
+
+    R   <- R + min(|V| dt / L, 1) (P / dt - R)
+    J_t at most (mu R + a A) dt, R at least 0, and at most k A dt
+
 The least mass M of a node limits what the force does to one that has little soil, for it could be
 thrown. The body bears what the force does not do to the soil; with u and v the velocities before
 and after the force, the impulse on the body is J_n + K, at least -p A dt,
@@ -38,7 +50,7 @@ import warp as wp
 from mpm_warp.arguments import FROM_ONE, NOT_NEGATIVE, array_of, check_nodes, check_whole, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Integers
-from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, zero
+from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan, ShareRow
@@ -46,6 +58,8 @@ from mpm_warp.scene import Part, Scene
 
 PARTED = 1e-3
 """Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
+OF_ADHESION, OF_STRENGTH = 0, 1
+"""Components of the sums that adhesion and strength beside a surface follow."""
 UNIT_ROUNDING = 1e-6
 """What the length of a unit normal may differ from 1 by."""
 
@@ -71,6 +85,9 @@ class SurfaceContact(Part):
         adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
             the strength of the soil varies or changes, that beside soil of the material's own.
         friction: Coulomb coefficient, dimensionless, >= 0; default: 0.
+        strength_forces: greatest shear force that the soil beside bears, its strength times area
+            [N], shape [node_count], where its strength varies or changes as `adhesion_forces`;
+            default: friction and adhesion are all that bound it.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
         speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
@@ -82,6 +99,9 @@ class SurfaceContact(Part):
     normal_areas: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
     adhesion_forces: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
     friction: float = checked(NOT_NEGATIVE, default=0.0)
+    strength_forces: Floats | None = field(
+        default=None, metadata=array_of("nodes", allowed=NOT_NEGATIVE)
+    )
     in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
     speed: float = checked(unit="m/s", default=0.0)
 
@@ -126,24 +146,34 @@ class SurfaceContact(Part):
         plan.add_array("contact.adhesion", "real", self.adhesion_forces * relative)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
+        rubs, bound = self.friction > 0.0, self.bound_of_friction
+        if rubs:
+            plan.add_array("contact.rubbing", "real", self.in_situ_stress * self.normal_areas)
+        if bound is not None:
+            plan.add_array("contact.strength", "real", bound * strength)
         plan.add_launch(
-            _make_surface_contact("window.motion" in plan.arrays),
+            _make_surface_contact("window.motion" in plan.arrays, rubs, bound is not None),
             len(self.nodes),
             friction=self.friction,
+            friction_way=float(scene.grid.cell_lengths.min()),
             speed=self.speed,
         )
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add what keeps the adhesion that of the soil beside the surface, where that changes."""
         material, row_count = scene.material, scene.grid.row_count
-        law, adhesive = material.law(), self.adhesion_forces.any()
-        if not (strength_changes(scene) and law.strength is not None and adhesive):
+        law = material.law()
+        by_soil = {}
+        if self.adhesion_forces.any():
+            by_soil["contact.adhesion"] = OF_ADHESION, self.adhesion_forces
+        if (bound := self.bound_of_friction) is not None:
+            by_soil["contact.strength"] = OF_STRENGTH, bound
+        if not (strength_changes(scene) and law.strength is not None and by_soil):
             return
         uniform = replace(material, variation=None)
         at_first = uniform.state_at(np.zeros(4), np.zeros(2)) if law.remembers else np.zeros(1)
-        plan.add_array("contact.first_adhesion", "real", self.adhesion_forces)
-        # (m k / k0, m) by row of the first column of cells.
-        plan.add_zeros("contact.strength_sum", "vec2", (plan.share_count, row_count))
+        # (m x k / k0, m k / k0, m) by row of the first column of cells.
+        plan.add_zeros("contact.strength_sum", "vec3", (plan.share_count, row_count))
         plan.audit(
             plan.launch(
                 _make_sum_of_strength(law, ADHESION_RATIO in plan.arrays),
@@ -152,9 +182,23 @@ class SurfaceContact(Part):
                 at_first=law.state_type(*at_first),
                 contact_strength_sum=ShareRow("contact.strength_sum"),
             ),
-            plan.launch(adhesion_beside, len(self.nodes)),
+            *(
+                plan.launch(
+                    follow_strength,
+                    len(self.nodes),
+                    of=of,
+                    first=plan.add_array(f"{name}_at_first", "real", forces),
+                    forces=name,
+                )
+                for name, (of, forces) in by_soil.items()
+            ),
             plan.launch(clear_strength, (plan.share_count, row_count)),
         )
+
+    @property
+    def bound_of_friction(self) -> Floats | None:
+        """The shear forces that friction may not exceed [N], shape [node_count]; None: no bound."""
+        return self.strength_forces if self.friction > 0.0 else None
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed, by mean normal `forces` [N], [n]."""
@@ -175,27 +219,27 @@ class SurfaceContact(Part):
 
 @wp.func
 def contact_law(
-    m: real, d: vec2, n: vec2, pressing: real, friction: real, adhesion: real, pressure: real
+    m: real, d: vec2, n: vec2, pressing: real, most_shear: real, pressure: real
 ) -> vec3:
-    """(J_n, J_t w/|w|), the impulse from the body, of (m, d, n, P, mu, a A dt, p A dt)."""
+    """(J_n, J_t w/|w|), the impulse from the body, of (m, d, n, P, mu P + a A dt, p A dt)."""
     normal_speed = wp.dot(d, n)
     J_n = wp.max(m * normal_speed, -pressure)
     if pressing <= zero:
         return vec3(J_n, zero, zero)
     w = d - normal_speed * n
     slip = m * wp.length(w)
-    limit = friction * pressing + adhesion
     transmitted = m * w
-    if slip > limit:
-        transmitted = (limit / slip) * transmitted
+    if slip > most_shear:
+        transmitted = (most_shear / slip) * transmitted
     return vec3(J_n, transmitted[0], transmitted[1])
 
 
 @functools.cache
-def _make_surface_contact(travelling: bool) -> Any:
+def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool) -> Any:
     """The kernel, launched over the surface's nodes.
 
-    `travelling`: the grid travels with the body, which else has a speed of its own.
+    `travelling`: the grid travels with the body, which else has a speed of its own. `rubs`: it has
+    friction; `bounded`: by the strength of the soil.
     """
 
     @kernel
@@ -204,6 +248,9 @@ def _make_surface_contact(travelling: bool) -> Any:
         contact_nodes: wp.array[int],
         contact_normals: wp.array[vec2],
         friction: real,
+        friction_way: real,
+        contact_rubbing: maybe(real),
+        contact_strength: maybe(real),
         contact_adhesion: wp.array[real],
         contact_pressure: wp.array[real],
         node_mass: wp.array[real],
@@ -228,7 +275,15 @@ def _make_surface_contact(travelling: bool) -> Any:
         by_force = vec2(v[0] - v[2], v[1] - v[3])
         K = wp.max(node_least_mass[node] - m, zero) * wp.dot(by_force, n)
         pressing = m * wp.dot(d, n) + K + in_situ
-        J = contact_law(m, d, n, pressing, friction, contact_adhesion[k] * time_step, in_situ)
+        most_shear = contact_adhesion[k] * time_step
+        if wp.static(rubs):
+            passed = wp.min(wp.abs(sinking) * time_step / friction_way, one)
+            R = contact_rubbing[k] + passed * (pressing / time_step - contact_rubbing[k])
+            contact_rubbing[k] = R
+            most_shear += friction * wp.max(R, zero) * time_step
+        if wp.static(bounded):
+            most_shear = wp.min(most_shear, contact_strength[k] * time_step)
+        J = contact_law(m, d, n, pressing, most_shear, in_situ)
         tangential = vec2(J[1], J[2])
         change = -(J[0] * n + tangential) / m
         node_velocities[node] = vec4(v[0] + change[0], v[1] + change[1], v[2], v[3])
@@ -253,7 +308,7 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
         properties: law.properties_argument,
         common: law.properties_type,
         at_first: law.state_type,
-        contact_strength_sum: wp.array[vec2],
+        contact_strength_sum: wp.array[vec3],
     ):
         p = offset + wp.tid()
         cell = particle_cell[p]
@@ -261,39 +316,45 @@ def _make_sum_of_strength(law: Law, varies_adhesion: bool) -> Any:
             own, remembered = law.of_point(properties, particle_state, p)
             k = law.strength(particle_stress[p], own, remembered)
             k0 = law.strength(vec4(), common, at_first)
+            x = one
             if wp.static(varies_adhesion):
-                k *= particle_adhesion_ratio[p]
+                x = particle_adhesion_ratio[p]
             m = particle_mass[p]
-            wp.atomic_add(contact_strength_sum, cell[1], vec2(m * (k / k0), m))
+            ratio = k / k0
+            wp.atomic_add(contact_strength_sum, cell[1], vec3(m * (x * ratio), m * ratio, m))
 
     return sum_of_strength
 
 
 @kernel
-def adhesion_beside(
+def follow_strength(
     offset: int,
     contact_nodes: wp.array[int],
-    contact_first_adhesion: wp.array[real],
-    contact_strength_sum: wp.array2d[vec2],
+    of: int,
+    first: wp.array[real],
+    contact_strength_sum: wp.array2d[vec3],
     column_count: int,
     row_count: int,
-    contact_adhesion: wp.array[real],
+    forces: wp.array[real],
 ):
-    """Launched over the surface's nodes; one without soil keeps what it has."""
+    """Launched over the surface's nodes; one without soil keeps the force that it has.
+
+    `of` is the component of the sums that the force follows.
+    """
     n = offset + wp.tid()
     row = contact_nodes[n] / (column_count + 1)
-    sums = vec2()
+    sums = vec3()
     for share in range(contact_strength_sum.shape[0]):
         if row > 0:
             sums += contact_strength_sum[share, row - 1]
         if row < row_count:
             sums += contact_strength_sum[share, row]
-    if sums[1] > zero:
-        contact_adhesion[n] = contact_first_adhesion[n] * (sums[0] / sums[1])
+    if sums[2] > zero:
+        forces[n] = first[n] * (sums[of] / sums[2])
 
 
 @kernel
-def clear_strength(contact_strength_sum: wp.array2d[vec2]):
+def clear_strength(contact_strength_sum: wp.array2d[vec3]):
     """Launched over the sums: (shares, rows)."""
     share, row = wp.tid()
-    contact_strength_sum[share, row] = vec2()
+    contact_strength_sum[share, row] = vec3()

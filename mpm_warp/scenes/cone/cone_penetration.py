@@ -153,6 +153,7 @@ class ConePenetration(ConeTestByDefault):
                     face_adhesion=self.adhesion_factor * strength,
                     shaft_adhesion=self.shaft_adhesion_factor * strength,
                     friction=self.friction_coefficient,
+                    strength=strength,
                     in_situ_stress=self.in_situ_stress,
                 ),
                 self.window,

@@ -118,6 +118,7 @@ class PenetrometerContact(SurfaceContact):
     shaft_areas: Floats  # the same along the shaft [m2], shape [node_count]
     face_adhesion: float  # adhesion of the cone's face [Pa], >= 0
     shaft_adhesion: float  # adhesion of the shaft [Pa], >= 0
+    strength: float  # shear strength of the soil, which bounds friction [Pa], > 0
     half_angle: float  # half the angle of the cone [rad]
 
     @classmethod
@@ -129,6 +130,7 @@ class PenetrometerContact(SurfaceContact):
         face_adhesion: float,
         shaft_adhesion: float = 0.0,
         friction: float = 0.0,
+        strength: float = math.inf,
         in_situ_stress: float,
         speed: float = 0.0,
     ) -> Self:
@@ -152,12 +154,14 @@ class PenetrometerContact(SurfaceContact):
             normal_areas=normal_areas,
             adhesion_forces=face_adhesion * face + shaft_adhesion * shaft,
             friction=friction,
+            strength_forces=None if math.isinf(strength) else strength * (face + shaft),
             in_situ_stress=in_situ_stress,
             speed=speed,
             face_areas=face,
             shaft_areas=shaft,
             face_adhesion=face_adhesion,
             shaft_adhesion=shaft_adhesion,
+            strength=strength,
             half_angle=half,
         )
 
@@ -201,6 +205,6 @@ class PenetrometerContact(SurfaceContact):
     def _shear_limits(self, normal: Floats) -> Floats:
         """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n]."""
         rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
-        on_face = (self.face_adhesion + rubbing) * self.face_areas
-        on_shaft = (self.shaft_adhesion + rubbing) * self.shaft_areas
+        on_face = np.minimum(self.face_adhesion + rubbing, self.strength) * self.face_areas
+        on_shaft = np.minimum(self.shaft_adhesion + rubbing, self.strength) * self.shaft_areas
         return np.stack([on_face, on_shaft])

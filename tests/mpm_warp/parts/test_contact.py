@@ -32,39 +32,33 @@ def apply_contact_law(
     jump: wp.array(dtype=wp.vec2d),
     normal: wp.array(dtype=wp.vec2d),
     pressing: wp.float64,
-    friction: wp.float64,
-    adhesion: wp.float64,
+    most_shear: wp.float64,
     pressure: wp.float64,
     impulse: wp.array(dtype=wp.vec3d),
 ):
     k = wp.tid()
-    impulse[k] = contact_law(mass, jump[k], normal[k], pressing, friction, adhesion, pressure)
-
-
-ROUGH = {"friction": 0.3, "adhesion": 0.2}
+    impulse[k] = contact_law(mass, jump[k], normal[k], pressing, most_shear, pressure)
 
 
 @pytest.mark.parametrize(
     ("normal_speed", "slip", "given", "normal", "tangential"),
     [
-        # An approach without friction stops the normal motion alone.
+        # An approach to a smooth body stops the normal motion alone.
         (0.5, 3.0, {}, MASS * 0.5, 0.0),
         # Bodies that part exchange nothing, not even adhesion.
-        (-0.5, 3.0, {"friction": 0.5, "adhesion": 100.0}, 0.0, 0.0),
+        (-0.5, 3.0, {"most_shear": 100.0}, 0.0, 0.0),
         # Sticking cancels the slip.
-        (0.5, 0.1, {"friction": 0.3}, MASS * 0.5, MASS * 0.1),
-        # Sliding transmits friction and adhesion against the slip.
-        (0.5, 3.0, ROUGH, MASS * 0.5, 0.3 * MASS * 0.5 + 0.2),
-        (0.5, -3.0, ROUGH, MASS * 0.5, -0.3 * MASS * 0.5 - 0.2),
-        # Adhesion does not depend on the normal impulse.
-        (1e-6, 1e3, {"adhesion": 0.2}, MASS * 1e-6, 0.2),
-        (1e6, 1e3, {"adhesion": 0.2}, MASS * 1e6, 0.2),
-        # Excess tension up to the in-situ pressure is carried; friction feels the total.
-        (-0.5, 3.0, {"friction": 0.3, "pressure": 1.5}, -MASS * 0.5, 0.3 * (1.5 - 1.0)),
+        (0.5, 0.1, {"most_shear": 0.3}, MASS * 0.5, MASS * 0.1),
+        # Sliding transmits what it can against the slip, whatever the normal impulse.
+        (0.5, 3.0, {"most_shear": 0.2}, MASS * 0.5, 0.2),
+        (0.5, -3.0, {"most_shear": 0.2}, MASS * 0.5, -0.2),
+        (1e6, 1e3, {"most_shear": 0.2}, MASS * 1e6, 0.2),
+        # Excess tension up to the in-situ pressure is carried.
+        (-0.5, 3.0, {"most_shear": 0.2, "pressure": 1.5}, -MASS * 0.5, 0.2),
         # Beyond it the bodies part, and no total traction is left.
-        (-1.0, 3.0, {**ROUGH, "pressure": 1.5}, -1.5, 0.0),
-        # A node that parts in a pressed neighbourhood feels friction and adhesion alone.
-        (-0.5, 3.0, {**ROUGH, "pressing": 2.0}, 0.0, 0.3 * 2.0 + 0.2),
+        (-1.0, 3.0, {"most_shear": 0.2, "pressure": 1.5}, -1.5, 0.0),
+        # A node that parts in a pressed neighbourhood is sheared still.
+        (-0.5, 3.0, {"most_shear": 0.2, "pressing": 2.0}, 0.0, 0.2),
     ],
 )
 def test_the_impulse_is_that_of_each_branch(
@@ -76,8 +70,8 @@ def test_the_impulse_is_that_of_each_branch(
     jump = wp.array([normal_speed * NORMAL + slip * TANGENT], dtype=wp.vec2d, device="cpu")
     unit = wp.array([NORMAL], dtype=wp.vec2d, device="cpu")
     impulse = wp.zeros(1, dtype=wp.vec3d, device="cpu")
-    limits = [given.get("friction", 0.0), given.get("adhesion", 0.0), pressure]
-    wp.launch(apply_contact_law, 1, [MASS, jump, unit, pressing, *limits, impulse], device="cpu")
+    bounds = [given.get("most_shear", 0.0), pressure]
+    wp.launch(apply_contact_law, 1, [MASS, jump, unit, pressing, *bounds, impulse], device="cpu")
     expected = [normal, *(tangential * TANGENT)]
     rounding = ROUNDING * np.hypot(MASS * normal_speed, MASS * slip)
     np.testing.assert_allclose(impulse.numpy()[0], expected, rtol=ROUNDING, atol=rounding)
@@ -145,13 +139,43 @@ def test_adhesion_acts_for_the_length_of_a_step(cone: Scene, surface: SurfaceCon
 def test_friction_is_that_of_the_total_stress(cone: Scene, surface: SurfaceContact) -> None:
     """The in-situ stress presses too, though the simulation leaves it out."""
     simulation, _ = after_a_step(
-        cone, 1e4, friction=0.3, adhesion_forces=0.0 * surface.adhesion_forces
+        cone, 1e12, friction=0.3, adhesion_forces=0.0 * surface.adhesion_forces
     )
     normal, shear = simulation.array("contact.impulse")[1:].T
     in_situ = simulation.plan.time_step * surface.in_situ_stress * surface.normal_areas[1:]
     np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
     # On the shaft that stress is all that presses.
     assert np.abs(normal[-2:]).max() < 1e-9 * in_situ[-2:].min()
+
+
+def test_friction_follows_the_pressure_over_a_way_of_a_cell(
+    cone: Scene, surface: SurfaceContact
+) -> None:
+    """After a quarter of it a quarter of what presses more than at rest rubs."""
+    smooth = 0.0 * surface.adhesion_forces
+    short = after_a_step(cone, 1.0)[0].plan.time_step
+    speed = 0.25 * cone.grid.cell_lengths.min() / short
+    simulation, _ = after_a_step(cone, speed, friction=0.3, adhesion_forces=smooth)
+    normal, shear = simulation.array("contact.impulse")[1:].T
+    in_situ = short * surface.in_situ_stress * surface.normal_areas[1:]
+    np.testing.assert_allclose(np.abs(shear), 0.3 * (in_situ + 0.25 * normal), rtol=1e-9)
+    assert normal.max() > 10.0 * in_situ.max()
+
+
+def test_friction_is_no_more_than_the_soil_beside_bears(
+    cone: Scene, surface: SurfaceContact
+) -> None:
+    """However rough the surface is, and whatever presses."""
+    bound = 2.0 * surface.adhesion_forces
+    simulation, _ = after_a_step(cone, 1e12, friction=0.3, strength_forces=bound)
+    shear = np.abs(simulation.array("contact.impulse")[1:, 1])
+    np.testing.assert_allclose(shear, simulation.plan.time_step * bound[1:], rtol=1e-9)
+
+
+def test_a_surface_without_friction_has_nothing_of_it(cone: Scene) -> None:
+    bounded = dataclasses.replace(cone[SurfaceContact], strength_forces=np.ones(7))
+    plan = make_plan(cone.with_parts(bounded))
+    assert not {"contact.rubbing", "contact.strength"} & set(plan.arrays)
 
 
 def impulses_under_pressure(
@@ -209,9 +233,11 @@ def softening(cone: Scene) -> Scene:
     return dataclasses.replace(cone, material=changing_clay(**vars(cone.material), **soft))
 
 
-def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening: Scene) -> None:
+def test_a_surface_follows_the_mean_strength_in_the_cells_beside_a_node(softening: Scene) -> None:
     """By mass; the points of one row of cells are remoulded, so nodes above and below mix."""
-    simulation = Simulation(softening)
+    contact = softening[SurfaceContact]
+    rubs = dataclasses.replace(contact, friction=0.3, strength_forces=3.0 * contact.adhesion_forces)
+    simulation = Simulation(softening.with_parts(rubs))
     row = softening.grid.row_count - 2
     cell = simulation.array("particle.cell")
     simulation.array("particle.state")[(cell[:, 0] == 0) & (cell[:, 1] == row)] = 1.0
@@ -224,11 +250,12 @@ def test_adhesion_follows_the_mean_strength_in_the_cells_beside_a_node(softening
     share[-2] = (DELTA * in_row[row] + in_row[row + 1]) / (in_row[row] + in_row[row + 1])
     expected = share * softening[SurfaceContact].adhesion_forces
     np.testing.assert_allclose(simulation.array("contact.adhesion"), expected, rtol=1e-12)
+    np.testing.assert_allclose(simulation.array("contact.strength"), 3.0 * expected, rtol=1e-12)
 
 
 def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
     plan = make_plan(cone)
-    assert not {"contact.first_adhesion", "contact.strength_sum"} & set(plan.arrays)
+    assert not {"contact.adhesion_at_first", "contact.strength_sum"} & set(plan.arrays)
     assert "sum_of_strength" not in {launch.name for launch in plan.launches}
 
 
@@ -253,3 +280,17 @@ def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Sc
     ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
     on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
     np.testing.assert_allclose(ratio[on_face], 2.0)
+
+
+def test_what_soil_bears_does_not_go_with_the_adhesion_factor(cone: Scene) -> None:
+    """Twice as strong below the tip, where a surface has a quarter of its adhesion factor."""
+    ground = layers((0, 1, 1), (0, 2, 1), adhesion_ratio=np.array([1.0, 0.25]))
+    soil = dataclasses.replace(cone.material, variation=ground)
+    contact = cone[SurfaceContact]
+    rubs = dataclasses.replace(contact, friction=0.3, strength_forces=contact.adhesion_forces)
+    scene = dataclasses.replace(cone.without(FarField), material=soil).with_parts(rubs)
+    simulation = Simulation(scene)
+    simulation.travel_to(2.0 * math.sqrt(3.0))
+    for name, ratio in {"contact.adhesion": 0.5, "contact.strength": 2.0}.items():
+        found = simulation.array(name)[:3] / contact.adhesion_forces[:3]
+        np.testing.assert_allclose(found, ratio)

@@ -55,6 +55,17 @@ def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) 
     assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=ROUNDING)
 
 
+def test_a_cone_whose_friction_is_above_what_soil_bears_is_a_rough_one() -> None:
+    """Where the ground presses with 20 su, friction of 0.2 alone would bear four times su."""
+    rubbing, roughest = (
+        run(adhesion_factor=adhesion, friction_coefficient=friction, penetration=1.0)
+        for adhesion, friction in ((0.0, 0.2), (1.0, 0.0))
+    )
+    # Sums over points have another order, as there are more slots.
+    for curve in ("penetration_resistance", "penetration_resistance_shear", "shaft_friction"):
+        np.testing.assert_allclose(rubbing[curve], roughest[curve], rtol=1e-6)
+
+
 def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:
     """Whatever that of the face; over the area of the sleeve, 15 times that of the cone."""
     result = run(adhesion_factor=0.2, shaft_adhesion_factor=0.5, penetration=1.0, domain_above=9.0)
