@@ -50,7 +50,7 @@ class Spread:
         values: of the cases that have one, shape [cases].
         mean, deviation: of these, inputs alone.
         percentiles: `PERCENTILES` of these.
-        numerical: deviation of the numerical error, 0 where none is known.
+        numerical: deviation of the numerical error, 0 where that of a case is not known.
         shares: of each input, of the numerical error and of what is left, in the variance with the
             numerical error; they add up to 1. Empty where there are too few cases.
         needed: cases that shares need.
@@ -92,8 +92,9 @@ def spreads_of(dataset: xr.Dataset) -> list[Spread]:
 
 
 def _spread(name: str, inputs: Mapping[str, Floats], values: Floats, half_widths: Floats) -> Spread:
-    known = half_widths[np.isfinite(half_widths)]
-    numerical = math.sqrt(np.mean((known / DEVIATIONS) ** 2)) if len(known) else 0.0
+    numerical = math.sqrt(np.mean((half_widths / DEVIATIONS) ** 2))
+    if not math.isfinite(numerical):
+        numerical = 0.0
     variance = values.var(ddof=1)
     needed = CASES_A_TERM * len(_exponents(len(inputs)))
     shares: dict[str, float] = {}
@@ -169,8 +170,9 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
     low, middle, high = (
         known_digits(percentile, spread.deviation / 3.0) for percentile in spread.percentiles
     )
+    of = "combined U" if half else "U of the inputs"
     rows = [
-        ("mean with the combined U", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
+        (f"mean with the {of}", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),
         ("median", middle),
         ("90 % of the cases", f"{low} to {high}"),

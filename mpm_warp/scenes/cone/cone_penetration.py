@@ -112,7 +112,7 @@ class ConePenetration(ConeTestByDefault):
                 travel=travel * self.cone_radius,
                 slowing_travel=SLOWING * self.cone_radius,
             )
-        rubs = self.friction_coefficient > 0.0
+        rubs = self.interface.friction > 0.0
         # Beside a blunter face than the standard one points stay for long and gather velocities of
         # their own, which must not push as the soil's strength does: rho w^2 is at most su.
         is_blunt = self.apex_angle > APEX_ANGLE
@@ -132,6 +132,7 @@ class ConePenetration(ConeTestByDefault):
     def build_in(self, grid: Grid) -> Scene:
         """The same in a grid of other rows and columns around the penetrometer."""
         strength, material = self.undrained_shear_strength, self.clay
+        interface = self.interface
         source = TravellingSource(
             radius=self.cone_radius,
             height=SOURCE_HEIGHT * self.penetrometer.cone_height,
@@ -150,9 +151,9 @@ class ConePenetration(ConeTestByDefault):
                 PenetrometerContact.of(
                     self.penetrometer,
                     grid,
-                    face_adhesion=self.adhesion_factor * strength,
-                    shaft_adhesion=self.shaft_adhesion_factor * strength,
-                    friction=self.friction_coefficient,
+                    face_adhesion=interface.face * strength,
+                    shaft_adhesion=interface.shaft * strength,
+                    friction=interface.friction,
                     strength=strength,
                     in_situ_stress=self.in_situ_stress,
                 ),
@@ -232,7 +233,8 @@ class ConePenetration(ConeTestByDefault):
         Raises:
             ParameterError: one of them is outside the allowed range, or no law of the error holds.
         """
-        cone.check_measurable(self.laws(way=self.penetration))
+        rows = self.penetrometer.rows_on_face(self.cell_size)
+        cone.check_measurable(self.laws(way=self.penetration), rows)
         wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
         # In a higher window the cone has more soil to pass, and it takes longer to settle.
         settling = cone.SETTLING * wider["domain_above"]

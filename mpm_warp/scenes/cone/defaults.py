@@ -6,6 +6,7 @@ Laws that take the error of a method off allow a method of less cost.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import ROUNDING
@@ -42,6 +43,14 @@ SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+
+
+class Interface(NamedTuple):
+    """What the surface of a penetrometer bears."""
+
+    face: float  # adhesion factor of the face
+    shaft: float  # adhesion factor of the shaft
+    friction: float  # Coulomb friction coefficient
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,13 +99,27 @@ class ConeTestByDefault(ConeTest):
         """The laws of the error after a way, over the cone's radius."""
         return self.error_laws(
             rigidity_index=self.rigidity_index,
-            adhesion_factor=self.adhesion_factor,
+            adhesion_factor=self.interface.face,
             stress_anisotropy=self.stress_anisotropy,
             poissons_ratio=self.poissons_ratio - self.bounded,
             bounded=self.bounded,
             inertia=self.inertia,
             way=way,
         )
+
+    @property
+    def interface(self) -> Interface:
+        """What face and shaft bear as they are built.
+
+        Where the ground at rest presses so much that friction alone would bear the strength of the
+        soil, the soil shears before it slides: they are rough, and friction does nothing.
+        """
+        strength = self.undrained_shear_strength
+        pressure = self.in_situ_stress - 2.0 * max(self.stress_anisotropy, 0.0) * strength
+        if self.friction_coefficient * pressure >= strength:
+            return Interface(1.0, 1.0, 0.0)
+        adhesion = self.adhesion_factor, self.shaft_adhesion_factor
+        return Interface(*adhesion, self.friction_coefficient)
 
     @property
     def inertia(self) -> float:
@@ -129,7 +152,7 @@ class ConeTestByDefault(ConeTest):
     @property
     def _error_is_known(self) -> bool:
         """Whether laws take the error off, and not further runs of the same method."""
-        is_as_measured = self.apex_angle == APEX_ANGLE and self.friction_coefficient == 0.0
+        is_as_measured = self.apex_angle == APEX_ANGLE and self.interface.friction == 0.0
         return self._is_plain_tresca and is_as_measured and self.uncertainty == "known"
 
     @property

@@ -129,11 +129,11 @@ def stated_beside_shaft(
 
     Results are those as simulated, and `cone_factor_uncertainty`; the material is what was built.
     """
-    shaft = test.shaft_adhesion_factor
-    slips_at_adhesion = test.rate_factor == 0.0 and test.friction_coefficient == 0.0
+    face, shaft, friction = test.interface
+    slips_at_adhesion = test.rate_factor == 0.0 and friction == 0.0
     is_bounded = slips_at_adhesion and isinstance(material, MEASURED_LAWS)
     why_none = str(results[REASON].values)
-    if shaft != test.adhesion_factor:
+    if shaft != face:
         why_none = why_none or "shaft: its adhesion is another than that of the face"
     if test.cell_growth > LARGEST_GROWTH:
         why_none = why_none or f"mesh: cell_growth is above {LARGEST_GROWTH:g}"
@@ -141,7 +141,7 @@ def stated_beside_shaft(
         results,
         strength=test.undrained_shear_strength,
         cell_size=test.relative_cell_size,
-        adhesion_factor=test.adhesion_factor,
+        adhesion_factor=face,
         rigidity_index=test.rigidity_index,
         inertia=test.inertia,
         extent_ratio=test.extent_ratio,

@@ -34,6 +34,8 @@ SPARE_FRACTION = 0.4
 """Slots for material points beside those that fill the grid, over their number."""
 NEAR = 2.0
 """Radii above and below the centre up to which an empty cell is a hole that the body feels."""
+NOT_MEASURED = "further runs: none were made, which uncertainty = measured does"
+"""Why a resistance factor has no uncertainty by default."""
 LARGEST_CHANGE = 0.02
 """What the mean resistance over two radii may differ from that over the two before, over it."""
 
@@ -86,10 +88,10 @@ class FullFlowPenetration(FullFlowPenetrometer):
         def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
             return CatalogueScene.compute(test, report, execution)
 
-        alone = replace(self, uncertainty="none")
-        if self.uncertainty == "none":
-            results = run(alone, progress)
-        elif reasons := why_not_as_measured(self.build(), expected_scene(alone)):
+        alone, reasons = replace(self, uncertainty="none"), [NOT_MEASURED]
+        if self.uncertainty == "measured":
+            reasons = why_not_as_measured(self.build(), expected_scene(alone))
+        if reasons:
             results = run(alone, progress)
             results = results.assign(self.error_of(results).stated(0.0, {}, reasons))
         else:
@@ -188,7 +190,7 @@ class BallPenetration(Ball, FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary = "ball penetrometer pushed through undrained clay to steady flow"
-    version = 4
+    version = 5
 
     shaft_radius_ratio: float = parameter(
         0.316,
@@ -206,7 +208,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
     """
 
     summary = "T-bar pushed through undrained clay to steady flow, plane strain"
-    version = 4
+    version = 5
     verifications = compared(
         "cells_per_radius",
         (3, 4),

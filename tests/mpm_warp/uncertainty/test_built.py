@@ -255,6 +255,18 @@ def test_of_clay_with_strength_by_direction_a_cone_is_known_unless_it_softens() 
         assert bool(why_not_as_measured(scene, scene, LAWS_OF_CONES)) == bool(changing)
 
 
+@pytest.mark.parametrize(("ratio", "ductility"), [(0.1, 8.9), (0.5, 4.9), (0.9, 0.9)])
+def test_in_brittle_clay_further_runs_tell_nothing(ratio: float, ductility: float) -> None:
+    """They tell it up to a (1 - delta) / xi_95 of 0.1."""
+    brittle, ductile = (
+        ConePenetration(remoulded_strength_ratio=ratio, ductility=xi).build()
+        for xi in (ductility, ductility + 0.2)
+    )
+    (reason,) = why_not_as_measured(brittle, brittle, LAWS_OF_CONES)
+    assert reason.endswith("in clay so brittle, (1 - delta) / xi_95 above 0.1")
+    assert why_not_as_measured(ductile, ductile, LAWS_OF_CONES) == []
+
+
 def test_further_runs_tell_the_error_of_a_cone_in_cam_clay_and_of_no_other_body() -> None:
     scene = ConePenetration.offered()(material="modified_cam_clay").build()
     assert why_not_as_measured(scene, scene, LAWS_OF_CONES) == []

@@ -241,7 +241,7 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
             f"law: {KNOWN}, not in {CHANGING}, but {FURTHER}",
         ),
         ({"apex_angle": 90.0}, "cone: the apex angle is 90 degrees, not 60"),
-        ({"friction_coefficient": 0.1}, "contact: the contact has friction"),
+        ({"friction_coefficient": 0.04}, "contact: the contact has friction"),
         ({"rigidity_index": 9.0}, "rigidity index: the rigidity index is not 10 to 2000"),
         ({"stress_anisotropy": -0.96}, "Delta: the stress anisotropy is beyond 0.95"),
         ({"poissons_ratio": 0.39}, "Poisson's ratio: Poisson's ratio is below 0.4"),

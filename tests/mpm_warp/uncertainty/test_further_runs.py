@@ -207,6 +207,11 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
         (ConePenetration, {"accuracy": "quick"}, "uncertainty = measured: .*too wide"),
         (
             ConePenetration,
+            {"apex_angle": 120.0, "speed_ratio": 0.04},
+            r"rho V\^2 is above 0.15 su with 2 rows of cells",
+        ),
+        (
+            ConePenetration,
             {"cell_growth": 1.5},
             "run with more growth, where cell_growth = 3",
         ),

@@ -17,6 +17,7 @@ from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.cone.pore_pressure import PLACES
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.built import why_not_as_measured
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
@@ -55,15 +56,26 @@ def test_shaft_friction_is_the_adhesion_once_the_shaft_slips(rough: xr.Dataset) 
     assert float(rough.shaft_friction[-1]) == pytest.approx(adhesion, rel=ROUNDING)
 
 
-def test_a_cone_whose_friction_is_above_what_soil_bears_is_a_rough_one() -> None:
-    """Where the ground presses with 20 su, friction of 0.2 alone would bear four times su."""
-    rubbing, roughest = (
-        run(adhesion_factor=adhesion, friction_coefficient=friction, penetration=1.0)
-        for adhesion, friction in ((0.0, 0.2), (1.0, 0.0))
+def test_friction_shears_a_cone_by_no_more_than_the_strength_of_its_clay() -> None:
+    """By statics su / tan 30 degrees: soil of no in-situ stress presses with some 10 su."""
+    result = run(friction_coefficient=1.0, in_situ_stress=0.0, penetration=2.0)
+    exact = 1.0 / math.tan(math.radians(30.0))
+    assert float(result.cone_factor_shear) == pytest.approx(exact, rel=ROUNDING)
+
+
+def test_a_cone_that_soil_shears_beside_rather_than_slides_along_is_a_rough_one() -> None:
+    """Where the ground presses with 20 su, by friction of 0.05 and more; its error is known."""
+    clay = {"in_situ_stress": 20.0 * SHORT.undrained_shear_strength, "adhesion_factor": 0.3}
+    slides, shears = (
+        ConePenetration(friction_coefficient=friction, **clay) for friction in (0.049, 0.051)
     )
-    # Sums over points have another order, as there are more slots.
-    for curve in ("penetration_resistance", "penetration_resistance_shear", "shaft_friction"):
-        np.testing.assert_allclose(rubbing[curve], roughest[curve], rtol=1e-6)
+    rough = ConePenetration(**clay | {"adhesion_factor": 1.0})
+    assert slides.interface == (0.3, 0.3, 0.049)
+    assert slides.speed_ratio == rough.speed_ratio
+    assert shears.laws(way=30.0).correction == rough.laws(way=30.0).correction
+    assert why_not_as_measured(shears.build(), rough.build()) == []
+    lower = dataclasses.replace(shears, stress_anisotropy=0.5)
+    assert lower.interface.friction == 0.051  # less presses on the shaft
 
 
 def test_sleeve_friction_is_the_adhesion_of_the_shaft_once_it_slips() -> None:

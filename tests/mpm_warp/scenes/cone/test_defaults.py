@@ -75,7 +75,7 @@ def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
         {"material": "von_mises"},
         SOFTENING,
         {"apex_angle": 90.0},
-        {"friction_coefficient": 0.1},
+        {"friction_coefficient": 0.04},
         {"uncertainty": "measured"},
         {"stress_anisotropy": 0.96},
         {"rigidity_index": 2001.0},

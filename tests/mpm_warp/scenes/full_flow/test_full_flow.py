@@ -42,6 +42,8 @@ def test_steady_flow_has_the_limit_load(adhesion_factor: float) -> None:
     assert float(result.error) <= 1 / (CELLS * result.resistance_factor_exact)
     assert abs(float(result.energy_error)) < 0.02
     assert result.penetration.attrs["long_name"] == "penetration over radius of the body"
+    assert result.resistance_factor_uncertainty.isnull()
+    assert str(result.why_no_uncertainty.values).startswith("further runs: none were made")
 
 
 def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
