@@ -70,6 +70,11 @@ class Spread:
         """Half width of 95 % by inputs and numerical error, as of a normal distribution."""
         return DEVIATIONS * math.hypot(self.deviation, self.numerical)
 
+    @property
+    def called(self) -> str:
+        """What `combined` is called: without the numerical error it is not that."""
+        return "combined U" if self.numerical else "U of the inputs"
+
 
 def spreads_of(dataset: xr.Dataset) -> list[Spread]:
     """The spread of each headline of a study of one scene; none of one without distributions."""
@@ -170,9 +175,8 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
     low, middle, high = (
         known_digits(percentile, spread.deviation / 3.0) for percentile in spread.percentiles
     )
-    of = "combined U" if half else "U of the inputs"
     rows = [
-        (f"mean with the {of}", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
+        (f"mean with the {spread.called}", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),
         ("median", middle),
         ("90 % of the cases", f"{low} to {high}"),

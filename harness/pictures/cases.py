@@ -137,12 +137,13 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
         for name in varied_names(dataset)
         if (text := dataset[name].attrs.get(DISTRIBUTION))
     ]
+    below = ", and below it numerical U" if spread.numerical else ""
     return captioned(
         figure,
         dataset,
         f"{len(spread.values)} cases; {spread.mean:.3g} +- {spread.combined:.2g} is the mean with "
-        "the combined U.",
-        "Shade: 90 % of the cases; line: median; bar: mean, combined U, and below it numerical U.",
+        f"the {spread.called}.",
+        f"Shade: 90 % of the cases; line: median; bar: mean, {spread.called}{below}.",
         f"Inputs: {'; '.join(told)}.",
     )
 

@@ -314,6 +314,16 @@ def test_the_numerical_error_is_added_as_squares() -> None:
     assert found.percentiles == pytest.approx(np.exp([0.05, 0.5, 0.95]), abs=0.01)
 
 
+def test_where_one_case_has_no_uncertainty_the_spread_is_that_of_the_inputs() -> None:
+    dataset = study(DRAWN["a"], 0.1, **DRAWN)
+    (known,) = spreads_of(dataset)
+    dataset.factor_uncertainty[7] = math.nan
+    (found,) = spreads_of(dataset)
+    assert (found.numerical, found.combined) == (0.0, pytest.approx(1.96 * found.deviation))
+    labels = [spread_rows(it)[0][0] for it in (known, found)]
+    assert labels == ["mean with the combined U", "mean with the U of the inputs"]
+
+
 def test_of_few_cases_no_shares_are_told() -> None:
     few = {name: it[:19] for name, it in DRAWN.items()}
     (found,) = spreads_of(study(few["a"], 0.1, **few))
