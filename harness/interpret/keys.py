@@ -146,8 +146,8 @@ TEST_KEYS: Mapping[str, Key] = {
         "water pressure by depth [m], in place of water_level", forms=(Form.BY_DEPTH,), unit="kPa"
     ),
     "unit_weight": Key(
-        "of the ground with its water",
-        Range(above=0, maximum=30),
+        "of the ground with its water, not less the weight of water",
+        Range(minimum=10, maximum=30),
         forms=(Form.INPUT, Form.BY_DEPTH),
         unit="kN/m3",
         required=True,

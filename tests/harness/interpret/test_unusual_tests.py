@@ -51,8 +51,15 @@ def test_water_on_the_ground_weighs_on_it(folder: Path) -> None:
 
 
 def test_soil_without_effective_stress_is_refused(folder: Path, refusal: Refusal) -> None:
-    line = refusal(["interpret", str(changed(folder, ("unit_weight = 17", "unit_weight = 8")))])
-    assert "unit_weight: sigma_v0 is not above u0 from 5.5 m on" in line
+    artesian = "u0 = { depth = [0, 5, 12], value = [0, 49, 300] }"
+    line = refusal(["interpret", str(changed(folder, ("water_level = 1.0", artesian)))])
+    assert "unit_weight: sigma_v0 is not above u0 from 7 m on" in line
+
+
+def test_a_buoyant_weight_is_refused(folder: Path, refusal: Refusal) -> None:
+    line = refusal(["interpret", str(changed(folder, ("unit_weight = 17", "unit_weight = 9")))])
+    assert "unit_weight = 9" in line
+    assert ">= 10" in line
 
 
 def test_water_pressure_is_given_for_all_of_a_test(folder: Path, refusal: Refusal) -> None:
