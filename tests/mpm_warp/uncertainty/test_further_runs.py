@@ -139,7 +139,7 @@ def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
     results = measured(CONE, coarse)
     left = simulated(CONE) - 6.0 * cell_size(CONE)
     assert results.why_no_uncertainty == (
-        f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 12%"
+        f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 8%"
     )
     assert float(results.cone_factor) == left
 
