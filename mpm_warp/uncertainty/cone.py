@@ -73,9 +73,9 @@ FEW_ROWS, INERTIA_WITH_FEW_ROWS = 3, 0.15
 two, beside a cone of 120 degrees, the mesh changes what the speed does, and 0.38 left 1.7 of the
 half width open; on three and more cones up to 110 degrees agree at 0.9."""
 LARGEST_CORRECTION = 0.08
-"""Error that the laws, which are linear, may take off, over the cone factor: a cone of 120 degrees on
-two rows needs 5 %. Friction that sheared soil by more than it bears needed 10 %, and two limits of
-it were 2 half widths off."""
+"""Error that the laws, which are linear, may take off, over the cone factor: a cone of 120 degrees
+on two rows needs 5 %. Friction that sheared soil by more than it bears needed 10 %, and two limits
+of it were 2 half widths off."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
