@@ -66,7 +66,11 @@ def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
         variables, attributes, coordinates = xr.conventions.decode_cf_variables(
             stored.variables, {**stored.attributes}, concat_characters=False, decode_times=False
         )
-        found = xr.Dataset(variables, attrs=attributes).set_coords(coordinates).load()
+        found = (
+            xr.Dataset(variables, attrs=attributes)
+            .set_coords(coordinates & variables.keys())
+            .load()
+        )
     found.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
     return found[[*found.data_vars, *found.coords]].drop_encoding()
 
@@ -96,6 +100,7 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
         _check_digest(path, content)
         # What was checked is what is read, whatever becomes of the file meanwhile.
         with netCDF4.Dataset(path.name, memory=content) as file:
+            _check_kinds(file)
             variables, attributes = NetCDF4DataStore(file).load()
             stored = Stored(attributes, variables)
             _check_size(stored, len(content))
@@ -108,6 +113,15 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
             if as_result and (fault := malformed(stored)) is not None:
                 raise ArchiveError(f"{path}: is no whole result: {fault}")
             yield stored
+
+
+def _check_kinds(file: netCDF4.Dataset) -> None:
+    """Refuse lists, enumerations and dims that are there twice, which xarray reads half."""
+    for name, it in file.variables.items():
+        if it.dtype is not str and not isinstance(it.datatype, np.dtype):
+            raise ValueError(f"{name} is no array of numbers or texts")
+        if len(set(it.dimensions)) < len(it.dimensions):
+            raise ValueError(f"{name} has a dim twice")
 
 
 def _check_size(stored: Stored, byte_count: int) -> None:

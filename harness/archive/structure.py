@@ -1,8 +1,8 @@
 """Whether a result is built as every result is, so that what reads it by name finds what it needs.
 
 A digest says that a file is as it was written. It does not say who wrote it: these checks are for
-files of other programs. They need no numbers of a result but those of its dims: so the status of a
-case is known without reading them.
+files of other programs. They need no numbers of a result but those of its dims and headlines: so
+the status of a case is known without reading the others.
 """
 
 import json
@@ -135,7 +135,7 @@ def _faulty_attributes(forms: Forms, name: str) -> Iterator[str]:
     if role == Role.EXACT and str(said.get("exact_of")) not in forms:
         yield f"{name} is exact of nothing"
     # Where a number is missing it is not a number, in the file too.
-    is_filled = forms[name].dtype.kind in NUMBERS and str(said.get("_FillValue", "nan")) != "nan"
+    is_filled = str(said.get("_FillValue", "nan")) != "nan"
     if is_filled or any(key in said for key in _ENCODED):
         yield f"the numbers of {name} stand for others"
 

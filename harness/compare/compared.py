@@ -35,19 +35,26 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
     """What the literature's formulas depend on, out of the parameters stored in `dataset`.
 
     What a scene has no parameter of is absent. A shaft adhesion that is not a number is the face's.
+    Friction may make a cone rougher than its parameters say: what was built counts.
     """
     for name in NEEDED:
         if name not in dataset:
             raise NothingToCompareError(f"nothing to compare: the dataset has no {name}")
-    face = dataset["adhesion_factor"]
-    shaft = dataset.get("shaft_adhesion_factor", face).astype(float)
+
+    def as_built(name: str, default: xr.DataArray) -> xr.DataArray:
+        given = dataset.get(name, default).astype(float)
+        built = dataset.get(f"{name}_built", given)
+        return built.where(built.notnull(), given)
+
+    face = as_built("adhesion_factor", dataset["adhesion_factor"])
+    shaft = as_built("shaft_adhesion_factor", face)
     return Conditions(
         rigidity_index=dataset["rigidity_index"],
         face_adhesion=face,
         shaft_adhesion=shaft.where(shaft.notnull(), face),
         stress_anisotropy=dataset.get("stress_anisotropy", xr.DataArray(0.0)),
         apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
-        friction=dataset.get("friction_coefficient", xr.DataArray(0.0)),
+        friction=as_built("friction_coefficient", xr.DataArray(0.0)),
         strength_stays=(dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
         & (dataset.get("remoulded_strength_ratio", xr.DataArray(1.0)) == 1.0)
         & dataset.get("cone_factor_by_compression", xr.DataArray(np.nan)).isnull(),

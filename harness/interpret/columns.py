@@ -191,7 +191,8 @@ def columns_in(
     """
     found, lacking = {}, {}
     names_of_all = {_joined(heading.name) for heading in headings}
-    resultant = AXES[0] in columns or "inclinationresultant" in names_of_all
+    whole = {_joined(own) for own in NAMES[AXES[0]] if own not in IN_PLANES}
+    resultant = AXES[0] in columns or bool(names_of_all & whole)
     for name, usual in NAMES.items():
         wanted = columns.get(name)
         names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]

@@ -210,15 +210,13 @@ def _in_table(
 ) -> tuple[dict[str, Floats], Floats]:
     """The soil of each draw as the table has it, and su' / su; see `at_table_rate`."""
     layer = site.layers[number]
-    soil, ratio = at_table_rate(
-        {
-            "rigidity_index": inputs["rigidity_index"],
-            "rate_factor": inputs["rate_factor"],
-            "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
-            "ductility": inputs["ductility"],
-        },
-        layer.laboratory_rate,
-    )
+    given = {
+        "rigidity_index": inputs["rigidity_index"],
+        "rate_factor": inputs["rate_factor"],
+        "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
+        "ductility": inputs["ductility"],
+    }
+    soil, _ = at_table_rate(given, layer.laboratory_rate)
     for name, values in soil.items():
         low, high = RANGES[name]
         share = np.mean((values < low) | (values > high))
@@ -228,10 +226,12 @@ def _in_table(
                 f"draws leave the table of factors: {name} is {values.min():.3g} to "
                 f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
             )
-    # With mu' at the edge mu' / (1 + mu' L) is mu: the strength at the table's rate is as much.
-    edge = 1.0 / (1.0 + RANGES["rate_factor"][1] * math.log10(layer.laboratory_rate / TABLE_RATE))
-    held = {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}
-    return held, np.maximum(ratio, edge)
+    # With mu' at the edge mu is mu' / (1 + mu' L); a draw beyond may have no strength left there.
+    most = RANGES["rate_factor"][1]
+    edge = most / (1.0 + most * math.log10(layer.laboratory_rate / TABLE_RATE))
+    given["rate_factor"] = np.minimum(given["rate_factor"], edge)
+    soil, ratio = at_table_rate(given, layer.laboratory_rate)
+    return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:

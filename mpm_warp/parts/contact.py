@@ -17,11 +17,12 @@ k, whatever presses: a rougher surface shears the cells beside it, whose stress 
 farther out, so that it bore 1.28 k on five rows of cells beside a cone. And friction that follows
 the pressure at once makes sliding on elastic soil unstable, the shortest waves most (Adams 1995, J.
 Appl. Mech. 62:867-872): along a shaft waves of six cells ran at the speed of shear waves, of a
-third of the speed of the cone. So it follows over a way of sliding L, the shortest cell, as it does
-where it was measured (Prakash & Clifton 1993; Ranjith & Rice 2001, J. Mech. Phys. Solids
-49:341-361). V is the speed of the body, R the force that friction is of, which starts as p A:
+third of the speed of the cone. So it follows over a way of sliding L, as it does where it was
+measured (Prakash & Clifton 1993; Ranjith & Rice 2001, J. Mech. Phys. Solids 49:341-361): the
+shortest way of a wave across a cell, some 0.7 of its side beside a cone of 60 degrees. V is the
+speed of the body, R the force that friction is of, which starts as p A:
 
-    R   <- R + min(|V| dt / L, 1) (P / dt - R)
+    R   <- R + min(|V| dt / L, 1) (P / dt - R)     where the body has a speed, else P / dt
     J_t at most (mu R + a A) dt, R at least 0, and at most k A dt
 
 The least mass M of a node limits what the force does to one that has little soil, for it could be
@@ -147,12 +148,13 @@ class SurfaceContact(Part):
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
         rubs, bound = self.friction > 0.0, self.bound_of_friction
+        travels = "window.motion" in plan.arrays
         if rubs:
             plan.add_array("contact.rubbing", "real", self.in_situ_stress * self.normal_areas)
         if bound is not None:
             plan.add_array("contact.strength", "real", bound * strength)
         plan.add_launch(
-            _make_surface_contact("window.motion" in plan.arrays, rubs, bound is not None),
+            _make_surface_contact(travels, rubs, bound is not None, travels or self.speed != 0.0),
             len(self.nodes),
             friction=self.friction,
             friction_way=float(scene.grid.cell_lengths.min()),
@@ -235,11 +237,11 @@ def contact_law(
 
 
 @functools.cache
-def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool) -> Any:
+def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool, moves: bool) -> Any:
     """The kernel, launched over the surface's nodes.
 
     `travelling`: the grid travels with the body, which else has a speed of its own. `rubs`: it has
-    friction; `bounded`: by the strength of the soil.
+    friction; `bounded`: by the strength of the soil; `moves`: the body has a speed.
     """
 
     @kernel
@@ -277,7 +279,9 @@ def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool) -> Any:
         pressing = m * wp.dot(d, n) + K + in_situ
         most_shear = contact_adhesion[k] * time_step
         if wp.static(rubs):
-            passed = wp.min(wp.abs(sinking) * time_step / friction_way, one)
+            passed = one
+            if wp.static(moves):
+                passed = wp.min(wp.abs(sinking) * time_step / friction_way, one)
             R = contact_rubbing[k] + passed * (pressing / time_step - contact_rubbing[k])
             contact_rubbing[k] = R
             most_shear += friction * wp.max(R, zero) * time_step

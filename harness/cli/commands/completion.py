@@ -1,6 +1,6 @@
 """Help, and completion by the Tab key in bash, zsh and fish: what is offered where.
 
-The shell runs the program itself at each Tab, by argcomplete. Scenes are imported only where names
+The shell runs the program itself at each Tab, by argcomplete. Scenes are listed only where names
 of scenes are offered, which takes a quarter of a second.
 """
 

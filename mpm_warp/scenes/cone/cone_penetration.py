@@ -309,6 +309,8 @@ class ConePenetration(ConeTestByDefault):
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
         results = results.assign(pore_pressure.stated_beside_shaft(self, results, built.material))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
+        if self.friction_coefficient > 0.0:
+            results = results.assign(labelled(dims=(), role=None, **self.interface_as_built))
         soundness.check_energy(results)
         if balances:
             soundness.check_balance(results)

@@ -112,14 +112,26 @@ class ConeTestByDefault(ConeTest):
         """What face and shaft bear as they are built.
 
         Where the ground at rest presses so much that friction alone would bear the strength of the
-        soil, the soil shears before it slides: they are rough, and friction does nothing.
+        soil, the soil shears before it slides: they are rough, and friction does nothing. Not where
+        the strain rate makes the soil stronger than at rest.
         """
         strength = self.undrained_shear_strength
         pressure = self.in_situ_stress - 2.0 * max(self.stress_anisotropy, 0.0) * strength
-        if self.friction_coefficient * pressure >= strength:
+        is_stronger = self.rate_factor > 0.0
+        if self.friction_coefficient * pressure >= strength and not is_stronger:
             return Interface(1.0, 1.0, 0.0)
         adhesion = self.adhesion_factor, self.shaft_adhesion_factor
         return Interface(*adhesion, self.friction_coefficient)
+
+    @property
+    def interface_as_built(self) -> dict[str, tuple[float, str, str]]:
+        """The interface as results have it, beside the parameters: value, unit and meaning."""
+        face, shaft, friction = self.interface
+        return {
+            "adhesion_factor_built": (face, "1", "adhesion factor of the face as built"),
+            "shaft_adhesion_factor_built": (shaft, "1", "adhesion factor of the shaft as built"),
+            "friction_coefficient_built": (friction, "1", "friction coefficient as built"),
+        }
 
     @property
     def inertia(self) -> float:

@@ -203,7 +203,10 @@ class PenetrometerContact(SurfaceContact):
         )
 
     def _shear_limits(self, normal: Floats) -> Floats:
-        """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n]."""
+        """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n].
+
+        Strength and adhesion are those at the start; only their shares at shoulder and tip count.
+        """
         rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
         on_face = np.minimum(self.face_adhesion + rubbing, self.strength) * self.face_areas
         on_shaft = np.minimum(self.shaft_adhesion + rubbing, self.strength) * self.shaft_areas

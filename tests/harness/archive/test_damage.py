@@ -160,6 +160,33 @@ def test_a_file_that_would_take_more_than_it_can_hold_is_not_read(tmp_path: Path
         read_netcdf(path)
 
 
+@pytest.mark.parametrize("kind", ["list", "enumeration", "a dim twice"])
+def test_what_xarray_would_read_by_half_is_told_in_a_line(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "other.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.format_version = np.int64(1)
+        file.createDimension("case", 2)
+        of: object = "f8"
+        if kind == "list":
+            of = file.createVLType("f8", "lists")
+        elif kind == "enumeration":
+            of = file.createEnumType("i1", "names", {"one": 1})
+        dims = ("case", "case") if kind == "a dim twice" else ("case",)
+        file.createVariable("cone_factor", of, dims)
+    told = "a dim twice" if kind == "a dim twice" else "no array of numbers or texts"
+    with pytest.raises(ArchiveError, match=rf"cannot be read: .*cone_factor .*{told}"):
+        read_netcdf(path, as_result=False)
+
+
+def test_coordinates_that_are_not_there_are_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "other.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        file.format_version = np.int64(1)
+        file.coordinates = "depth"
+        file.createVariable("cone_factor", "f8", ())[...] = 10.5
+    assert float(read_netcdf(path, as_result=False).cone_factor) == 10.5
+
+
 DAMAGES = (truncated, cut_by_the_digest, changed, fifo, folder, device, bomb)
 
 

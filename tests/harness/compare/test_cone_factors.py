@@ -95,6 +95,17 @@ def test_shaft_adhesion_is_the_faces_where_it_is_not_given() -> None:
     assert conditions_of(result().drop_vars("shaft_adhesion_factor")).shaft_adhesion == 0.5
 
 
+def test_a_cone_that_friction_makes_rough_is_compared_as_a_rough_one() -> None:
+    """One case has what was built beside its parameters, the other failed."""
+    built = {"adhesion_factor_built": 1.0, "friction_coefficient_built": 0.0}
+    rows = {name: ("friction_coefficient", [value, np.nan]) for name, value in built.items()}
+    dataset = result(friction_coefficient=[0.2, 0.3]).assign(rows)
+    conditions = conditions_of(dataset)
+    assert conditions.friction.values.tolist() == [0.0, 0.3]
+    assert conditions.face_adhesion.values.tolist() == [1.0, 0.5]
+    np.testing.assert_allclose(exact_shear(dataset), [np.sqrt(3.0), np.nan])
+
+
 def test_exact_shear_is_that_of_statics() -> None:
     # tan 30 degrees = 1/sqrt(3), tan 45 degrees = 1
     dataset = result(apex_angle=[60.0, 90.0])

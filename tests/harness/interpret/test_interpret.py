@@ -8,7 +8,7 @@ import pytest
 
 from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
-from harness.interpret.strength import error_shares, interpret
+from harness.interpret.strength import _in_table, error_shares, interpret
 from mpm_warp.errors import ParameterError
 from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
@@ -249,3 +249,15 @@ def test_draws_beyond_the_rate_effect_of_the_table_count_as_at_its_edge(folder: 
     used = found.reason.values == 0
     assert np.isfinite(found.strength.values[used]).all()
     np.testing.assert_allclose(found.error_share.sum("cause").values[used], 1.0)
+
+
+def test_a_draw_just_beyond_the_table_counts_like_one_far_beyond_it(folder: Path) -> None:
+    """At 0.25 no strength is left at the rate of the table: on either side it is the same."""
+    site = load_site(changed(folder, ("laboratory_rate = 1e-6", "laboratory_rate = 1e-2")))
+    drawn = {"rigidity_index": [100.0], "sensitivity": [3.0], "ductility": [20.0]}
+    inputs = {name: np.repeat(value, 1000) for name, value in drawn.items()}
+    inputs["rate_factor"] = np.full(1000, 0.01)
+    inputs["rate_factor"][-3:] = 0.2, 0.2499, 0.3
+    held, ratio = _in_table(site, 0, inputs)
+    for values in (ratio, *held.values()):
+        np.testing.assert_allclose(values[-3:], values[-3])

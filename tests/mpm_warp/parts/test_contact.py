@@ -162,6 +162,19 @@ def test_friction_follows_the_pressure_over_a_way_of_a_cell(
     assert normal.max() > 10.0 * in_situ.max()
 
 
+def test_friction_of_a_body_at_rest_follows_at_once(cone: Scene, surface: SurfaceContact) -> None:
+    """It has no way over which it could follow."""
+    at_rest = dataclasses.replace(
+        surface, friction=0.3, adhesion_forces=0.0 * surface.adhesion_forces
+    )
+    simulation = Simulation(dataclasses.replace(cone, parts=(at_rest,), time_step_fraction=1e-6))
+    simulation.array("particle.velocity")[:, 1] = 1.0
+    simulation.advance(1)
+    normal, shear = simulation.array("contact.impulse")[1:].T
+    in_situ = simulation.plan.time_step * surface.in_situ_stress * surface.normal_areas[1:]
+    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
+
+
 def test_friction_is_no_more_than_the_soil_beside_bears(
     cone: Scene, surface: SurfaceContact
 ) -> None:
