@@ -147,14 +147,15 @@ class SurfaceContact(Part):
         plan.add_array("contact.adhesion", "real", self.adhesion_forces * relative)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
-        rubs, bound = self.friction > 0.0, self.bound_of_friction
+        rubs, bound = bool(self.friction > 0.0), self.bound_of_friction
         travels = "window.motion" in plan.arrays
+        moves = travels or bool(self.speed != 0.0)  # numbers may be those of numpy
         if rubs:
             plan.add_array("contact.rubbing", "real", self.in_situ_stress * self.normal_areas)
         if bound is not None:
             plan.add_array("contact.strength", "real", bound * strength)
         plan.add_launch(
-            _make_surface_contact(travels, rubs, bound is not None, travels or self.speed != 0.0),
+            _make_surface_contact(travels, rubs, bound is not None, moves),
             len(self.nodes),
             friction=self.friction,
             friction_way=float(scene.grid.cell_lengths.min()),
