@@ -127,7 +127,7 @@ def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
 
 SANE = "nearly all cases complete from 0.0001 to 0.1"
 LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
-OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less"
+OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
 OF_REMOULDED = "rho V^2 is 25 of the remoulded strength, and above 5 soil is thrown off; try "
 
 
@@ -138,8 +138,8 @@ OF_REMOULDED = "rho V^2 is 25 of the remoulded strength, and above 5 soil is thr
         ("cone_penetration", "speed_ratio=[0.1,0.2,0.3]", [f"speed_ratio = 0.3; {SANE}"]),
         (
             "cone_penetration",
-            "speed_ratio=[0.1,0.2] rigidity_index=500",
-            [f"speed_ratio = 0.2; {SANE}", f"{LIKELY}0.2: {OF_SU}"],
+            "speed_ratio=[0.1,0.2] rigidity_index=500 cells_per_radius=1.5",
+            [f"speed_ratio = 0.2; {SANE}", f"{LIKELY}0.2: {OF_SU}1.8 cells_per_radius or more"],
         ),
         (
             "cyclic_t_bar",
