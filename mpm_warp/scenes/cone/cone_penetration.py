@@ -43,8 +43,8 @@ SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
 """Slots for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
 SANE_INERTIA, GREATEST_INERTIA, REFUSED_INERTIA = 5.0, 10.0, 50.0
-"""rho V^2 / su up to which nearly all random cases complete; beyond which few do on coarse cells, as
-soil is thrown off and the transfers dissipate much of the work; and beyond which none of 98 did."""
+"""rho V^2 / su up to which nearly all random cases complete; beyond which few do on coarse cells,
+as soil is thrown off and transfers dissipate much of the work; and beyond which none of 98 did."""
 CELLS_AT_SPEED = 1.8
 """Cells per radius up to which cells are that coarse: with fewer 23 of 85 complete, with more 46 of
 63."""
