@@ -35,7 +35,7 @@ Beside soil whose strength changes the adhesion changes with it. Symbols: k stre
 in the cells beside a node, k0 that of the material as it starts, without variation, x adhesion
 ratio of the particle where that varies, else 1, m mass of the particle.
 
-    a A = (a A)_0 sum m x (k / k0) / sum m
+    a A = (a A)_0 sum m x (k / k0) / sum m,     k A likewise, without x
 
 So a rough surface is as rough when the soil beside it is remoulded, or of another layer. Every 16th
 step brings the adhesion up to date: in that time soil moves by a small part of a cell.

@@ -23,6 +23,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 pytestmark = pytest.mark.slow
 
 GPU = "cuda:0"
+on_a_gpu = pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
 HOPPER = 90
 """A generation of GPUs, by its compute capability."""
 KERNEL = r"@(?:wp\.)?kernel\b.*\n *def (\w+)"
@@ -32,7 +33,11 @@ RING: dict[str, Value] = {"interface_radius": 2.0, "friction": 0.0}
 MEASURABLE: dict[str, Value] = {"cells_per_radius": 3.0}
 FURTHER: dict[str, list[dict[str, Value]]] = {
     "cavity_sphere": [{}, {"remoulded_strength_ratio": 0.2, "ductility": 10.0}],
-    "cone_penetration": [MEASURABLE, {"approach": 0, **MEASURABLE}],
+    "cone_penetration": [
+        MEASURABLE,
+        {"approach": 0, **MEASURABLE},
+        {"friction_coefficient": 0.03, **MEASURABLE},
+    ],
     "sounding": [{"layer_top": 1.1, "layer_strength_ratio": 2.0, "adhesion_factor": 0.5}],
     "sliding_block": [{}, {"damping_ratio": 0}, RING, {"damping_ratio": 0, **RING}],
 }
@@ -83,7 +88,7 @@ def test_every_kernel_compiles_for_a_gpu(kernels: set[wp.Kernel], tmp_path: Path
         assert ".entry" in compiled.read_text()
 
 
-@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+@on_a_gpu
 def test_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
     """The same sums are added in another order, as a rounding of each step."""
     for factor in (0.0, 0.5, 1.0):
@@ -93,7 +98,7 @@ def test_a_gpu_gives_the_cone_factors_of_the_processor() -> None:
         np.testing.assert_allclose(result, expected, rtol=1e-9)
 
 
-@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+@on_a_gpu
 def test_what_is_read_from_a_gpu_is_what_it_has() -> None:
     """After steps, values given and a launch; what was read before is not read again."""
     cone = ConePenetration(cells_per_radius=2).build()
@@ -114,7 +119,7 @@ def test_what_is_read_from_a_gpu_is_what_it_has() -> None:
         assert_read()
 
 
-@pytest.mark.skipif(not wp.is_cuda_available(), reason="no GPU here")
+@on_a_gpu
 @pytest.mark.parametrize("check", quick(checks_of()), ids=lambda it: it.scene)
 def test_scenes_on_a_gpu_are_within_their_bounds(check: Check) -> None:
     result = check.runs[-1].run(execution=Execution(GPU))

@@ -56,7 +56,8 @@ def captioned(
     if legend is not None:
         legend_above(figure, legend)
     title = plain(dataset.attrs.get("title", "")).rstrip(".")
-    parts = [f"{title}." if title else "", *sentences, fixed(dataset)]
+    ended = title if title.endswith(("?", "!")) or not title else f"{title}."
+    parts = [ended, *sentences, fixed(dataset)]
     text = _wrapped(" ".join(filter(None, parts)))
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
     return figure

@@ -117,8 +117,8 @@ class ConeTestByDefault(ConeTest):
         """
         strength = self.undrained_shear_strength
         pressure = self.in_situ_stress - 2.0 * max(self.stress_anisotropy, 0.0) * strength
-        is_stronger = self.rate_factor > 0.0
-        if self.friction_coefficient * pressure >= strength and not is_stronger:
+        bears_strength = self.friction_coefficient * pressure >= strength
+        if bears_strength and self.rate_factor == 0.0:
             return Interface(1.0, 1.0, 0.0)
         adhesion = self.adhesion_factor, self.shaft_adhesion_factor
         return Interface(*adhesion, self.friction_coefficient)

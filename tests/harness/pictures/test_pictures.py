@@ -20,7 +20,7 @@ from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.compare.compared import with_experience
 from harness.pictures.curve import map_figure
-from harness.pictures.drawing.caption import fixed
+from harness.pictures.drawing.caption import captioned, fixed
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
     SHADES,
@@ -109,6 +109,13 @@ def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
             ("adhesion_factor", "$α$ = 0.5"),
         ):
             assert (written in told.partition("Fixed: ")[2]) == (made_up[0][name].ndim == 0)
+
+
+@pytest.mark.parametrize("title", ["A study.", "Does it matter?"])
+def test_a_caption_begins_with_the_title_as_a_sentence(title: str, made_up: MadeUp) -> None:
+    for given in (title, title.rstrip(".")):
+        figure = captioned(Figure(), made_up[0].assign_attrs(title=given), "What is shown.")
+        assert caption_of(figure).startswith(f"{title} What is shown.")
 
 
 ROWS = ConePenetration().cells_per_radius
