@@ -116,8 +116,8 @@ class CatalogueScene(ABC):
     snapshots_over: ClassVar[str | None] = None
     """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
 
-    def __new__(cls, **values: object) -> Self:  # noqa: D102 - the class says it
-        # Before __init__, which would refuse an unknown name without saying what to give instead.
+    def __new__(cls, **values: object) -> Self:
+        """Refuse an unknown name with what to give instead, which `__init__` would not say."""
         check_names(cls, values)
         return super().__new__(cls)
 

@@ -63,7 +63,8 @@ class Profile:
     stress_anisotropy: Floats | None = None
     of_law: Mapping[str, Floats] = field(default_factory=dict)
 
-    def __new__(cls, **columns: object) -> Self:  # noqa: D102 - the class says it
+    def __new__(cls, **columns: object) -> Self:
+        """Refuse an unknown column with the nearest, which `__init__` would not say."""
         for name in columns:
             if name not in (*OWN, "of_law"):
                 raise refused(f"unknown column {name!r}{nearest_parameter(name, OWN)}")
