@@ -180,13 +180,13 @@ def study_text(name: str, scene_name: str) -> str:
 
 
 def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
-    """The first parameter, those of the method last, with several values that the scene allows."""
+    """The first parameter with several values that the scene allows, those of the method last."""
     method, known = method_of(scene), parameters_of(scene)
     tried = {
         name: [it for it in _candidates(known[name]) if completed(scene, {name: it})[1] is None]
         for name in sorted(known, key=lambda it: it in method)
     }
-    return max(tried.items(), key=lambda it: len(it[1]) > 1)
+    return max(tried.items(), key=lambda it: min(len(it[1]), 2))
 
 
 def _candidates(definition: Parameter) -> list[Value]:
