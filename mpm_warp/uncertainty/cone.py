@@ -34,7 +34,6 @@ from mpm_warp.uncertainty.laws import (
     APEX_ANGLE,
     LARGEST_CELL,
     LARGEST_MEASURED_INERTIA,
-    LIMIT,
     WIDEST_CELL,
     Condition,
     ErrorLaws,
@@ -44,8 +43,9 @@ from mpm_warp.uncertainty.laws import (
 )
 from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
 
-POINTS, NOISE = 0.001, 0.015
-"""Half widths: of what more points change, over Nc; of the noise of a run."""
+POINTS, NOISE, LIMIT = 0.001, 0.015, 0.025
+"""Half widths: of what more points change, over Nc; where no law says less, of the noise of a run,
+and of the limit of fine cells, which no more than 14 rows beside the face have shown."""
 APPROACH = 0.001
 """Half width of what the approach leaves, over Nc."""
 
@@ -120,7 +120,7 @@ class ConeRun(TestRun):
         return {"domain": window_uncertainty(self.laws.extent_ratio)}
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
-        """What is still to come, the limit of fine cells, more points, the noise of all runs."""
+        """What is still to come, more points; the limit of fine cells and the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
             "steadiness": STILL_TO_COME * last_change(resistance),
@@ -175,13 +175,13 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
         uncertainty is not a number, and `why_no_uncertainty` says why.
     """
     laws = run.laws
-    parts = {name: float(value) for name, value in laws.half_widths().items()}
-    parts["speed"] += APPROACH * run.factor
+    by_laws = {name: float(value) for name, value in laws.half_widths().items()}
+    by_laws["speed"] += APPROACH * run.factor
     reasons = [
         *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),
         *why_laws_do_not_hold(laws),
     ]
-    return run.stated(float(laws.correction), parts | run.own_parts(ALONE, [run]), reasons)
+    return run.stated(float(laws.correction), run.own_parts(ALONE, [run]) | by_laws, reasons)
 
 
 def why_laws_do_not_hold(laws: ErrorLaws) -> list[str]:

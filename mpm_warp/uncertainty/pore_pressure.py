@@ -53,15 +53,15 @@ Table = tuple[Row, ...]
 SHOULDER_INDICES = (20.0, 30.0, 100.0, 300.0, 600.0, 1000.0)
 SHOULDER_ADHESION = (0.0, 0.25, 0.5, 1.0)
 SHOULDER_ERROR = (
-    (-0.3, 0.2, 0.2, -0.8),
+    (-0.3, 0.2, 0.2, -0.9),
     (0.4, 0.9, 0.6, -1.0),
-    (1.2, 2.5, 3.0, 3.5),
-    (-0.4, 0.1, 1.4, 3.5),
+    (1.2, 2.5, 3.0, 3.6),
+    (-0.2, 0.2, 1.4, 3.4),
     (0.2, 0.4, 0.4, -0.3),
-    (1.9, 1.9, 3.0, 0.4),
+    (2.5, 1.9, 3.0, 3.0),
 )
-"""S at these rigidity indices (rows) and adhesion factors, of 5 to 40 rows beside the face, 5 to 10
-above a rigidity index of 300 (to 20 of 600 beside a rough shaft)."""
+"""S at these rigidity indices (rows) and adhesion factors, of 5 to 56 rows beside the face, above a
+rigidity index of 300 of 5 to 7 or 20."""
 SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
 """Power of h in this error; h up to which it grows, and above which cells are wide."""
 LAYER_SHARE = (

@@ -21,7 +21,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.cone import POINTS
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.laws import LARGEST_CELL, LIMIT, TOP, Condition, ErrorLaws
+from mpm_warp.uncertainty.laws import LARGEST_CELL, TOP, Condition, ErrorLaws
 
 AROUND = 2.0
 """Way above and below the tip over which strength is averaged, in cone radii."""
@@ -117,7 +117,7 @@ def sample_error(
     factor = resistance / around
     if measured is None:
         correction = laws.correction
-        parts = laws.half_widths() | {"limit": LIMIT, "points": POINTS * factor}
+        parts = laws.half_widths() | {"points": POINTS * factor}
         of_method = laws.why_none_holds(largest_cell=LARGEST_CELL)
     else:
         correction, half_widths = measured.at(depth)

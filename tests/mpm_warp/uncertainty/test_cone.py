@@ -19,7 +19,7 @@ from mpm_warp.uncertainty.laws import (
     GROWTH_ERROR,
     GROWTH_OF_MESHES,
     GROWTH_SHARE,
-    LIMIT,
+    NOISE,
     SLOPES,
     growth_measure,
     growth_uncertainty,
@@ -47,6 +47,14 @@ TWICE_THE_WINDOW = {
 }
 """By rigidity index, Nc on 4 rows as simulated in the window by default and in one twice as large,
 adhesion factor 0.5: means over the last 8 of 10 radii after the first end."""
+TWICE_THE_FINE_WINDOW = {
+    (25, 0.0): (7.5648, 7.5615),
+    (25, 0.5): (8.3894, 8.3823),
+    (25, 1.0): (9.0725, 9.0709),
+    (50, 0.5): (9.9871, 9.9636),
+    (100, 0.5): (11.5138, 11.4907),
+}
+"""The same of Nc as stated with accuracy = fine, by rigidity index and adhesion factor."""
 GROWN: dict[tuple[float, float, float], tuple[float, ...]] = {
     (25, 0.5, 0): (8.032, 8.046, 8.077, 8.073),
     (25, 0, -0.3): (7.802, 7.799, 7.852, 7.836),
@@ -88,10 +96,20 @@ def test_the_half_width_is_made_of_its_parts() -> None:
     assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
 
 
-def test_the_limit_of_fine_cells_is_a_part_of_every_half_width() -> None:
-    fine = dataclasses.replace(TEST, cells_per_radius=12.0)
-    for test in (TEST, fine):
-        assert float(known_error(test).cone_factor_uncertainty_limit) == LIMIT
+@pytest.mark.parametrize(("index", "limit"), [(20.0, 0.015), (300.0, 0.015), (1000.0, 0.03)])
+def test_the_limit_of_fine_cells_is_a_part_of_every_half_width(index: float, limit: float) -> None:
+    """The same on all meshes; larger in stiff clay, whose meshes are not as fine."""
+    for cells in (3.0, 12.0):
+        test = dataclasses.replace(TEST, rigidity_index=index, cells_per_radius=cells)
+        known = float(known_error(test).cone_factor_uncertainty_limit)
+        assert known == pytest.approx(limit, rel=1e-12)
+
+
+def test_the_noise_of_a_run_goes_with_the_width_of_its_cells() -> None:
+    for rows in (5, 10):
+        test = dataclasses.replace(TEST, cells_per_radius=rows / math.sqrt(3.0))
+        noise = float(known_error(test).cone_factor_uncertainty_noise)
+        assert noise == pytest.approx(NOISE * math.sqrt(3.0) / rows)
 
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
@@ -139,8 +157,19 @@ def test_a_window_of_twice_the_extents_has_the_same_factor(index: float) -> None
         # The run went 10 radii beyond its first end, by default it goes 4.5 at most.
         laws = run.laws(way=run.penetration + 10.0 - 4.5 - 4.0)
         corrected.append(simulated + float(laws.correction))
-        half_widths += [float(laws.half_widths()[it]) for it in ("domain", "bottom")]
+        half_widths += [float(laws.half_widths()[it]) for it in ("domain", "bottom", "noise")]
     assert abs(corrected[1] - corrected[0]) <= math.hypot(*half_widths)
+
+
+@pytest.mark.parametrize("case", TWICE_THE_FINE_WINDOW)
+def test_a_fine_window_of_twice_the_extents_has_the_same_factor(case: tuple[int, float]) -> None:
+    test = ConePenetration(rigidity_index=case[0], adhesion_factor=case[1], accuracy="fine")
+    parts = known_error(test)
+    noise, *of_window = (
+        float(parts[f"cone_factor_uncertainty_{it}"]) for it in ("noise", "domain", "bottom")
+    )
+    own, in_twice = TWICE_THE_FINE_WINDOW[case]
+    assert abs(own - in_twice) <= math.hypot(*of_window, noise, noise)
 
 
 @pytest.mark.parametrize("case", GROWN)

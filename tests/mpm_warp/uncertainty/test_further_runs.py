@@ -117,7 +117,7 @@ def test_a_window_smaller_than_by_default_leaves_open_what_a_known_error_does() 
     """Further runs alone gave 9.91 +- 0.14 with a radius of 5, 10.40 +- 0.11 with 10, not 10.71."""
     name = "cone_factor_uncertainty_domain"
     small = dataclasses.replace(CONE, domain_radius=10.0)
-    assert float(measured(small)[name]) == pytest.approx(0.03 * (4.0**2 - 1.0))
+    assert float(measured(small)[name]) == pytest.approx(0.035 * (4.0**2 - 1.0))
     assert float(measured(CONE)[name]) == pytest.approx(0.5 * DOMAIN / 1.4**2)
 
 

@@ -124,6 +124,18 @@ def test_further_runs_have_the_method_of_the_test_whose_error_they_measure(index
             assert getattr(further, name) == getattr(test, name)
 
 
+def test_waves_that_grow_on_many_rows_are_told_before_the_run() -> None:
+    """Of 56 rows beside the face; slow soil or small steps are no reason, nor are fewer rows."""
+    fine = ConePenetration(poissons_ratio=0.45, cells_per_radius=32.33, approach_speed_ratio=0.14)
+    assert "crosses 929 rows of cells at 0.14" in fine.likely_failure
+    for sound in (
+        {"approach_speed_ratio": 0.07},
+        {"time_step_fraction": 0.4},
+        {"cells_per_radius": 16.17},
+    ):
+        assert dataclasses.replace(fine, **sound).likely_failure == ""
+
+
 @pytest.mark.parametrize(("index", "is_allowed"), [(199.0, True), (201.0, False)])
 def test_a_cone_too_fast_for_any_result_is_refused(index: float, is_allowed: bool) -> None:
     """Half the speed of shear waves is rho V^2 = Ir su / 4; the remedy is a speed that is sane."""
