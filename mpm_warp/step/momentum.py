@@ -29,10 +29,9 @@ affine part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Grap
 returns all of a linear field, but what it takes from one motion for another not the other way,
 waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
 
-Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short ones of these
-grow: what S gives back was at the nodes below. In one dimension, n = 2, nu = 0.45, at 0.85 of the
-critical step, they grow by 1, 5, 7 and 5 % a row at 0.1, 0.13, 0.17 and 0.25 of it; by 0 to 2 % at
-0.4 of the step; without S they do not. It takes hundreds of rows to see it.
+Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short waves of shear
+grow, by up to 7 % a row: what S gives back belongs to soil that has moved on. It takes hundreds of
+rows to see it (`studies/stability.md`).
 
 In cells that are filled in part P may be anything: there is no S where a free surface passes, or
 only far below it (`mpm_warp.parts.free_surface`).
