@@ -76,8 +76,9 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     """A strip for each varied parameter, of the cases that were run.
 
     One at a time, in the order of the dataset: the first case, which has the defaults, and those
-    that differ from it in the parameter. At random: all cases, those parameters first over which
-    the shares differ most.
+    that differ from it in the parameter. A case that differs in several belongs to the first of
+    them: the others, such as a default speed, are derived from it. At random: all cases, those
+    parameters first over which the shares differ most.
     """
     outcomes = Outcomes.of(dataset)
     ran = outcomes.status != MISSING
@@ -85,9 +86,10 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     if dataset.attrs["design"] != ONE_AT_A_TIME:
         found = [Shares.of(values.at(ran), outcomes.at(ran)) for values in varied]
         return sorted(found, key=lambda it: np.ptp(it.completed), reverse=True)
-    strips = []
+    strips, taken = [], np.zeros_like(ran)
     for values in varied:
-        own = ran & (values.numbers != values.numbers[0])
+        own = ran & (values.numbers != values.numbers[0]) & ~taken
+        taken |= own
         own[0] = ran[0]
         strips.append(Strip(values.at(own), float(values.numbers[0]), outcomes.at(own)))
     return strips

@@ -51,6 +51,8 @@ _UNITS = {"degree": "°", "kg m-3": "kg/m³", "m s-1": "m/s", "m s-2": "m/s²", 
 _SPELT = {"poissons ratio": "Poisson's ratio", "in situ stress": "in-situ stress", "t bar": "T-bar"}
 _PREFIXES = {"Pa": ((1e9, "G"), (1e6, "M"), (1e3, "k"))}
 """Larger units that readers expect, by the unit."""
+LONGEST_LABEL = 24
+"""Letters of the longest value in words that has room beside others on an axis."""
 _SUBSCRIPT = re.compile(r"_(\w+)")
 
 
@@ -211,7 +213,11 @@ class Values:
         set_scale = axes.set_xscale if is_x else axes.set_yscale
         set_margin = axes.set_xmargin if is_x else axes.set_ymargin
         if self.categories:
-            names = [category.replace("_", " ") for category in self.categories]
+            # A table of the ground, say, would lie over its neighbours: its place stands for it.
+            names = [
+                category.replace("_", " ") if len(category) <= LONGEST_LABEL else f"{place}"
+                for place, category in enumerate(self.categories)
+            ]
             axis.set_ticks(range(len(names)), names)
             set_margin(0.2)
             return

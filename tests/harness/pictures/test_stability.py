@@ -275,6 +275,25 @@ def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic:
     assert values.logarithmic == logarithmic
 
 
+def test_a_case_belongs_to_the_parameter_from_which_the_others_follow() -> None:
+    """The default speed falls with the stiffness: the strip of the speed has no such case."""
+    stiffness, speed = [100.0, 5000.0, 100.0], [0.03, 0.004, 0.1]
+    statuses = ["completed", "unfinished", "completed"]
+    result = made("one_at_a_time", statuses, stiffness=stiffness, speed_ratio=speed)
+    assert row_of(result, "stiffness")["first failure above"] == "5000 (factor 50), unfinished"
+    assert row_of(result, "speed ratio")["first failure below"] == "no case"
+
+
+def test_a_value_without_room_on_an_axis_is_told_by_its_place() -> None:
+    ground = "depth [m], strength [kPa]; 0, 20; 99, 20"
+    categories = ("derived", "von_mises", ground)
+    values = Values(name="it", unit="1", numbers=np.arange(3.0), categories=categories)
+    axes = Figure().subplots()
+    values.dress(axes, room=6)
+    labels = [label.get_text() for label in axes.get_xticklabels()]
+    assert labels == ["derived", "von mises", "2"]
+
+
 @pytest.mark.parametrize(
     ("message", "short"),
     [
