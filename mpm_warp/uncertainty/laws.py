@@ -103,8 +103,10 @@ whether the soil below is the stronger: 5 % of the change is reached, the larges
 `two_layers`."""
 FELT_BEHIND = {True: 9.0, False: 4.0}
 """Distances below it to where it is felt, likewise: 5 % of the change is lacking."""
-STIFFNESS_FELT = 10.0, 15.0
-"""Both where the rigidity index changes, by the study `two_stiffnesses`."""
+WITHIN_HALF_WIDTH = 10.0, 16.0
+"""Distances above and below a border, over the radius, beyond which 96 to 100 % of the samples of a
+sounding are within the half width of those of uniform ground, by `two_layers` at a quarter and four
+times the strength. From 8 to 7 radii above, and from 9 to 12 below, none are."""
 TESTED_INDICES = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
 TESTED_ANISOTROPY, TESTED_POISSONS_RATIO = 0.5, 0.45
 """Rigidity indices, |Delta| and Poisson's ratios up to which the laws were measured and tested."""

@@ -63,7 +63,6 @@ class SoundingTest(FittedToCone, FieldClayScene):
     strength_gradient: float = parameter(
         0.0, "growth of strength with depth", unit="Pa m-1", minimum=0, maximum=1e9
     )
-    rigidity_index: float = redefined(FieldClayScene, "rigidity_index", minimum=10, maximum=2000)
     layer_top: float | None = parameter(
         None, "depth of the top of the layer (default: no layer)", unit="m", above=0
     )
@@ -71,7 +70,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
         None, "thickness of the layer (default: it has no end)", unit="m", above=0
     )
     layer_strength_ratio: float = parameter(
-        1.0, "strength in the layer over what it would be without", minimum=0.05, maximum=20
+        1.0, "strength in the layer over what it would be without", minimum=0.01, maximum=100
     )
     unit_weight: float = parameter(
         17e3, "total unit weight of the clay", unit="N m-3", minimum=0, maximum=1e6

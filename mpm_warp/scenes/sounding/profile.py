@@ -24,12 +24,10 @@ from mpm_warp.scenes.sounding.table import (
     refused,
     text_of,
 )
-from mpm_warp.uncertainty.laws import FELT_BEFORE, FELT_BEHIND, STIFFNESS_FELT
+from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH
 
 ROUNDED = 1e-9
 """Relative difference of two rows that is none."""
-STRENGTH_FELT = max(FELT_BEFORE.values()), max(FELT_BEHIND.values())
-"""How far above and below a jump of strength it is felt, whichever layer is the stronger."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
 
@@ -185,18 +183,13 @@ class Profile:
         return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
 
     def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
-        """Whether the resistance feels a jump of the ground, at depths over a cone's radius, [n].
-
-        A jump of the rigidity index is felt farther than one of strength alone.
-        """
+        """Whether the resistance feels a jump of the ground, at depths over a radius [m], [n]."""
         near = np.zeros(len(way), dtype=bool)
-        index = self.shear_modulus / self.strength
+        before, behind = WITHIN_HALF_WIDTH
         for row in np.flatnonzero(np.diff(self.depth) == 0.0):
             pairs = [values[row : row + 2] for values in self._columns.values()]
             if all(math.isclose(*pair, rel_tol=ROUNDED) for pair in pairs):
                 continue
-            is_one_index = math.isclose(*index[row : row + 2], rel_tol=ROUNDED)
-            before, behind = STRENGTH_FELT if is_one_index else STIFFNESS_FELT
             distance = way - self.depth[row] / radius
             near |= (distance > -before) & (distance < behind)
         return near

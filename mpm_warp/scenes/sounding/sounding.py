@@ -69,6 +69,11 @@ class Sounding(SoundingTest):
             _ = self.tests_by_depth  # all are allowed
 
     @property
+    def likely_failure(self) -> str:
+        """See `CatalogueScene`: that of a cone in the strongest soil, where most of the work is."""
+        return self._test.likely_failure
+
+    @property
     def _test(self) -> ConePenetration:
         """The test in uniform clay as strong and as stiff as the ground is anywhere on the way.
 
@@ -267,8 +272,10 @@ class Sounding(SoundingTest):
                 simulation, moments, simulation.travel_to, [curves, pressures], progress
             )
         except SimulationDiverged as error:
-            if error.curves is not None:
-                error.curves = sounding_curves(self, error.curves, why_none, measured)
+            had = error.curves
+            if had is not None:  # none where it ended on the way before the curves begin
+                begun = had.sizes["penetration"] > self.lead_count
+                error.curves = sounding_curves(self, had, why_none, measured) if begun else None
             raise
         over_depth = sounding_curves(self, recorded, why_none, measured)
         layer = layer_values(self, over_depth, is_known=measured is None and not why_none)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
+from mpm_warp.errors import ParameterError, SimulationDiverged
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.sounding.curves import (
     PRESSURE_NOISE,
@@ -227,6 +227,24 @@ def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     expected = math.hypot(whole, -lacking * math.log(lacking) * changed().cell_size)
     assert float(result.layer_share_uncertainty) == pytest.approx(expected, rel=0.01)
     assert "last_cone_factor" not in result
+
+
+@pytest.mark.parametrize(("ratio", "speed_ratio"), [(100.0, 0.02), (0.01, 0.2)])
+def test_far_within_a_layer_of_another_strength_the_factor_is_that_of_uniform_ground(
+    ratio: float, speed_ratio: float
+) -> None:
+    """At the same inertia. 17 radii from the border 1 % of the factor is lacking, 1 % is noise."""
+    result = changed(to_depth=32.0, layer_top=14.0, layer_strength_ratio=ratio).run()
+    uniform = changed(to_depth=16.0, speed_ratio=speed_ratio).run()
+    within, alone = (float(it.cone_factor_at_tip[-10:].mean()) for it in (result, uniform))
+    assert within == pytest.approx(alone, rel=0.02)
+    assert abs(float(result.energy_error)) < 0.01
+
+
+def test_what_ends_before_its_curves_begin_has_none_and_says_why() -> None:
+    with pytest.raises(SimulationDiverged, match="velocity of particle") as ended:
+        changed(adhesion_factor=0.0, speed_ratio=0.05, time_step_fraction=1.2).run()
+    assert ended.value.curves is None
 
 
 def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
