@@ -22,6 +22,7 @@ import numpy as np
 import scipy  # loads its optimisers where they are first used: no other scene waits for them
 import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter, redefined
@@ -31,6 +32,8 @@ from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.penetrometer import (
+    GREATEST_INERTIA,
+    T_BAR_STRAIN,
     Ball,
     FullFlowPenetrometer,
     ResistanceSamples,
@@ -39,14 +42,8 @@ from mpm_warp.scenes.full_flow.penetrometer import (
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
-T_BAR_STRAIN = 3.7
-"""Plastic shear strain xi_p of a passage of a T-bar, by which practice turns n_95 into xi_95.
-
-From upper bounds of Einav & Randolph 2005, and usual since (Zhou & Randolph 2009, Geotechnique
-59(2):79-86).
-"""
-GREATEST_INERTIA = 5.0
-"""rho V^2 over the remoulded strength above which no random case completed."""
+REFUSED_INERTIA = 10.0
+"""rho V^2 over the strength that is left in the last passage above which no case completed."""
 FITTED = 3
 """Numbers that are fitted."""
 MIDDLE = 2.0
@@ -85,6 +82,20 @@ class CyclicPenetration(FullFlowPenetrometer):
     )
     stroke: float = parameter(8.0, "way from turn to turn over radius", minimum=6, maximum=50)
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.inertia > REFUSED_INERTIA:
+            raise ParameterError(
+                "speed_ratio",
+                f"speed_ratio = {self.speed_ratio:g} is not allowed with rigidity_index = "
+                f"{self.rigidity_index:g}: {self.thrown_off(REFUSED_INERTIA)}",
+            )
+
+    @property
+    def last_cycle(self) -> float:
+        """See `FullFlowPenetrometer`."""
+        return self.cycle_count - FIRST_CYCLE
+
     @property
     def window(self) -> CyclicWindow:
         """The travel of the grid: the speed is reached in a radius after each turn."""
@@ -95,14 +106,7 @@ class CyclicPenetration(FullFlowPenetrometer):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
-        remoulded = self.remoulded_strength_ratio / self.rigidity_index
-        inertia = self.speed_ratio**2 / remoulded
-        if inertia <= GREATEST_INERTIA:
-            return ""
-        return (
-            f"rho V^2 is {inertia:.3g} of the remoulded strength, and above {GREATEST_INERTIA:g} "
-            f"soil is thrown off; try speed_ratio = {math.sqrt(remoulded):.2g} or less"
-        )
+        return "" if self.inertia <= GREATEST_INERTIA else self.thrown_off(GREATEST_INERTIA)
 
     @property
     def loads_solvers(self) -> bool:

@@ -37,6 +37,14 @@ mechanism reaches to about three."""
 POLE_ROW = 0.5
 """Height of the rows beside the poles, over those away from the body: in a row as high as those, a
 pole would have one long chord, and an error that falls as the height only."""
+T_BAR_STRAIN = 3.7
+"""Plastic shear strain xi_p of a passage of a T-bar, by which practice turns n_95 into xi_95.
+
+From upper bounds of Einav & Randolph 2005, and usual since (Zhou & Randolph 2009, Geotechnique
+59(2):79-86). That of a ball is about as large.
+"""
+SANE_INERTIA, GREATEST_INERTIA = 1.0, 5.0
+"""rho V^2 over the strength that is left up to which most cases complete, above which few do."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,6 +168,32 @@ class FullFlowPenetrometer(FieldClayScene):
     def speed(self) -> float:
         """Of the body in the run [m/s]; a law with a stiffness of its own has its own waves."""
         return self.speed_ratio * math.sqrt(self.clay.ground_shear_modulus / self.density)
+
+    @property
+    @abstractmethod
+    def last_cycle(self) -> float:
+        """Number n of the cycle in the end: soil has borne a plastic strain of 2 n xi_p."""
+
+    @property
+    def strength_left(self) -> float:
+        """Share of su that the last passage finds, see `cyclic`."""
+        if self.ductility is None:
+            return 1.0
+        decay = math.exp(-6.0 * self.last_cycle * T_BAR_STRAIN / self.ductility)
+        return self.remoulded_strength_ratio + (1.0 - self.remoulded_strength_ratio) * decay
+
+    @property
+    def inertia(self) -> float:
+        """Inertia of the soil over the strength that is left, rho V^2 over it."""
+        return self.rigidity_index * self.speed_ratio**2 / self.strength_left
+
+    def thrown_off(self, limit: float) -> str:
+        """Why a body is too fast beyond a limit of its inertia, and the speed to take instead."""
+        speed_ratio = math.sqrt(SANE_INERTIA * self.strength_left / self.rigidity_index)
+        return (
+            f"rho V^2 is {self.inertia:.3g} of the strength that is left in the end, and above "
+            f"{limit:g} soil is thrown off; try speed_ratio = {speed_ratio:.2g} or less"
+        )
 
     @property
     def clay(self) -> Material:

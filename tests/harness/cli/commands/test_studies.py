@@ -128,7 +128,8 @@ def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
 SANE = "nearly all cases complete from 0.0001 to 0.1"
 LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
 OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
-OF_REMOULDED = "rho V^2 is 25 of the remoulded strength, and above 5 soil is thrown off; try "
+CELLS = "cells_per_radius or more"
+LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soil is "
 
 
 @pytest.mark.parametrize(
@@ -143,11 +144,21 @@ OF_REMOULDED = "rho V^2 is 25 of the remoulded strength, and above 5 soil is thr
         ),
         (
             "cyclic_t_bar",
-            "remoulded_strength_ratio=0.04 ductility=10 speed_ratio=[0.01,0.1]",
-            [f"{LIKELY}0.1: {OF_REMOULDED}speed_ratio = 0.02 or less"],
+            "remoulded_strength_ratio=0.04 ductility=10 speed_ratio=[0.01,0.05]",
+            [f"{LIKELY}0.05: {LEFT}thrown off; try speed_ratio = 0.02 or less"],
+        ),
+        (
+            "sounding",
+            "speed_ratio=[0.1,0.45] rigidity_index=90 cells_per_radius=1.5",
+            [f"{LIKELY}0.45: {OF_SU.replace('20', '18.2').replace('0.1', '0.24')}1.8 {CELLS}"],
+        ),
+        (
+            "ball_penetration",
+            "cells_per_radius=3 rigidity_index=625 speed_ratio=[0.01,0.1]",
+            [f"{LIKELY}0.1: {LEFT}thrown off; try speed_ratio = 0.04 or less, or 4 {CELLS}"],
         ),
     ],
-    ids=["sane", "beyond", "likely to fail", "of remoulded clay"],
+    ids=["sane", "beyond", "likely to fail", "of remoulded clay", "sounding", "ball"],
 )
 def test_a_value_that_fewer_cases_complete_with_is_told(
     scene: str, settings: str, lines: list[str], command: Command

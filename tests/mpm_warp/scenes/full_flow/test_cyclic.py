@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
@@ -71,6 +72,26 @@ def test_the_first_passage_is_that_of_a_body_that_goes_on(
     ours, theirs = (run.array("contact.impulse") for run in runs)
     rounding = steps * np.finfo(float).eps * np.abs(theirs).max()
     np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=rounding)
+
+
+@pytest.mark.parametrize(("ductility", "is_allowed"), [(50.0, True), (10.0, False)])
+def test_a_bar_too_fast_for_what_is_left_of_the_strength_is_refused(
+    ductility: float, is_allowed: bool
+) -> None:
+    """rho V^2 is su, and 50 times the remoulded strength, which ductile clay has not fallen to."""
+    clay = {"remoulded_strength_ratio": 0.02, "ductility": ductility}
+    left = 0.02 + 0.98 * np.exp(-3.0 * 1.75 * 7.4 / ductility)  # two cycles: the last is 1.75
+    if is_allowed:
+        bar = dataclasses.replace(COARSE, speed_ratio=0.1, **clay)
+        assert bar.inertia == pytest.approx(1.0 / left)
+        assert bar.likely_failure == ""
+        return
+    with pytest.raises(ParameterError, match=r"speed_ratio = 0\.1 is not allowed") as refusal:
+        dataclasses.replace(COARSE, speed_ratio=0.1, **clay)
+    assert refusal.value.key == "speed_ratio"
+    assert f"rho V^2 is {1.0 / left:.3g} of the strength that is left" in str(refusal.value)
+    remedy = dataclasses.replace(COARSE, speed_ratio=0.1 * np.sqrt(left), **clay)
+    assert f"try speed_ratio = {remedy.speed_ratio:.2g} or less" in str(refusal.value)
 
 
 def test_a_ball_resists_alike_in_perfectly_plastic_clay_and_less_from_passage_to_passage() -> None:
