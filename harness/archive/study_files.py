@@ -79,9 +79,18 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene": " ".join(part.name for part in study.parts),
             "scene_version": study.cases[0].scene_version,
             "format_version": FORMAT_VERSION,
-            **({STABILITY_MAP: 1} if study.stability_map else {}),
+            **_map(study, names),
             **origin,
         },
+    )
+
+
+def _map(study: Study, names: Mapping[str, str]) -> dict[str, str]:
+    """What the study varies in its order, which a file does not keep, where it asks for a map."""
+    return (
+        {STABILITY_MAP: " ".join(names[it] for it in study.parts[0].varied)}
+        if study.stability_map
+        else {}
     )
 
 

@@ -75,14 +75,17 @@ def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
 def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     """A strip for each varied parameter, of the cases that were run.
 
-    One at a time, in the order of the dataset: the first case, which has the defaults, and those
+    One at a time, in the order of the study: the first case, which has the defaults, and those
     that differ from it in the parameter. A case that differs in several belongs to the first of
     them: the others, such as a default speed, are derived from it. At random: all cases, those
     parameters first over which the shares differ most.
     """
     outcomes = Outcomes.of(dataset)
     ran = outcomes.status != MISSING
-    varied = [Values.of(dataset, name) for name in varied_names(dataset)]
+    order = str(dataset.attrs[STABILITY_MAP]).split()
+    places = {name: place for place, name in enumerate(order)}
+    names = sorted(varied_names(dataset), key=lambda name: places.get(name, len(order)))
+    varied = [Values.of(dataset, name) for name in names]
     if dataset.attrs["design"] != ONE_AT_A_TIME:
         found = [Shares.of(values.at(ran), outcomes.at(ran)) for values in varied]
         return sorted(found, key=lambda it: np.ptp(it.completed), reverse=True)

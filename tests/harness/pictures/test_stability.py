@@ -276,10 +276,15 @@ def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic:
 
 
 def test_a_case_belongs_to_the_parameter_from_which_the_others_follow() -> None:
-    """The default speed falls with the stiffness: the strip of the speed has no such case."""
+    """The default speed falls with the stiffness: the strip of the speed has no such case.
+
+    The stiffness is the first in the study, and in a file, where names are sorted, the last.
+    """
     stiffness, speed = [100.0, 5000.0, 100.0], [0.03, 0.004, 0.1]
     statuses = ["completed", "unfinished", "completed"]
-    result = made("one_at_a_time", statuses, stiffness=stiffness, speed_ratio=speed)
+    result = made("one_at_a_time", statuses, speed_ratio=speed, stiffness=stiffness)
+    result.attrs["stability_map"] = "stiffness speed_ratio"
+    assert [row[0] for row in stability_rows(result)[1:]] == ["stiffness", "speed ratio"]
     assert row_of(result, "stiffness")["first failure above"] == "5000 (factor 50), unfinished"
     assert row_of(result, "speed ratio")["first failure below"] == "no case"
 

@@ -198,6 +198,7 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
     for message in dataset.message.values[expected == "refused"].tolist():
         assert re.fullmatch(r"height_ratio = .* must be 3 cells high or more", message)
     assert shows_stability(dataset)
+    assert dataset.attrs["stability_map"] == "cells_per_length"  # in the order of the study
     assert any("refused" in cell for row in stability_rows(dataset) for cell in row)
 
 
