@@ -17,7 +17,7 @@ from mpm_warp.uncertainty.steadiness import steady_penetration
 CELLS_PER_RADIUS = {
     "quick": (2.31, 1.75, 1.75),
     "standard": (3.46, 3.0, 2.31),
-    "fine": (6.0, 6.0, 6.0),
+    "fine": (6.0, 6.0, 4.62),
 }
 """Cells per cone radius by accuracy in soft, ordinary and very stiff clay: 3 to 10 rows beside the
 face. Clay whose error no law takes off counts as ordinary. In soft clay the factor is small, and
@@ -26,6 +26,9 @@ WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Extents of the window over those of `default_extents`, and speed over that of shear waves in
 stiff clay, by accuracy."""
+GREATEST_INERTIA = {"quick": LARGEST_INERTIA, "fine": 0.2}
+"""rho V^2 / su up to which that speed is taken: the greatest whose effect is known; in fine tests its
+uncertainty stays a third of that of the limit of fine cells."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
 """Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
 the lower it is."""
@@ -181,13 +184,14 @@ class ConeTestByDefault(ConeTest):
         """Speed over that of shear waves by default: in soft clay of the inertia in stiff clay.
 
         In other clay no law of the error takes the effect of inertia off, so it is slower. So are
-        quick tests, which would gain little, and fine ones, whose uncertainty is small. In very
-        stiff clay quick tests have the greatest inertia whose effect is known.
+        quick tests, which would gain little, and fine ones, whose uncertainty is small. In stiff
+        clay both are slower, by the inertia.
         """
         ratio = SPEED_RATIO[self.accuracy]
         if not self._is_plain_tresca:
             return ratio
         if self.accuracy != "standard":
-            return min(ratio, math.sqrt((1.0 - ROUNDING) * LARGEST_INERTIA / self.rigidity_index))
+            greatest = (1.0 - ROUNDING) * GREATEST_INERTIA[self.accuracy]
+            return min(ratio, math.sqrt(greatest / self.rigidity_index))
         of_same_inertia = ratio * math.sqrt(STIFF / self.rigidity_index)
         return max(ratio, min(of_same_inertia, SOFT_SPEED_RATIO))

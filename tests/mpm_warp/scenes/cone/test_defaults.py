@@ -1,5 +1,6 @@
 """What the method of a cone test is by default: cheaper where laws take its error off."""
 
+import dataclasses
 import math
 from typing import Any
 
@@ -35,7 +36,8 @@ SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
         (100.0, {}, "relative_cell_size", math.sqrt(3.0) / 5.0),
         (300.0, {}, "relative_cell_size", math.sqrt(3.0) / 5.0),
         (301.0, {}, "relative_cell_size", math.sqrt(3.0) / 4.0),
-        (301.0, {"accuracy": "fine"}, "relative_cell_size", math.sqrt(3.0) / 10.0),
+        (301.0, {"accuracy": "fine"}, "relative_cell_size", math.sqrt(3.0) / 8.0),
+        (500.0, {"accuracy": "fine"}, "speed_ratio", 0.02),
         (301.0, {"uncertainty": "measured"}, "relative_cell_size", math.sqrt(3.0) / 5.0),
         (64.0, SOFTENING, "relative_cell_size", math.sqrt(3.0) / 5.0),
         (99.0, {}, "poissons_ratio_bound", 0.475),
