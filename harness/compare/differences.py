@@ -7,7 +7,7 @@ random cases of `studies/held_out_default.csv` the errors have a mean of -0.01 a
 deviation of 0.04, so that two of them have a correlation of 0.01.
 Parts are therefore added as squares, which is too much rather than too little wherever errors of
 two cases have the same sign, as that of the limit of fine meshes. Of the 276 differences of these
-cases and as many ratios all but one are within it and that of the fine ones.
+cases and as many ratios all are within it and that of the fine ones.
 """
 
 import itertools

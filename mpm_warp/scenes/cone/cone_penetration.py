@@ -51,7 +51,7 @@ CELLS_AT_SPEED = 1.8
 MANY_ROWS, SPEED_OF_MANY_ROWS, STEP_OF_MANY_ROWS = 550, 0.08, 0.125
 """Rows of the grid beyond which waves have the way to grow (`mpm_warp.step.momentum`); and what
 keeps them from it, a speed over that of shear waves, or a way of such waves in a step over the
-height of a row. Of 5 cases in 663 rows two lost a fifth of their work and more, of 6 in more all; in
+height of a row. Of 5 cases in 663 rows two lost over a fifth of their work, of 6 in more all; in
 465 none did."""
 
 

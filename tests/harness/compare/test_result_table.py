@@ -137,7 +137,7 @@ def test_half_widths_are_those_of_samples() -> None:
         assert found[1] == pytest.approx(2.0 * samples.std(), rel=0.02)
 
 
-def test_differences_and_ratios_of_random_cases_are_inside_but_for_one() -> None:
+def test_differences_and_ratios_of_random_cases_are_inside() -> None:
     default, held_out = (
         np.genfromtxt(studies_folder() / f"{name}.csv", delimiter=",", names=True)
         for name in ("held_out_default", "held_out")
@@ -153,7 +153,7 @@ def test_differences_and_ratios_of_random_cases_are_inside_but_for_one() -> None
             of_tests, of_fine = compared(known[i], known[j]), compared(fine[i], fine[j])
             found.append(abs(of_tests[0] - of_fine[0]) / math.hypot(of_tests[1], of_fine[1]))
     assert len(pairs) == 276
-    assert np.count_nonzero(np.array(found) > 1.0) == 1  # as the module says
+    assert max(found) <= 1.0  # as the module says
     errors = held_out["cone_factor"] - default["cone_factor"]
     # Of two cases: their mean square in common over the whole mean square.
     assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.01, abs=0.0051)

@@ -172,6 +172,18 @@ def test_a_fine_window_of_twice_the_extents_has_the_same_factor(case: tuple[int,
     assert abs(own - in_twice) <= math.hypot(*of_window, noise, noise)
 
 
+def test_in_soft_clay_the_window_leaves_less_open() -> None:
+    """Nothing changes from Ir 50 on, where it is as large over the plastic zone as at Ir 100."""
+    soft, edge, stiff = (
+        float(
+            known_error(dataclasses.replace(TEST, rigidity_index=it)).cone_factor_uncertainty_domain
+        )
+        for it in (25.0, 50.0, 100.0)
+    )
+    assert soft == pytest.approx(0.5 * edge)
+    assert edge == stiff
+
+
 @pytest.mark.parametrize("case", GROWN)
 def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, float, float]) -> None:
     growths = (0.14, 0.2, 0.3, 0.4)
