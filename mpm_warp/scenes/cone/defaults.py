@@ -27,8 +27,8 @@ SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Extents of the window over those of `default_extents`, and speed over that of shear waves in
 stiff clay, by accuracy."""
 GREATEST_INERTIA = {"quick": LARGEST_INERTIA, "fine": 0.2}
-"""rho V^2 / su up to which that speed is taken: the greatest whose effect is known; in fine tests one
-that leaves 0.01 open."""
+"""rho V^2 / su up to which that speed is taken: the greatest whose effect is known; fine tests:
+one that leaves 0.01 open."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
 """Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
 the lower it is."""
