@@ -159,7 +159,7 @@ class ConeTest(FittedToCone, FieldClayScene):
         None,
         "greatest penetration over cone radius (default: approach + 10, more below Ir 100)",
         minimum=1,
-        maximum=700,
+        maximum=1000,
     )
     approach: float = parameter(
         None,

@@ -44,7 +44,7 @@ MISTAKES = {
     "run mesh_size --set Nc=10": "unknown parameter 'Nc'; it is a result, not a parameter",
     "run mesh_size --set undrained_shear_strength=35kPa": "give the number alone, in the unit of "
     "the parameter instead of kPa",
-    "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 700; it is the greatest "
+    "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 1000; it is the greatest "
     "penetration over cone radius",
     "run mesh_size --set adhesion_factor=[0, 1]": "the shell has cut the value at a blank; put "
     "quotes around it: --set 'adhesion_factor=[0, 1]'",
