@@ -25,7 +25,7 @@ import xarray as xr
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
-from mpm_warp.parameters import parameter, redefined
+from mpm_warp.parameters import parameter
 from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow
@@ -72,11 +72,6 @@ class CyclicPenetration(FullFlowPenetrometer):
 
     # Remoulded clay is weak: half the speed has a quarter of the inertia.
     relative_speed = 0.15
-    speed_ratio: float = redefined(
-        FullFlowPenetrometer,
-        "speed_ratio",
-        meaning="penetration speed over shear wave speed (default: 0.15 / sqrt(Ir))",
-    )
     cycle_count: int = parameter(
         5, "number of cycles, each a penetration and an extraction", minimum=1, maximum=200
     )

@@ -73,7 +73,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
         if self.inertia <= GREATEST_INERTIA or self.cells_per_radius >= CELLS_AT_SPEED:
             return ""
-        return f"{self.thrown_off(GREATEST_INERTIA)}, or {CELLS_AT_SPEED} cells_per_radius or more"
+        return f"{self.thrown_off(GREATEST_INERTIA)}, and {CELLS_AT_SPEED} cells_per_radius or more"
 
     @property
     def window(self) -> Window:

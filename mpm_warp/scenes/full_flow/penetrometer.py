@@ -133,7 +133,8 @@ class FullFlowPenetrometer(FieldClayScene):
     poissons_ratio: float = redefined(FieldClayScene, "poissons_ratio", minimum=0.4)
     speed_ratio: float = parameter(
         None,
-        "penetration speed over shear wave speed (default: 0.3 / sqrt(Ir))",
+        "penetration speed over shear wave speed (default: 0.3 / sqrt(Ir), 0.15 / sqrt(Ir) in "
+        "cyclic tests)",
         minimum=1e-4,
         maximum=0.1,
     )

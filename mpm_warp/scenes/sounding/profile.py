@@ -24,10 +24,15 @@ from mpm_warp.scenes.sounding.table import (
     refused,
     text_of,
 )
-from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH
+from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH, WITHIN_OF_GREAT
 
 ROUNDED = 1e-9
 """Relative difference of two rows that is none."""
+LEAST_OF_RAMP, STEEP, GREAT = 0.3, 0.2, 0.76
+"""Change from one row to the next over the greater value: above which, and above which over a
+radius, it is felt as a border is; and of strength, above which it is felt farther away."""
+TINY = 1e-300
+"""In place of a value of 0, to divide by."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
 
@@ -183,15 +188,25 @@ class Profile:
         return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
 
     def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
-        """Whether the resistance feels a jump of the ground, at depths over a radius [m], [n]."""
+        """Whether the resistance feels a border of the ground, at depths over a radius [m], [n].
+
+        That is a jump, or where much of the ground changes within a few radii.
+        """
+        top, bottom = self.depth[:-1] / radius, self.depth[1:] / radius
+        columns = self._columns | {"strength": self.strength}
+        changes = {
+            name: np.abs(np.diff(it)) / np.maximum(np.abs([it[:-1], it[1:]]).max(axis=0), TINY)
+            for name, it in columns.items()
+            if name != "depth"
+        }
+        change = np.max(list(changes.values()), axis=0)
+        is_jump = (top == bottom) & (change > ROUNDED)
+        is_ramp = (change > LEAST_OF_RAMP) & (change > STEEP * (bottom - top))
         near = np.zeros(len(way), dtype=bool)
-        before, behind = WITHIN_HALF_WIDTH
-        for row in np.flatnonzero(np.diff(self.depth) == 0.0):
-            pairs = [values[row : row + 2] for values in self._columns.values()]
-            if all(math.isclose(*pair, rel_tol=ROUNDED) for pair in pairs):
-                continue
-            distance = way - self.depth[row] / radius
-            near |= (distance > -before) & (distance < behind)
+        for row in np.flatnonzero(is_jump | is_ramp):
+            is_great = changes["strength"][row] > GREAT
+            before, behind = WITHIN_OF_GREAT if is_great else WITHIN_HALF_WIDTH
+            near |= (way > top[row] - before) & (way < bottom[row] + behind)
         return near
 
     def strength_at(self, depth: Floats) -> Floats:

@@ -17,6 +17,7 @@ from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.defaults import INCOMPRESSIBLE
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
@@ -101,6 +102,8 @@ class Sounding(SoundingTest):
             "approach": 0.0,
             "steady_tolerance": 0.0,
             "uncertainty": "known",
+            # Samples are corrected for no bound of Poisson's ratio.
+            "poissons_ratio_bound": INCOMPRESSIBLE,
             "speed_ratio": self.speed_ratio * math.sqrt(ground.shear_modulus.min() / shear_modulus),
         }
         if self.starts_at_surface:

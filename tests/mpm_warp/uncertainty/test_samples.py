@@ -103,6 +103,33 @@ def test_near_borders_nothing_is_known_and_the_depths_are_told(index: float) -> 
     assert error.reason.count(" to ") == 2
 
 
+@pytest.mark.parametrize(
+    ("upper", "lower", "thickness", "before", "behind"),
+    [
+        (80.0, 30.0, 0.02, 10.0, 16.0),
+        (80.0, 15.0, 0.02, 20.0, 40.0),  # a change by more than a factor of four
+        (80.0, 60.0, 0.02, 0.0, 0.0),  # little, as rows of a measured profile differ
+        (80.0, 30.0, 0.2, 0.0, 0.0),  # over eleven radii
+    ],
+)
+def test_what_changes_within_a_few_radii_is_a_border(
+    upper: float, lower: float, thickness: float, before: float, behind: float
+) -> None:
+    head = "depth [m], strength [kPa], rigidity_index [1]"
+    rows = f"0, {upper}, 100; 8, {upper}, 100; {8 + thickness}, {lower}, 100"
+    sounding = Sounding(profile=f"{head}; {rows}", from_depth=5.0)
+    way = np.arange(-50.25, 50.0)
+    ramp = thickness / sounding.cone_radius
+    near = sounding.ground.near_border(8.0 / sounding.cone_radius + way, sounding.cone_radius)
+    np.testing.assert_array_equal(near, (way > -before) & (way < behind + ramp) & (behind > 0.0))
+
+
+@pytest.mark.parametrize("index", [12.0, 24.0, 80.0])
+def test_a_sounding_simulates_the_poissons_ratio_that_it_is_corrected_for(index: float) -> None:
+    sounding = Sounding(rigidity_index=index, poissons_ratio=0.4999)
+    assert sounding._test.bounded == 0.0
+
+
 def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None:
     """K0 0.6, 16 kN/m3, water to the surface: Delta is 0.5 at 2.2 m, and 0.75 at 20 m."""
     depth = np.linspace(0.0, 25.0, 101)
