@@ -102,7 +102,7 @@ def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     ]
     sizes = np.array([cell_size(it["cells_per_radius"]) for it in cases])
     corrected = [it["cone_factor_simulated"] - mesh_error_of(it) for it in cases]
-    of_limit = np.interp([it["rigidity_index"] for it in cases], *LIMIT)
+    of_limit = np.interp(np.log([it["rigidity_index"] for it in cases]), np.log(LIMIT[0]), LIMIT[1])
     limits, *_ = limits_by_meshes(power, cases)
     inside = np.abs(corrected - limits) <= np.hypot(of_limit, MESH * sizes)
     assert inside.mean() >= CONFIDENCE
@@ -147,7 +147,7 @@ def test_the_law_of_the_mesh_holds_between_the_clays_that_it_was_fitted_to() -> 
             for size in sizes
         ]
         limits = np.array(list(readings.values())) - errors
-        of_limit = float(np.interp(index, *LIMIT))
+        of_limit = float(np.interp(math.log(index), np.log(LIMIT[0]), LIMIT[1]))
         noise = NOISE * np.hypot(sizes, sizes[-1])
         left = np.hypot(np.hypot(MESH * (sizes - sizes[-1]), noise), of_limit)
         assert np.all(np.abs(limits - limits[-1]) <= left)

@@ -186,8 +186,9 @@ class ConeTest(FittedToCone, FieldClayScene):
     speed_ratio: float = parameter(
         None,
         "penetration speed V over shear wave speed, rho V^2 at most 50 su (default: 0.03, 0.045 "
-        "where accuracy is quick, less above Ir 1481; in perfectly plastic Tresca clay, accuracy "
-        "standard, 0.3 / sqrt(Ir) below Ir 100, at most 0.05)",
+        "where accuracy is quick, less above Ir 1481, where it is fine less above Ir 222; in "
+        "perfectly plastic Tresca clay, accuracy standard, 0.3 / sqrt(Ir) below Ir 100, at most "
+        "0.05)",
         minimum=1e-4,
         maximum=0.5,
         sane=(1e-4, 0.1),
@@ -195,7 +196,7 @@ class ConeTest(FittedToCone, FieldClayScene):
     accuracy: str = parameter(
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
-        "window by 1.3, takes some ten times as long, and has three quarters of the uncertainty; "
+        "window by 1.3, takes some ten times as long, and has two thirds of the uncertainty; "
         "quick takes a fifth to a tenth of the time, and has up to twice the uncertainty",
         choices=("quick", "standard", "fine"),
     )
@@ -204,7 +205,7 @@ class ConeTest(FittedToCone, FieldClayScene):
         "cells per cone radius at the cone, about: they are square, and a whole number of "
         "them makes up its height (default: 3; 6 where accuracy is fine, 1.75 where it is quick; "
         "where laws of the error take its effect off, below Ir 100 3.46 and, quick, 2.31, and "
-        "above Ir 300 2.31)",
+        "above Ir 300 2.31 and, fine, 4.62)",
         minimum=1,
         maximum=100,
     )
