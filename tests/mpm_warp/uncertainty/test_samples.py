@@ -107,7 +107,7 @@ def test_near_borders_nothing_is_known_and_the_depths_are_told(index: float) -> 
     ("upper", "lower", "thickness", "before", "behind"),
     [
         (80.0, 30.0, 0.02, 10.0, 16.0),
-        (80.0, 15.0, 0.02, 20.0, 40.0),  # a change by more than a factor of four
+        (80.0, 15.0, 0.02, 16.0, 30.0),  # a change by more than a factor of four
         (80.0, 60.0, 0.02, 0.0, 0.0),  # little, as rows of a measured profile differ
         (80.0, 30.0, 0.2, 0.0, 0.0),  # over eleven radii
     ],
