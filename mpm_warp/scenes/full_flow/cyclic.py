@@ -101,7 +101,8 @@ class CyclicPenetration(FullFlowPenetrometer):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
-        return "" if self.inertia <= GREATEST_INERTIA else self.thrown_off(GREATEST_INERTIA)
+        is_fast = self.inertia > GREATEST_INERTIA
+        return self.thrown_off(GREATEST_INERTIA) if is_fast else self.brittle
 
     @property
     def loads_solvers(self) -> bool:

@@ -45,6 +45,9 @@ From upper bounds of Einav & Randolph 2005, and usual since (Zhou & Randolph 200
 """
 SANE_INERTIA, GREATEST_INERTIA = 1.0, 5.0
 """rho V^2 over the strength that is left up to which most cases complete, above which few do."""
+BRITTLE_STRENGTH, BRITTLE_STRAIN = 0.15, 5.0
+"""Remoulded strength ratio and ductility below both of which 3 of 20 random balls complete, else 37
+of 62: soil shears in layers thinner than cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,6 +190,16 @@ class FullFlowPenetrometer(FieldClayScene):
     def inertia(self) -> float:
         """Inertia of the soil over the strength that is left, rho V^2 over it."""
         return self.rigidity_index * self.speed_ratio**2 / self.strength_left
+
+    @property
+    def brittle(self) -> str:
+        """Why it is likely to fail in clay that loses its strength in little strain; or ""."""
+        if self.remoulded_strength_ratio >= BRITTLE_STRENGTH or self.ductility >= BRITTLE_STRAIN:
+            return ""
+        return (
+            "the clay is brittle, and shears in layers thinner than the cells; try a ductility of "
+            f"{BRITTLE_STRAIN:g} or more, or remoulded_strength_ratio = {BRITTLE_STRENGTH:g}"
+        )
 
     def thrown_off(self, limit: float) -> str:
         """Why a body is too fast beyond a limit of its inertia, and the speed to take instead."""

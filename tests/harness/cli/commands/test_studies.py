@@ -129,6 +129,10 @@ SANE = "nearly all cases complete from 0.0001 to 0.1"
 LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
 OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
 CELLS = "cells_per_radius or more"
+BRITTLE = (
+    "the clay is brittle, and shears in layers thinner than the cells; try a ductility of 5 or "
+    "more, or remoulded_strength_ratio = 0.15"
+)
 LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soil is "
 
 
@@ -155,10 +159,15 @@ LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soi
         (
             "ball_penetration",
             "cells_per_radius=3 rigidity_index=625 speed_ratio=[0.01,0.1]",
-            [f"{LIKELY}0.1: {LEFT}thrown off; try speed_ratio = 0.04 or less, or 4 {CELLS}"],
+            [f"{LIKELY}0.1: {LEFT}thrown off; try speed_ratio = 0.04 or less, and 4 {CELLS}"],
+        ),
+        (
+            "t_bar_penetration",
+            "remoulded_strength_ratio=0.1 ductility=[4,6]",
+            [f"{LIKELY.replace('speed_ratio', 'ductility')}4.0: {BRITTLE}"],
         ),
     ],
-    ids=["sane", "beyond", "likely to fail", "of remoulded clay", "sounding", "ball"],
+    ids=["sane", "beyond", "likely to fail", "of remoulded clay", "sounding", "ball", "brittle"],
 )
 def test_a_value_that_fewer_cases_complete_with_is_told(
     scene: str, settings: str, lines: list[str], command: Command
