@@ -61,16 +61,16 @@ def limits_by_meshes(
 ) -> tuple[Floats, Floats, Floats]:
     """Least squares over some cases, by N0 + B h + Q h^power + C g^1.5 h^1.3.
 
-    B is by rigidity index, Q of rough cones too, that of smooth ones is one; both go from smooth to
-    rough with the square of the adhesion factor.
+    B is by rigidity index, Q of rough cones too, that of smooth ones is one but in the softest clay;
+    both go from smooth to rough with the square of the adhesion factor.
 
     Returns:
         the limit N0 of each case; B and Q of smooth and rough cones, shape [2, n].
     """
     clays = sorted({(it["rigidity_index"], it["adhesion_factor"]) for it in cases})
     count = len(RIGIDITY_INDICES)
-    unknowns = np.arange(len(clays) + 3 * count + 1)
-    limit, slope, curvature = np.split(unknowns, [-3 * count - 1, -count - 1])
+    unknowns = np.arange(len(clays) + 3 * count + 2)
+    limit, slope, curvature = np.split(unknowns, [-3 * count - 2, -count - 2])
     system = np.zeros((len(cases), len(unknowns)))
     factors = np.zeros(len(cases))
     limit_of = [clays.index((it["rigidity_index"], it["adhesion_factor"])) for it in cases]
@@ -80,12 +80,13 @@ def limits_by_meshes(
         share = np.array([1.0 - rough, rough])
         system[row, limit[clay]] = 1.0
         system[row, slope[[index, index + count]]] = share * size
-        system[row, curvature[[0, index + 1]]] = share * size**power
+        system[row, curvature[[min(index, 1), index + 2]]] = share * size**power
         of_growth = GROWTH_ERROR * growth_measure(size, GROWTH_OF_MESHES)
         factors[row] = it["cone_factor_simulated"] - of_growth
     found = np.asarray(np.linalg.lstsq(system, factors, rcond=None)[0], dtype=np.float64)
-    smooth, *rough_ones = found[curvature]
-    return found[limit_of], found[slope].reshape(2, count), np.stack([[smooth] * count, rough_ones])
+    softest, smooth, *rough_ones = found[curvature]
+    smooth_ones = [softest, *[smooth] * (count - 1)]
+    return found[limit_of], found[slope].reshape(2, count), np.stack([smooth_ones, rough_ones])
 
 
 def test_the_law_of_the_mesh_is_that_of_the_meshes_measured() -> None:
