@@ -61,8 +61,8 @@ def limits_by_meshes(
 ) -> tuple[Floats, Floats, Floats]:
     """Least squares over some cases, by N0 + B h + Q h^power + C g^1.5 h^1.3.
 
-    B is by rigidity index, Q of rough cones too, that of smooth ones is one but in the softest clay;
-    both go from smooth to rough with the square of the adhesion factor.
+    B is by rigidity index, Q of rough cones too, that of smooth ones is one but in the softest
+    clay; both go from smooth to rough with the square of the adhesion factor.
 
     Returns:
         the limit N0 of each case; B and Q of smooth and rough cones, shape [2, n].

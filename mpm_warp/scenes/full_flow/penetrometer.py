@@ -194,7 +194,8 @@ class FullFlowPenetrometer(FieldClayScene):
     @property
     def brittle(self) -> str:
         """Why it is likely to fail in clay that loses its strength in little strain; or ""."""
-        if self.remoulded_strength_ratio >= BRITTLE_STRENGTH or self.ductility >= BRITTLE_STRAIN:
+        strain = math.inf if self.ductility is None else self.ductility
+        if self.remoulded_strength_ratio >= BRITTLE_STRENGTH or strain >= BRITTLE_STRAIN:
             return ""
         return (
             "the clay is brittle, and shears in layers thinner than the cells; try a ductility of "
