@@ -112,7 +112,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     reason[in_layer < 0] = REASONS.index("no layer")
     for number, layer in enumerate(site.layers):
         if "adhesion_factor" not in layer.inputs:  # the sleeve is to tell it
-            lacking = np.isnan(test.sleeve_friction.values) & (reason == 0)
+            lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
             reason[lacking & (in_layer == number)] = REASONS.index("value missing")
         here = np.flatnonzero((in_layer == number) & (reason == 0))
         if not len(here):

@@ -101,8 +101,11 @@ def test_what_may_be_sand_by_the_tip_alone_has_no_strength(folder: Path, frictio
     assert found.soil_index[ROW:].isnull().all()
 
 
-def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_be_there(folder: Path) -> None:
-    rewritten(folder, "fs", "", slice(ROW, ROW + 1))
+@pytest.mark.parametrize("friction", ["0", "-1", ""])
+def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_tell_something(
+    folder: Path, friction: str
+) -> None:
+    rewritten(folder, "fs", friction, slice(ROW, ROW + 1))
     path = changed(folder, ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"'))
     found = interpret(load_site(path))
     assert reasons(found)[ROW - 1 : ROW + 2] == ["used", "value missing", "used"]
