@@ -36,13 +36,13 @@ def by_ngl_tools(depth: Floats, net: Floats) -> Floats:
 
 METHODS: dict[str, Callable[[Floats, Floats], Floats]] = {
     "as measured": lambda depth, net: net,
-    "sharpened": lambda depth, net: sharpened(depth, net, [BORDER], RADIUS),
+    "sharpened": lambda depth, net: sharpened(depth, net, [BORDER], RADIUS)[0],
     "border told 5 R too high": lambda depth, net: sharpened(
         depth, net, [BORDER - DISPLACED * RADIUS], RADIUS
-    ),
+    )[0],
     "border told 5 R too low": lambda depth, net: sharpened(
         depth, net, [BORDER + DISPLACED * RADIUS], RADIUS
-    ),
+    )[0],
     "ngl_tools": by_ngl_tools,
 }
 

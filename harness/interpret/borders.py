@@ -72,41 +72,51 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
     return near
 
 
-def without_borders(test: xr.Dataset, borders: Sequence[float], radius: float) -> xr.Dataset:
+def without_borders(
+    test: xr.Dataset, borders: Sequence[float], radius: float
+) -> tuple[xr.Dataset, list[float]]:
     """A test in which each depth has the resistance of its own layer, with the error of that.
 
-    Sleeve friction and pore pressure stay; the others are as for `near_border`.
+    Beside it where each border lies. Sleeve friction and pore pressure stay; the others are as for
+    `near_border`.
     """
     measured = test.net_resistance.values
-    net = sharpened(test.depth.values, measured, borders, radius)
+    net, placed = sharpened(test.depth.values, measured, borders, radius)
     effect = net - measured
-    return test.assign(
+    changed = test.assign(
         net_resistance=("depth", net),
         total_resistance=test.total_resistance + effect,
         total_resistance_error=np.hypot(test.total_resistance_error, LEFT * effect),
     )
+    return changed, placed
 
 
-def sharpened(depth: Floats, net: Floats, borders: Sequence[float], radius: float) -> Floats:
+def sharpened(
+    depth: Floats, net: Floats, borders: Sequence[float], radius: float
+) -> tuple[Floats, list[float]]:
     """Resistance that the soil at each depth would have if it went on without end [Pa], [n].
 
-    Arguments as for `near_border`. Where `net` is not a number or not positive it stays.
+    Beside it where each border lies by the resistance [m]. Arguments as for `near_border`. Where
+    `net` is not a number or not positive it stays.
     """
     there = net > 0.0
     way, logarithm = depth[there] / radius, np.log(net[there])
     ends = way[LEAST_ROWS - 1 : -LEAST_ROWS]  # a border has rows of both its layers
-    inside = [
-        it / radius
-        for it in borders
+    known = [
+        number
+        for number, it in enumerate(borders)
         if ((ends[:1] < it / radius) & (ends[-1:] > it / radius)).any()
     ]
-    if not inside:
-        return net
-    for number, border in enumerate(inside):
-        inside[number] = _place(way, logarithm, inside, border)
-    sharp = net.copy()
+    sharp, placed = net.copy(), list(borders)
+    if not known:
+        return sharp, placed
+    inside = [borders[number] / radius for number in known]
+    for place, number in enumerate(known):
+        told = inside[place]
+        inside[place] = _place(way, logarithm, inside, told)
+        placed[number] += radius * (inside[place] - told)
     sharp[there] *= np.exp(_own_over_mean(way, logarithm, inside)[0])
-    return sharp
+    return sharp, placed
 
 
 def _place(way: Floats, logarithm: Floats, borders: Sequence[float], border: float) -> float:

@@ -32,6 +32,7 @@ FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
 LEAST_SHARE_ABOVE = 0.5
 """Share of a test with qt above sigma_v0 below which its unit is asked for."""
 USED, NO_INDEX = "used", "no fs and it may be sand"
+OTHER_LAYER = "between border told and found"
 REASONS = (
     USED,
     "pre-drilled",
@@ -42,6 +43,7 @@ REASONS = (
     "Delta beyond the table",
     "qnet not above 0",
     NO_INDEX,
+    OTHER_LAYER,
 )
 """Why a depth has no strength, by number; the first has one."""
 

@@ -32,7 +32,7 @@ from harness.interpret.factors import (
     at_table_rate,
     factors,
 )
-from harness.interpret.measured import REASONS, error_of, measured, median
+from harness.interpret.measured import OTHER_LAYER, REASONS, error_of, measured, median
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
@@ -101,8 +101,8 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     test = measured(site.test)
-    depth, layering = test.depth.values, (site.borders, site.test.cone_radius)
-    used = without_borders(test, *layering) if sharpen else test
+    depth, borders, radius = test.depth.values, site.borders, site.test.cone_radius
+    used, placed = without_borders(test, borders, radius) if sharpen else (test, borders)
     names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
     causes = [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
     found = without_strength(site, test, causes)
@@ -110,6 +110,12 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
     in_layer = site.layer_at(depth)
     reason[in_layer < 0] = REASONS.index("no layer")
+    notes = [found.attrs["notes"]] if found.attrs["notes"] else []
+    for said, lies in zip(borders, placed, strict=True):
+        between = (depth >= min(said, lies)) & (depth < max(said, lies))
+        if between.any():
+            reason[between & (reason == 0)] = REASONS.index(OTHER_LAYER)
+            notes.append(f"border told at {said:.2f} m, found at {lies:.2f} m")
     for number, layer in enumerate(site.layers):
         if "adhesion_factor" not in layer.inputs:  # the sleeve is to tell it
             lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
@@ -136,13 +142,13 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
-    near = near_border(depth, test.net_resistance.values, *layering)
+    near = near_border(depth, test.net_resistance.values, placed, radius)
     meaning = "1 where the resistance feels another layer"
     own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
     if sharpen:
         told = "net resistance without the effect of borders"
         own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
-    return found.assign(labelled(dims=("depth",), **own))
+    return found.assign(labelled(dims=("depth",), **own)).assign_attrs(notes="; ".join(notes))
 
 
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:

@@ -16,12 +16,13 @@ from harness.interpret.borders import (
     share_below,
     sharpened,
 )
+from harness.interpret.measured import REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.harness.conftest import Command
-from tests.harness.interpret.conftest import FACTOR, LAYER, SITE, measured_rows
+from tests.harness.interpret.conftest import FACTOR, LAYER, SITE, changed, measured_rows
 
 RADIUS = 0.01785
 BORDER = 5.0
@@ -53,8 +54,9 @@ def test_strength_is_told_exactly_where_only_it_changes(ratio: float, told: floa
     """Uniform layers have no curvature and no jump of Nkt: the least squares are 0, their rounding
     is that of 1e-16 times the condition of the normal equations, below 1e9."""
     net, own = felt(ratio, 1.0)
-    found = sharpened(DEPTH, net, [BORDER + told * RADIUS], RADIUS)
+    found, placed = sharpened(DEPTH, net, [BORDER + told * RADIUS], RADIUS)
     np.testing.assert_allclose(found, own, rtol=1e-6)
+    np.testing.assert_allclose(placed, BORDER, rtol=1e-12)
 
 
 @pytest.mark.parametrize("factor_ratio", [0.75, 4 / 3])
@@ -62,7 +64,7 @@ def test_stiffness_acts_from_farther_away(factor_ratio: float) -> None:
     """At least half of what a change of Nkt does is taken away: its place and size compete."""
     net, own = felt(1.0, factor_ratio)
     near = np.abs(WAY) < 15.0
-    both = net, sharpened(DEPTH, net, [BORDER], RADIUS)
+    both = net, sharpened(DEPTH, net, [BORDER], RADIUS)[0]
     before, after = (np.abs(np.log(it / own))[near].mean() for it in both)
     assert after < 0.5 * before
 
@@ -70,8 +72,10 @@ def test_stiffness_acts_from_farther_away(factor_ratio: float) -> None:
 def test_uniform_ground_and_what_is_missing_stay() -> None:
     net = np.full_like(DEPTH, NET["above"])
     net[[0, 50, -1]] = np.nan
-    np.testing.assert_allclose(sharpened(DEPTH, net, [BORDER], RADIUS), net, rtol=1e-12)
-    np.testing.assert_array_equal(sharpened(DEPTH, net, [2.0, 8.0], RADIUS), net)
+    np.testing.assert_allclose(sharpened(DEPTH, net, [BORDER], RADIUS)[0], net, rtol=1e-12)
+    sharp, placed = sharpened(DEPTH, net, [2.0, 8.0], RADIUS)
+    np.testing.assert_array_equal(sharp, net)
+    assert placed == [2.0, 8.0]
 
 
 @pytest.mark.parametrize(("ratio", "before", "behind"), [(2.0, 3.0, 9.0), (0.5, 7.0, 4.0)])
@@ -102,7 +106,7 @@ def test_the_effect_of_a_simulated_border_is_halved_at_least(ratio: float) -> No
     way, net = found.depth.values - 56.0, found.net_resistance.values
     own = np.where(way < 0.0, 1.0, ratio) * net[:100].mean()
     near = np.abs(way) < 15.0
-    both = net, sharpened(found.depth.values, net, [56.0], 1.0)
+    both = net, sharpened(found.depth.values, net, [56.0], 1.0)[0]
     before, after = (np.abs(it / own - 1.0)[near].mean() for it in both)
     assert after < 0.5 * before
 
@@ -140,6 +144,31 @@ def test_a_site_of_two_layers_is_sharpened(folder: Path) -> None:
     low, middle, high = sharp.strength.values[widest]
     assert (high - low) / 2.0 / middle > half * 1.645 / 1.96
     assert 0 < int(sharp.near_border.sum()) == int(blurred.near_border.sum())
+
+
+@pytest.mark.parametrize("shift", [-5.5, 5.5])
+def test_between_the_border_told_and_the_one_found_there_is_no_strength(
+    folder: Path, shift: float
+) -> None:
+    """There the layer whose inputs hold by the site file is not that of the resistance."""
+    told = BORDER + shift * RADIUS
+    path = changed(folder, ("to = 5.0", f"to = {told}"), ("from = 5.0", f"from = {told}"))
+    site = load_site(path)
+    found, as_told = interpret(site, sharpen=True), interpret(site)
+    off = np.abs(DEPTH - BORDER) > 0.005  # that row is just above or just below what is found
+    between = (np.sign(DEPTH - told) != np.sign(DEPTH - BORDER)) & off
+    left = found.reason.values == REASONS.index("between border told and found")
+    assert between.any()
+    np.testing.assert_array_equal(left[off], between[off])
+    for name in ("strength", "ground_strength"):  # the second is what --check simulates
+        assert np.isnan(found[name].values[left]).all()
+    own = np.where(DEPTH < BORDER, 20e3, 40e3)
+    used = (found.reason.values == 0) & off
+    middle = found.strength.sel(percentile=50.0).values
+    np.testing.assert_allclose(middle[used], own[used], rtol=5e-4)
+    assert f"border told at {told:.2f} m, found at 5.00 m" in found.attrs["notes"]
+    assert not as_told.attrs["notes"]
+    assert (as_told.reason.values[between] == 0).all()
 
 
 def test_a_table_has_the_resistance_that_its_strength_is_by(folder: Path, command: Command) -> None:
