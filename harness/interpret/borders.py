@@ -72,6 +72,14 @@ def near_border(depth: Floats, net: Floats, borders: Sequence[float], radius: fl
     return near
 
 
+def edges_of_runs(depth: Floats, inside: np.ndarray) -> list[float]:
+    """Depths of the first and last rows of each run of more than `LEAST_ROWS` rows inside."""
+    turns = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
+    long = turns[np.ptp(turns, axis=1) > LEAST_ROWS]
+    edges: list[float] = depth[long - [0, 1]].ravel().tolist()
+    return edges
+
+
 def without_borders(
     test: xr.Dataset, borders: Sequence[float], radius: float
 ) -> tuple[xr.Dataset, list[float]]:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.interpret.borders import near_border, without_borders
+from harness.interpret.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.factors import (
     PRESSURE,
     RANGES,
@@ -142,7 +142,8 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
-    near = near_border(depth, test.net_resistance.values, placed, radius)
+    sand = edges_of_runs(depth, reason == REASONS.index("not undrained clay"))
+    near = near_border(depth, test.net_resistance.values, [*placed, *sand], radius)
     meaning = "1 where the resistance feels another layer"
     own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
     if sharpen:

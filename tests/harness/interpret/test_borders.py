@@ -171,6 +171,22 @@ def test_between_the_border_told_and_the_one_found_there_is_no_strength(
     assert (as_told.reason.values[between] == 0).all()
 
 
+def test_clay_beside_sand_inside_a_layer_feels_another_layer(folder: Path) -> None:
+    """In rows 1.12 radii apart 2 of the 3 radii above it, and 3 of the 4 below; 3 rows are none."""
+    first, end = 30, 45
+    table = [line.split(",") for line in (folder / "test.csv").read_text().splitlines()]
+    for row in (*range(first, end), 60, 61, 62):
+        table[1 + row][1] = "10"
+    (folder / "test.csv").write_text("\n".join(map(",".join, table)))
+    found = interpret(load_site(folder / "site.toml"))
+    sand = REASONS.index("not undrained clay")
+    assert (found.reason[[*range(first, end), 60, 61, 62]] == sand).all()
+    felt = (found.near_border.values == 1) & (found.reason.values == 0) & (DEPTH < BORDER - 0.2)
+    np.testing.assert_array_equal(
+        np.flatnonzero(felt), [first - 2, first - 1, *range(end, end + 3)]
+    )
+
+
 def test_a_table_has_the_resistance_that_its_strength_is_by(folder: Path, command: Command) -> None:
     """su Nkt, both medians, is qnet, or qnet without borders where these are taken away."""
     for out, title, options in (
