@@ -3,16 +3,16 @@
 import argparse
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.atomic_files import prepare, write_csv
+from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.conventions import FORMAT_VERSION
-from harness.archive.netcdf_files import write_netcdf
+from harness.archive.netcdf_files import read_attributes, write_netcdf
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
@@ -20,7 +20,7 @@ from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
-from harness.pictures.drawing.plot_parts import image, write_own
+from harness.pictures.drawing.plot_parts import check_replaceable, image, not_own, write_own
 from harness.pictures.sounding import check_figure, interpretation_figure, soundings_figure
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
@@ -45,9 +45,11 @@ COLUMNS = {
 }
 """Columns of the table that is written, where they are there, beside those of percentiles and
 causes."""
+TABLE = ",".join([*COLUMNS][:9])
+"""Beginning of every such table, by which it is known as one of the harness."""
 LABORATORY = ("depth [m]", "strength [kPa]")
 """Columns of a file of strengths."""
-ENDING = "_interpretation"
+ENDING, CHECK_ENDING = "_interpretation", "_check"
 TOGETHER = "soundings"
 """Name of what is written of several tests together."""
 
@@ -68,18 +70,60 @@ def interpret_site(options: argparse.Namespace) -> int:
     for path, site in zip(options.site, sites, strict=True):
         found = interpret(site, sharpen=options.sharpen)
         tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
+    whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
+    tables, checks = (
+        {f"{options.out}/{site.name}{ending}": site.title for site in sites}
+        for ending in (ENDING, CHECK_ENDING)
+    )
+    _check_targets(tables, checks if options.check else {}, whole)
     prepare(options.out)
     for test in tests:
         _write(test, f"{options.out}/{test.site.name}{ENDING}")
-    whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
     together = soundings_figure([measured.found for measured in tests]) if len(names) > 1 else None
     if together is not None:
         _write_figure(together, whole)
     write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
     tell(f"no design value, and no strength of drained soil; a page of all: {whole}.html")
     for test in tests if options.check else ():
-        _check(test, options.check, f"{options.out}/{test.site.name}_check")
+        _check(test, options.check, f"{options.out}/{test.site.name}{CHECK_ENDING}")
     return DONE
+
+
+def _check_targets(tables: Mapping[str, str], checks: Mapping[str, str], whole: str) -> None:
+    """Refuse to replace files that are not of the harness; tell of those of another site.
+
+    Args:
+        tables: title of the site by what its dataset, table and pictures are called.
+        checks: likewise of the simulated soundings, which have no table.
+        whole: what the page, and the picture of several tests, are called.
+    """
+    for base in dict.fromkeys([*tables, *checks, whole]):
+        for form in ("png", "svg"):
+            check_replaceable(Path(f"{base}.{form}"))
+    check_replaceable(Path(f"{whole}.html"))
+    for base in tables:
+        check_replaceable(Path(f"{base}.csv"), TABLE)
+    others = {}
+    for base, title in {**tables, **checks}.items():
+        path = Path(f"{base}.nc")
+        if path.exists() and (before := _title_of(path)) != title:
+            others[path] = before
+    for path, before in others.items():
+        tell(
+            f'{path}: was of a site with another title, "{before}", and is replaced; '
+            "`--out FOLDER` keeps two of one name apart"
+        )
+
+
+def _title_of(path: Path) -> str:
+    """Title of the site that a dataset is of; any other file is refused."""
+    try:
+        said = read_attributes(path)
+    except ArchiveError:
+        said = {}
+    if "site" not in said:
+        raise not_own(path)
+    return str(said["title"])
 
 
 def _write(test: Interpreted, base: str) -> None:

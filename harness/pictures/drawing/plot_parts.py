@@ -28,8 +28,19 @@ class NotOwnFileError(HarnessError):
     """A file is in the way that the harness has not written; the message is one line."""
 
 
-def check_replaceable(path: Path) -> None:
-    """Refuse to write a file that is there already and was not written by the harness."""
+def not_own(path: Path) -> NotOwnFileError:
+    """The refusal to overwrite a file of another program."""
+    return NotOwnFileError(
+        f"{path}: was not written by this program, and is not overwritten; move it away, or "
+        "write to another place"
+    )
+
+
+def check_replaceable(path: Path, mark: str = MAKER) -> None:
+    """Refuse to write a file that is there already and was not written by the harness.
+
+    `mark` is a text that stands in every such file.
+    """
     if not path.exists() and not path.is_symlink():
         return
     if not path.is_file():
@@ -38,11 +49,8 @@ def check_replaceable(path: Path) -> None:
         content = file.read(SEARCHED)
         file.seek(max(0, path.stat().st_size - SEARCHED))
         content += file.read()
-    if MAKER.encode() not in content:
-        raise NotOwnFileError(
-            f"{path}: was not written by this program, and is not overwritten; move it away, or "
-            "write to another place"
-        )
+    if mark.encode() not in content:
+        raise not_own(path)
 
 
 def write_own(content: bytes, path: Path) -> None:

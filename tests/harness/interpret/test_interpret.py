@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from harness.archive.netcdf_files import write_netcdf
 from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import _in_table, error_shares, interpret
@@ -194,6 +196,34 @@ def test_a_site_is_interpreted_from_the_command_line(
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
     assert header.endswith(",share of together [1],reason")
     assert row.endswith(",no layer")
+
+
+def test_another_site_of_the_same_name_is_not_replaced_silently(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    monkeypatch.chdir(folder)
+    told = 'site_interpretation.nc: was of a site with another title, "A site", and is replaced'
+    for _ in range(2):
+        assert told not in command("interpret", "site.toml").err
+    changed(folder, ("A site", "Another site"))
+    assert told in command("interpret", "site.toml").err
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv", "png", "svg", "html", "a result"])
+def test_a_file_of_another_program_is_not_replaced(
+    ending: str, folder: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+) -> None:
+    """Nothing is written then, a table with the columns of a test and a result of a study too."""
+    monkeypatch.chdir(folder)
+    path = Path(f"results/site_interpretation.{'nc' if ending == 'a result' else ending}")
+    path.parent.mkdir()
+    path.write_text("depth [m],qc [kPa],fs [kPa],u2 [kPa]\n1,2,3,4\n")
+    if ending == "a result":
+        write_netcdf(xr.Dataset(attrs={"study": "site", "title": "A study"}), path)
+    before = path.read_bytes()
+    assert f"{path}: was not written by this program" in refusal(["interpret", "site.toml"])
+    assert path.read_bytes() == before
+    assert [*path.parent.iterdir()] == [path]
 
 
 def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
