@@ -43,7 +43,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
     Raises:
         HarnessError: no depth of the site has a strength.
     """
-    radius, depth = site.test.cone_radius, found.depth.values
+    radius, depth = found.attrs["cone_radius"], found.depth.values
     rows, soils, ways = [], [], []
     for number, layer in enumerate(site.layers):
         inside = (site.layer_at(depth) == number) & (found.reason.values == 0)

@@ -74,6 +74,8 @@ REBOUND = 0.05
 GAP = 0.25
 """Steps of depth above this, and above five usual ones, are told as gaps [m]."""
 MOST_ROWS = 20_000
+USUAL_AREA = 10.0
+"""Cross-section of a cone where neither file says it [cm2]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,12 +85,14 @@ class Columns:
     Attributes:
         values: by name, in SI units, shape [n]; not a number where a value is missing.
         area_ratio, pre_drilled: by the site file, or by the test's own.
+        cone_radius: likewise [m].
         notes: what a reader must know of the file, each a line.
     """
 
     values: dict[str, Floats]
     area_ratio: float
     pre_drilled: float
+    cone_radius: float
     notes: tuple[str, ...]
 
 
@@ -102,7 +106,7 @@ def read_columns(test: MeasuredTest) -> Columns:
     file = read_file(path, test.sounding)
     if len(file.rows) > MOST_ROWS:
         raise StudyError(f"{path}: has {len(file.rows)} rows; a test has at most {MOST_ROWS}")
-    area_ratio, pre_drilled, notes = _of_the_cone(test, file)
+    area_ratio, pre_drilled, cone_radius, notes = _of_the_cone(test, file)
     for number, cells in file.rows:
         if len(cells) > len(file.headings) and any(cells[len(file.headings) :]):
             raise StudyError(
@@ -150,13 +154,13 @@ def read_columns(test: MeasuredTest) -> Columns:
         notes.append(f"depth corrected by inclination, by {less:.2g} m at the end")
     elif angles:
         notes.append("depth is taken as corrected by inclination")
-    return Columns(values, area_ratio, pre_drilled, tuple(notes))
+    return Columns(values, area_ratio, pre_drilled, cone_radius, tuple(notes))
 
 
-def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list[str]]:
-    """Area ratio and pre-drilled depth by the site file or else by the test's own, and notes."""
+def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, float, list[str]]:
+    """Area ratio, pre-drilled depth and radius by the site file or the test's own, and notes."""
     values, notes = [], list(file.notes)
-    for key in ("area_ratio", "pre_drilled"):
+    for key in ("area_ratio", "pre_drilled", "cone_area"):
         value, told = getattr(test, key), file.told.get(key)
         if value is None and told is not None:
             value = told
@@ -169,13 +173,14 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, list
         elif told is not None and told != value:
             notes.append(f"{key} = {value:g} by the site file, {told:g} by the file")
         values.append(value)
-    area_ratio, pre_drilled = values
+    area_ratio, pre_drilled, cone_area = values
     if area_ratio is None:
         raise StudyError(
             f"{test.where} area_ratio: is missing; it stands on the cone's calibration sheet, "
             "0.55 to 0.9; 1 where the file holds corrected resistances"
         )
-    return area_ratio, pre_drilled or 0.0, notes
+    cone_radius = math.sqrt(1e-4 * (cone_area or USUAL_AREA) / math.pi)
+    return area_ratio, pre_drilled or 0.0, cone_radius, notes
 
 
 def columns_in(

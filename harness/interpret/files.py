@@ -55,7 +55,7 @@ class TestFile:
         headings: of the columns.
         rows: the number of each row in the file, for messages, and its cells.
         row: what such a number counts.
-        told: what the file says of the test: area_ratio, pre_drilled [m].
+        told: what the file says of the test: area_ratio, pre_drilled [m], cone_area [cm2].
         in_order: whether rows stand in the order in which they were measured.
         notes: what is odd about the file, each a line.
     """
@@ -162,8 +162,10 @@ GEF_QUANTITIES = {
     "11": "depth",
 }
 """Numbers that GEF gives to what a column holds."""
-GEF_TOLD = {"3": "area_ratio", "13": "pre_drilled"}
+GEF_AREA, GEF_TOLD = "1", {"3": "area_ratio", "13": "pre_drilled"}
 """Numbers of #MEASUREMENTVAR."""
+AREAS = {"mm2": 100.0, "cm2": 1.0, "m2": 1e-4}
+"""Units of an area, and what 1 cm2 is in them."""
 
 
 def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
@@ -203,18 +205,27 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
         for part in line.split(record)
         if part.strip()
     ]
+    measured = [[*fields, "", ""] for fields in keys.get("MEASUREMENTVAR", [])]
     last = next(iter(_numbers(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))
     return TestFile(
         headings=headings,
         rows=rows,
         told={
             GEF_TOLD[fields[0]]: value
-            for fields in keys.get("MEASUREMENTVAR", [])
+            for fields in measured
             if fields[0] in GEF_TOLD
             for value in _numbers(fields[1:2])
-        },
+        }
+        | _area(*next((fields[1:3] for fields in measured if fields[0] == GEF_AREA), ("", ""))),
         notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
     )
+
+
+def _area(text: str | None, unit: str | None) -> dict[str, float]:
+    """The cone's cross-section as `told` has it; nothing where it is 0, or in no unit of areas."""
+    name = (unit or "").replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
+    found = _numbers([text])
+    return {"cone_area": found[0] / AREAS[name]} if name in AREAS and any(found) else {}
 
 
 def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
@@ -267,6 +278,7 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
         encoding.get(f"{name}Separator", usual)
         for name, usual in (("decimal", "."), ("token", ","), ("block", ";"))
     )
+    area = survey.find(".//{*}coneSurfaceArea")
     return TestFile(
         headings=[
             Heading(
@@ -287,7 +299,8 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
             name: value
             for name, tag in BRO_TOLD.items()
             for value in _numbers([survey.findtext(f".//{{*}}{tag}")])
-        },
+        }
+        | ({} if area is None else _area(area.text, area.get("uom", "mm2"))),
         in_order=False,
     )
 
@@ -308,19 +321,26 @@ def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
     (_, titles), (_, units) = test["HEADING"][0], test["UNIT"][0]
     rows = [(number, _ags_name(titles, cells), cells) for number, cells in test["DATA"]]
     chosen = _one_of(path, list(dict.fromkeys(name for _, name, _ in rows)), sounding)
-    titles_of_cone = general.get("HEADING", [(0, [])])[0][1]
-    ratios = [
-        dict(zip(titles_of_cone, cells, strict=False)).get("SCPG_CAR")
-        for _, cells in general.get("DATA", [])
-        if _ags_name(titles_of_cone, cells) == chosen
-    ]
+    titles_of_cone, units_of_cone = (
+        general.get(kind, [(0, [])])[0][1] for kind in ("HEADING", "UNIT")
+    )
+    cone = next(
+        (
+            dict(zip(titles_of_cone, cells, strict=False))
+            for _, cells in general.get("DATA", [])
+            if _ags_name(titles_of_cone, cells) == chosen
+        ),
+        {},
+    )
+    unit = dict(zip(titles_of_cone, units_of_cone, strict=False)).get("SCPG_CSA")
     return TestFile(
         headings=[
             Heading(title.lower(), title, unit)
             for title, unit in zip(titles, units + [""] * len(titles), strict=False)
         ],
         rows=[(number, cells) for number, name, cells in rows if name == chosen],
-        told=dict(zip(["area_ratio"], _numbers(ratios), strict=False)),
+        told=dict(zip(["area_ratio"], _numbers([cone.get("SCPG_CAR")]), strict=False))
+        | _area(cone.get("SCPG_CSA"), unit),
     )
 
 

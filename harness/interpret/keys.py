@@ -134,7 +134,9 @@ TEST_KEYS: Mapping[str, Key] = {
         unit="1",
     ),
     "cone_area": _number(
-        "cross-section of the cone", Range(minimum=1, maximum=100), unit="cm2", default=10.0
+        "cross-section of the cone, by default what the file says, or 10",
+        Range(minimum=1, maximum=100),
+        unit="cm2",
     ),
     "water_level": _number(
         "depth of the ground water, below which its pressure is hydrostatic; below 0 water stands "

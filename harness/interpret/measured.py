@@ -52,7 +52,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     """The test of a site over its depth, corrected; not a number where a value is missing.
 
     `reason` has numbers of `REASONS`, the layers' not among them yet; the attribute `notes` tells
-    what a reader must know of the file.
+    what a reader must know of the file, `cone_radius` is in m.
     """
     read = read_columns(test)
     depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
@@ -110,7 +110,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
     }
     found["reason"] = xr.Variable("depth", reason, flags)
-    return found.assign_attrs(notes="; ".join(read.notes))
+    return found.assign_attrs(notes="; ".join(read.notes), cone_radius=read.cone_radius)
 
 
 def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:

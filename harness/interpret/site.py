@@ -16,7 +16,6 @@ What the keys mean is in keys.py.
 """
 
 import itertools
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -48,8 +47,7 @@ class MeasuredTest:
         where: the site file and its table, for messages.
         sounding: name of the one that is meant in a file of several, None where none is named.
         ground_level: where the file has levels in place of depths.
-        pre_drilled, area_ratio: None where the file of the test is to say it.
-        cone_radius: [m].
+        pre_drilled, area_ratio, cone_area [cm2]: None where the file of the test is to say it.
         unit_weight: one for all depths, in N/m3, where it is an input.
     """
 
@@ -62,7 +60,7 @@ class MeasuredTest:
     ground_level: float | None
     pre_drilled: float | None
     area_ratio: float | None
-    cone_radius: float
+    cone_area: float | None
     water: float | ByDepth
     unit_weight: Input | ByDepth
     accuracy: Mapping[str, tuple[float, float]]
@@ -184,7 +182,7 @@ def _test(given: Table, folder: Path) -> MeasuredTest:
         ground_level=_optional(table, "ground_level"),
         pre_drilled=_optional(table, "pre_drilled"),
         area_ratio=_optional(table, "area_ratio"),
-        cone_radius=math.sqrt(1e-4 * _number(table, "cone_area", TEST_KEYS) / math.pi),
+        cone_area=_optional(table, "cone_area"),
         water=_by_depth(table, "u0")
         if "u0" in table.values
         else _number(table, "water_level", TEST_KEYS),

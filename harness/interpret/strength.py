@@ -101,7 +101,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     test = measured(site.test)
-    depth, borders, radius = test.depth.values, site.borders, site.test.cone_radius
+    depth, borders, radius = test.depth.values, site.borders, test.attrs["cone_radius"]
     used, placed = without_borders(test, borders, radius) if sharpen else (test, borders)
     names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
     causes = [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]

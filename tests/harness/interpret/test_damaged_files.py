@@ -64,7 +64,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),
     "one long cell": ("csv", lambda it: it + b'"' + b"x" * 200_000, "is no table: field larger"),
     "GEF cut in its header": ("gef", cut_after("#COLUMNVOID"), "is no whole GEF: has no #EOH"),
-    "GEF cut in a row": ("gef", cut_after("\n1.71; 0."), "line 28: has 2 values"),
+    "GEF cut in a row": ("gef", cut_after("\n1.71; 0."), "line 29: has 2 values"),
     "GEF without rows": ("gef", cut_after("#EOH="), "has no rows of values"),
     "GEF of a borehole": ("gef", replaced("CPT-Report", "BORE-Report"), "no cone test: GEF-BORE"),
     "GEF lacks a column": ("gef", replaced("#COLUMNINFO= 2", "#X"), "#COLUMNINFO must be there"),

@@ -37,11 +37,22 @@ def test_what_a_file_says_of_the_cone_holds_where_the_site_file_says_nothing(
 ) -> None:
     said = site_of(folder, kind, WRITERS[kind](rows_of(folder)))
     assert columns_of(said).area_ratio == 0.8
-    assert not columns_of(said).notes or kind != "ags"
+    assert columns_of(said).notes[-1] == "cone_area = 15 by the file"
     found = columns_of(changed(folder, ("area_ratio = 0.8", "")))
     assert found.area_ratio == 0.8
     assert "area_ratio = 0.8 by the file" in found.notes
     assert found.pre_drilled == (0.0 if kind == "ags" else 1.55)
+    assert found.cone_radius == pytest.approx(np.sqrt(15e-4 / np.pi))
+    own = columns_of(changed(folder, ("[test]", "[test]\ncone_area = 10")))
+    assert own.cone_radius == pytest.approx(np.sqrt(10e-4 / np.pi))
+    assert "cone_area = 10 by the site file, 15 by the file" in own.notes
+
+
+@pytest.mark.parametrize("said", ["0, mm2", "15, -", "", "15"])
+def test_a_cone_area_that_says_nothing_is_the_usual_one(folder: Path, said: str) -> None:
+    text = as_gef(rows_of(folder)).replace("1, 1500, mm2", f"1, {said}")
+    found = columns_of(site_of(folder, "gef", text))
+    assert found.cone_radius == pytest.approx(np.sqrt(10e-4 / np.pi))
 
 
 @pytest.mark.parametrize("kind", WRITERS)

@@ -38,6 +38,7 @@ def as_gef(rows: list[Row]) -> str:
 #COLUMNINFO= 4, Mpa, Plaatselijke wrijving, 3
 #COLUMNINFO= 5, MPa, Conusweerstand, 2
 {voids}
+#MEASUREMENTVAR= 1, 1500, mm2, oppervlakte conuspunt
 #MEASUREMENTVAR= 3, 0.80, -, netto oppervlaktequotient
 #MEASUREMENTVAR= 13, 1.55, m, voorgeboord
 #COLUMNSEPARATOR= ;
@@ -68,7 +69,8 @@ def as_bro(rows: list[Row], name: str = "CPT000000000001") -> str:
  xmlns:c="http://www.broservices.nl/xsd/cptcommon/1.1"><dispatchDocument><CPT_O>
 <b:broId>{name}</b:broId><conePenetrometerSurvey>
 <c:trajectory><c:predrilledDepth uom="m">1.55</c:predrilledDepth></c:trajectory>
-<c:conePenetrometer><c:coneSurfaceQuotient>0.80</c:coneSurfaceQuotient></c:conePenetrometer>
+<c:conePenetrometer><c:coneSurfaceArea uom="mm2">1500</c:coneSurfaceArea>
+<c:coneSurfaceQuotient>0.80</c:coneSurfaceQuotient></c:conePenetrometer>
 <c:conePenetrationTest><c:cptResult><swe:encoding>
 <swe:TextEncoding decimalSeparator="." tokenSeparator="," blockSeparator=";"/></swe:encoding>
 <c:values>{data}</c:values></c:cptResult></c:conePenetrationTest>
@@ -80,7 +82,7 @@ def as_bro(rows: list[Row], name: str = "CPT000000000001") -> str:
 def as_ags(rows: list[Row], *names: str) -> str:
     """Groups PROJ, SCPG and SCPT of AGS 4.1; the same test at each name."""
     names = names or ("CPT1",)
-    general = "\n".join(f'"DATA","{it}","1","0.80"' for it in names)
+    general = "\n".join(f'"DATA","{it}","1","0.80","15"' for it in names)
     data = "\n".join(
         f'"DATA","{it}","1","{z!r}","' + '","'.join(cells((qc, 1e3 * fs, 1e3 * u2), "")) + '"'
         for it in names
@@ -93,9 +95,9 @@ def as_ags(rows: list[Row], *names: str) -> str:
 "DATA","1","A site, a ""quoted"" one"
 
 "GROUP","SCPG"
-"HEADING","LOCA_ID","SCPG_TESN","SCPG_CAR"
-"UNIT","","",""
-"TYPE","ID","X","2DP"
+"HEADING","LOCA_ID","SCPG_TESN","SCPG_CAR","SCPG_CSA"
+"UNIT","","","","cm2"
+"TYPE","ID","X","2DP","0DP"
 {general}
 
 "GROUP","SCPT"
