@@ -40,7 +40,7 @@ RODS = ("penetration", "penetrationlength", "sondeerlengte")
 IN_PLANES = ("inclinationns", "inclinationew")
 """Of the names of inclinations those in two planes; their resultant says the same."""
 OPTIONAL = ("u2", *AXES)
-LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
+LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 PRESSURES: Mapping[str, float] = {
     "Pa": 1.0,
     "kPa": 1e3,
@@ -48,6 +48,9 @@ PRESSURES: Mapping[str, float] = {
     "bar": 1e5,
     "kN/m2": 1e3,
     "MN/m2": 1e6,
+    "kg/cm2": 98066.5,
+    "tsf": 95760.52,
+    "psi": 6894.757,
 }
 ANGLES: Mapping[str, float] = {
     "deg": math.pi / 180.0,
@@ -138,10 +141,14 @@ def read_columns(test: MeasuredTest) -> Columns:
     for name, possible in bounds.items():
         for place, value in zip(places, values[name].tolist(), strict=True):
             if not (math.isnan(value) or possible.holds(value, value)):
+                remedy = (
+                    "leave the cell empty where there is no value"
+                    if math.isinf(value)
+                    else "look at its unit; a code for no value belongs under `missing` of the "
+                    "site file, as missing = [-9999]"
+                )
                 raise StudyError(
-                    f"{path}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; look at "
-                    "its unit; a code for no value belongs under `missing` of the site file, as "
-                    "missing = [-9999]"
+                    f"{path}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; {remedy}"
                 )
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = _joined(file.headings[found["depth"][0]].name) in RODS

@@ -113,6 +113,11 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
     named = [number for number, line in lines.items() if len(_words(line)) >= FEWEST_COLUMNS]
+    if not named and (commented := _commented_header(text)):
+        raise StudyError(
+            f"{path}: has no header: lines that begin with # are left out, line {commented} among "
+            "them; take its # away"
+        )
     above = [number for number in lines if named and number < named[0]]
     notes = [f"{len(above)} lines above the header left out"] if above else []
     lines = {number: line for number, line in lines.items() if number not in above}
@@ -132,6 +137,18 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
             notes.append("numbers have a decimal comma")
     return TestFile(headings=header, rows=rows, notes=tuple(notes))
+
+
+def _commented_header(text: str) -> int:
+    """Number of the last line that begins with # and would be a header without it; 0 for none."""
+    return max(
+        (
+            number
+            for number, line in enumerate(text.splitlines(), start=1)
+            if line.startswith("#") and len(_words(line)) >= FEWEST_COLUMNS
+        ),
+        default=0,
+    )
 
 
 def _delimiter(line: str) -> str:

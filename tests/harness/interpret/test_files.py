@@ -201,6 +201,17 @@ def test_decimal_commas_are_read_where_the_cells_are_not_parted_by_commas(
     np.testing.assert_array_equal(again.values["qc"], found.values["qc"])
 
 
+def test_units_of_other_countries(folder: Path) -> None:
+    """1 kg/cm2 is 14.2233 psi and 1.02408 tons of 2000 lb on a square foot."""
+    depth = [row[0] for row in rows_of(folder)]
+    rows = "\n".join(f"{z / 0.3048!r},10,1.02408,14.2233" for z in depth)
+    header = "depth [ft],qc [kg/cm^2],fs [tsf],u2 [psi]"
+    found = columns_of(site_of(folder, "csv", f"{header}\n{rows}\n")).values
+    np.testing.assert_allclose(found["depth"], depth)
+    for name, times in (("qc", 10.0), ("fs", 1.0), ("u2", 1.0)):
+        np.testing.assert_allclose(found[name], times * 98066.5, rtol=1e-5)
+
+
 def test_levels_become_depths(folder: Path) -> None:
     rows = rows_of(folder)
     levels = as_csv([(round(4.5 - z, 3), *others) for z, *others in rows])
