@@ -232,7 +232,10 @@ def curves_over_cases(dataset: xr.Dataset, name: str) -> np.ndarray:
 def by_case(dataset: xr.Dataset) -> xr.Dataset:
     """A result over the one dim `case`, which comes first and numbers them; what varies is left."""
     dims = case_dims(dataset)
-    cases = dataset.stack(case=dims) if dims else dataset.expand_dims(CASE)
+    if dims == (CASE,):
+        cases = dataset
+    else:
+        cases = dataset.stack(case=dims) if dims else dataset.expand_dims(CASE)
     numbered = cases.drop_vars([CASE, *dims], errors="ignore").transpose(CASE, ...)
     return numbered.assign_coords({CASE: np.arange(numbered.sizes[CASE])})
 

@@ -2,6 +2,7 @@
 
 import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +10,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from harness.archive.study_files import collect
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
 from harness.references.registry import cone_factor_reference
-from tests.harness.conftest import as_collected
+from tests.harness.conftest import as_collected, keep, study_in
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
 STRENGTH = 20e3
@@ -140,6 +142,22 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     made, failed = rendered(dataset, lambda figure: figure)
     assert failed == {}
     return made
+
+
+IN_A_ROW = (
+    'design = "list"\n[[case]]\nadhesion_factor = 0\n[[case]]\nadhesion_factor = 1\n',
+    'design = "one_at_a_time"\n[vary]\nadhesion_factor = [1]\n',
+    'design = "latin_hypercube"\nsamples = 2\nseed = 1\n[vary]\n'
+    "adhesion_factor = { from = 0, to = 1 }\n",
+)
+"""Designs of two cases along the dim `case`."""
+
+
+def collected(folder: Path, scene: str, design: str, *results: xr.Dataset) -> xr.Dataset:
+    """What a study collects whose cases have these results."""
+    study = study_in(folder, f'title = "t"\nscene = "{scene}"\n{design}')
+    of_cases = [one.drop_attrs(deep=False) for one in results]  # what tells of a study among them
+    return collect(study, keep(study, folder, *of_cases))
 
 
 def texts(written: Iterable[Text]) -> list[str]:

@@ -1,12 +1,14 @@
 """Pictures of element tests and of cyclic tests."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.lines import Line2D
 
 from harness.pictures.case_curves import cycles_figure, element_tests_figure
-from tests.harness.pictures.conftest import figures
+from tests.harness.pictures.conftest import IN_A_ROW, collected, figures
 
 RATIOS = [1.0, 4.0]
 STRAIN = np.linspace(0.01, 1.0, 100)
@@ -97,6 +99,19 @@ def with_a_line(lines: list[Line2D]) -> list[Line2D]:
 def test_it_is_drawn_of_loops_alone(cyclic_tests: xr.Dataset) -> None:
     assert "cycles" in figures(cyclic_tests)
     assert "cycles" not in figures(cyclic_tests.drop_vars("cyclic_resistance"))
+
+
+@pytest.mark.parametrize("design", IN_A_ROW)
+def test_it_is_drawn_of_cases_that_are_no_grid(
+    design: str, cyclic_tests: xr.Dataset, tmp_path: Path
+) -> None:
+    of_cases = cyclic_tests.drop_vars(["status", "undrained_shear_strength"])
+    each = [of_cases.isel(remoulded_strength_ratio=it, drop=True) for it in (0, 1)]
+    dataset = collected(tmp_path, "cyclic_t_bar", design, *each)
+    assert dataset["status"].dims == ("case",)
+    loops, factors = figures(dataset)["cycles"].axes
+    assert loops.lines[0].get_xdata()[0] == LEFT[0.2][0]
+    assert len(factors.containers) == 2
 
 
 def test_depth_goes_downward_and_the_loops_are_of_the_case_that_loses_most(

@@ -1,5 +1,7 @@
 """Stretches joined to one sounding; pictures of soundings and of interpreted cone tests."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,7 +12,14 @@ from harness.pictures.sounding import (
     sounding_figure,
     soundings_figure,
 )
-from tests.harness.pictures.conftest import caption_of, figures, legend, texts
+from tests.harness.pictures.conftest import (
+    IN_A_ROW,
+    caption_of,
+    collected,
+    figures,
+    legend,
+    texts,
+)
 
 DEPTH = np.arange(1.0, 7.0)
 
@@ -89,6 +98,19 @@ def result() -> xr.Dataset:
 def test_it_is_drawn_of_curves_over_depth_alone() -> None:
     assert "sounding" in figures(result())
     assert "sounding" not in figures(result().isel(depth=0))
+
+
+@pytest.mark.parametrize("design", IN_A_ROW)
+def test_it_is_drawn_of_cases_that_are_no_grid(design: str, tmp_path: Path) -> None:
+    of_each = result().isel(adhesion_factor=0, stretch_number=0, drop=True)
+    one = of_each.drop_vars(["status", "net_resistance_uncertainty"])
+    dataset = collected(
+        tmp_path, "sounding", design, one, one.map(lambda it: 2.0 * it, keep_attrs=True)
+    )
+    assert dataset["status"].dims == ("case",)
+    resistance = figures(dataset)["sounding"].axes[1]
+    drawn = [line.get_xdata()[0] for line in resistance.lines]
+    np.testing.assert_allclose(drawn, [0.01, 0.02])  # kPa
 
 
 def test_depth_goes_downward_and_each_sounding_is_one_curve_with_a_band() -> None:
