@@ -12,10 +12,11 @@ relative ``deviation`` from it, and ``experience``, a band of values from the fi
 The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
 `inaccurate`.
 
-Results that the harness reads by name: `status`, `message` and `case_key` of each case; `run_time`
-[s] and `particle_updates`, which every scene gives; `case_time` [s] and `peak_memory` [byte], which
-the harness measures, and `run_time_sample` over the dim `repeat` of timed runs; `error` against an
-exact solution. Only a table or a picture that is meant for one kind of scene knows more names.
+Results that the harness reads by name: `status`, `message` and `case_key` of each case, and of one
+parameter at a time which it is, `changed`; `run_time` [s] and `particle_updates`, which every scene
+gives; `case_time` [s] and `peak_memory` [byte], which the harness measures, and `run_time_sample`
+over the dim `repeat` of timed runs; `error` against an exact solution. Only a table or a picture
+that is meant for one kind of scene knows more names.
 """
 
 import math
@@ -53,6 +54,8 @@ CASE = "case"
 """The dim of cases where the varied parameters are no dims."""
 PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
+CHANGED = "changed"
+"""Text of each case of one parameter at a time: that parameter, "" in the case of fixed values."""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
 NUMERICAL = "numerical error only, of this clay, not of your soil"

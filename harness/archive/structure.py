@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import COMPLETED, PER_CASE, TOLERANCES, Role, parameter_of
+from harness.archive.conventions import CHANGED, COMPLETED, PER_CASE, TOLERANCES, Role, parameter_of
 from harness.archive.provenance import OF_CASE
 from harness.study.files import STUDY_NAME
 from mpm_warp.parameters import parameters_of
@@ -59,7 +59,7 @@ def _faults(result: Stored) -> Iterator[str]:
     if "status" in forms and 0 in forms["status"].shape:
         yield "there is no case"
     scenes = str(result.attributes.get("scene", "")).split()
-    texts = {*PER_CASE, *OF_CASE, "scene", *_text_parameters(forms, scenes)}
+    texts = {*PER_CASE, CHANGED, *OF_CASE, "scene", *_text_parameters(forms, scenes)}
     is_known = all(scene in scene_names() for scene in scenes)
     for name, form in forms.items():
         if name in texts or _role(form) in (Role.REASON, Role.BUILT):

@@ -11,6 +11,7 @@ from harness.archive.case_files import ENDING as FIELDS_ENDING
 from harness.archive.case_files import read_case
 from harness.archive.conventions import (
     CASE,
+    CHANGED,
     COMPLETED,
     DAMAGED,
     DISTRIBUTION,
@@ -24,6 +25,7 @@ from harness.archive.conventions import (
 from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.archive.provenance import OF_CASE, provenance_of_collector
 from harness.study.cases import Case
+from harness.study.designs import ONE_AT_A_TIME
 from harness.study.distributions import Input
 from harness.study.study import STABILITY_MAP, Study
 from mpm_warp.parameters import Derived, Parameter, Value, did_you_mean, known_names
@@ -66,7 +68,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     origins, origin = _origins(results)
     inputs, coordinates = _parameters(study, definitions, names, axes)
     inputs |= _as_built(inputs, own)
-    variables = own | _records(study, results) | origins | inputs
+    variables = own | _records(study, results, names) | origins | inputs
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
     return xr.Dataset(
@@ -102,13 +104,18 @@ def _over_grid(variable: xr.Variable, sizes: Mapping[str, int]) -> xr.Variable:
     return xr.Variable((*sizes, *variable.dims[1:]), values, variable.attrs)
 
 
-def _records(study: Study, results: Sequence[xr.Dataset | None]) -> Variables:
-    """Status, message and key of each case."""
+def _records(
+    study: Study, results: Sequence[xr.Dataset | None], names: Mapping[str, str]
+) -> Variables:
+    """Status, message and key of each case; which parameter it changes, of one at a time."""
     texts = {
         "status": ("outcome of the case", _attributes(results, "status", MISSING)),
         "message": ("why the case did not complete", _attributes(results, "message")),
         "case_key": ("name of the case's file", [case.key for case in study.cases]),
     }
+    if study.design.kind == ONE_AT_A_TIME:
+        changed = [" ".join(names[it] for it in case.changed) for case in study.cases]
+        texts[CHANGED] = "parameter that the study changes in the case", changed
     return {name: _over_cases(meaning, values) for name, (meaning, values) in texts.items()}
 
 

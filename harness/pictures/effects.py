@@ -34,7 +34,7 @@ from harness.pictures.drawing.quantities import (
     symbol,
     unit_of,
 )
-from harness.pictures.studied import Studied
+from harness.pictures.studied import Studied, changing
 
 LEAST_PARAMETERS = 3
 COLUMNS = 3
@@ -180,7 +180,7 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
 
 
 class _Bar(NamedTuple):
-    """What one parameter does alone: cases that differ in it from the first, and their change."""
+    """What one parameter does alone: cases in which it is changed, and how the headline changes."""
 
     values: Values
     cases: np.ndarray
@@ -205,9 +205,10 @@ class _Bar(NamedTuple):
 def _bars(studied: Studied) -> list[_Bar]:
     """A bar for each parameter, the widest first."""
     ran = over_cases(studied.dataset, "status") != MISSING
+    varied = list(studied.varied.values())
     found = []
-    for values in studied.varied.values():
-        own = np.flatnonzero(ran & (values.numbers != values.numbers[0]))
+    for values, changed in zip(varied, changing(studied.dataset, varied), strict=True):
+        own = np.flatnonzero(ran & changed)
         found.append(_Bar(values, own, studied.computed[own] - studied.computed[0]))
     return sorted(found, key=lambda bar: bar.reach, reverse=True)
 

@@ -36,6 +36,7 @@ from harness.archive.conventions import (
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Floats, Texts, Values
+from harness.pictures.studied import changing
 from harness.study.designs import ONE_AT_A_TIME
 from harness.study.study import STABILITY_MAP
 
@@ -76,9 +77,8 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     """A strip for each varied parameter, of the cases that were run.
 
     One at a time, in the order of the study: the first case, which has the defaults, and those
-    that differ from it in the parameter. A case that differs in several belongs to the first of
-    them: the others, such as a default speed, are derived from it. At random: all cases, those
-    parameters first over which the shares differ most.
+    that change the parameter. At random: all cases, those parameters first over which the shares
+    differ most.
     """
     outcomes = Outcomes.of(dataset)
     ran = outcomes.status != MISSING
@@ -89,10 +89,9 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     if dataset.attrs["design"] != ONE_AT_A_TIME:
         found = [Shares.of(values.at(ran), outcomes.at(ran)) for values in varied]
         return sorted(found, key=lambda it: np.ptp(it.completed), reverse=True)
-    strips, taken = [], np.zeros_like(ran)
-    for values in varied:
-        own = ran & (values.numbers != values.numbers[0]) & ~taken
-        taken |= own
+    strips = []
+    for values, changed in zip(varied, changing(dataset, varied), strict=True):
+        own = ran & changed
         own[0] = ran[0]
         strips.append(Strip(values.at(own), float(values.numbers[0]), outcomes.at(own)))
     return strips
@@ -150,7 +149,7 @@ def short_reason(message: str) -> str:
 
 @dataclass(frozen=True)
 class Strip:
-    """How the case of defaults ended, and those that differ from it in one parameter.
+    """How the case of defaults ended, and those that change one parameter.
 
     The default is the parameter's value in the case from which all others start.
     """

@@ -1,7 +1,7 @@
 """What a study is about: what its cases vary, and the result that they were run for."""
 
 import functools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from harness.archive.conventions import (
+    CHANGED,
     headlines_of,
     over_cases,
     parameter_names,
@@ -115,6 +116,20 @@ class Studied:
         order = np.argsort(along, kind="stable")
         groups = [order[member.ravel()[order] == place] for place in range(len(found))]
         return [(cases, self.label(cases[0], others)) for cases in groups]
+
+
+def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:
+    """Of a study of one parameter at a time the cases in which it changes each, of shape [case].
+
+    By value another parameter differs too where its default follows from the one that is changed,
+    so the study says which it is. Where a file does not, a case counts that differs in one alone.
+    """
+    if CHANGED in dataset:
+        told = over_cases(dataset, CHANGED).astype(str)
+        return [told == values.name for values in varied]
+    differ = [values.numbers != values.numbers[0] for values in varied]
+    alone = np.sum(differ, axis=0) == 1
+    return [own & alone for own in differ]
 
 
 def case_labels(dataset: xr.Dataset) -> list[str]:

@@ -36,6 +36,7 @@ class Case:
         parameters: all parameters of the scene, derived defaults filled in; None is one that the
             scene derives only when it runs.
         label: the varied values, for people.
+        changed: the parameters of which the design gives values, the others have the fixed ones.
         snapshots: moments at which the soil is to be kept; they change no result, so a case is the
             same one with them.
     """
@@ -44,6 +45,7 @@ class Case:
     scene_version: int
     parameters: Mapping[str, Value | None]
     label: str
+    changed: tuple[str, ...] = ()
     snapshots: tuple[float, ...] = ()
 
     @functools.cached_property
@@ -94,6 +96,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
                 scene_version=part.scene.version,
                 parameters=naming(part.scene, complete),
                 label=label,
+                changed=tuple(values),
                 snapshots=part.snapshots,
             )
             cases.setdefault(case.key, case)

@@ -147,8 +147,7 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
 IN_A_ROW = (
     'design = "list"\n[[case]]\nadhesion_factor = 0\n[[case]]\nadhesion_factor = 1\n',
     'design = "one_at_a_time"\n[vary]\nadhesion_factor = [1]\n',
-    'design = "latin_hypercube"\nsamples = 2\nseed = 1\n[vary]\n'
-    "adhesion_factor = { from = 0, to = 1 }\n",
+    'design = "latin_hypercube"\nsamples = 2\nseed = 1\n[vary.adhesion_factor]\nfrom = 0\nto = 1\n',
 )
 """Designs of two cases along the dim `case`."""
 

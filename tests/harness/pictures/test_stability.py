@@ -10,12 +10,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from harness.archive.study_files import write_study
+from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.pictures.drawing.quantities import Values
+from harness.pictures.effects import tornado_figure
 from harness.pictures.stability import short_reason, stability_figure, stability_rows
 from tests.harness.conftest import as_collected
-from tests.harness.pictures.conftest import figures, legend, texts
+from tests.harness.pictures.conftest import collected, figures, legend, texts
 
 VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
@@ -275,18 +276,43 @@ def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic:
     assert values.logarithmic == logarithmic
 
 
-def test_a_case_belongs_to_the_parameter_from_which_the_others_follow() -> None:
-    """The default speed falls with the stiffness: the strip of the speed has no such case.
-
-    The stiffness is the first in the study, and in a file, where names are sorted, the last.
-    """
+@pytest.mark.parametrize("order", ["stiffness speed_ratio", "speed_ratio stiffness"])
+def test_a_case_belongs_to_the_parameter_that_the_study_changes(order: str) -> None:
+    """The default speed falls with the stiffness: the strip of the speed has no such case."""
     stiffness, speed = [100.0, 5000.0, 100.0], [0.03, 0.004, 0.1]
     statuses = ["completed", "unfinished", "completed"]
-    result = made("one_at_a_time", statuses, speed_ratio=speed, stiffness=stiffness)
-    result.attrs["stability_map"] = "stiffness speed_ratio"
-    assert [row[0] for row in stability_rows(result)[1:]] == ["stiffness", "speed ratio"]
+    silent = made("one_at_a_time", statuses, speed_ratio=speed, stiffness=stiffness)
+    silent.attrs["stability_map"] = order
+    result = silent.assign(changed=("case", ["", "stiffness", "speed_ratio"]))
+    rows = [row[0].replace(" ", "_") for row in stability_rows(result)[1:]]
+    assert rows == order.split()
     assert row_of(result, "stiffness")["first failure above"] == "5000 (factor 50), unfinished"
     assert row_of(result, "speed ratio")["first failure below"] == "no case"
+    assert row_of(silent, "stiffness")["first failure above"] == "no case"  # it cannot be told
+    assert row_of(silent, "speed ratio")["first failure below"] == "no case"
+
+
+@pytest.mark.parametrize(
+    "vary",
+    ["rigidity_index = [20]\nspeed_ratio = [0.1]", "speed_ratio = [0.1]\nrigidity_index = [20]"],
+)
+def test_a_bar_has_the_cases_that_change_its_parameter_alone(vary: str, tmp_path: Path) -> None:
+    """The default speed follows the rigidity index; the order in the study says nothing."""
+    text = f'design = "one_at_a_time"\nstability_map = true\n[vary]\n{vary}\n'
+    factors = {"": 11.0, "rigidity_index": 8.0, "speed_ratio": 11.5}
+    in_turn = ["", *(line.partition(" ")[0] for line in vary.splitlines())]
+    results = [
+        xr.Dataset({"resistance_factor": ((), factors[name], {"role": "headline"})})
+        for name in in_turn
+    ]
+    dataset = collected(tmp_path, "ball_penetration", text, *results)
+    assert dataset["changed"].values.tolist() == in_turn
+    write_study(tmp_path / "s.nc", dataset)
+    for result in (dataset, read_study(tmp_path / "s.nc")):
+        assert texts(tornado_figure(result).axes[0].texts) == ["20", "0.1"]
+        found = {row[0]: row for row in stability_rows(result)}
+        assert found["rigidity index"][2] == "20 to 100"
+        assert found["speed ratio"][2] == "0.03 to 0.1"
 
 
 def test_a_value_without_room_on_an_axis_is_told_by_its_place() -> None:
