@@ -275,6 +275,8 @@ USUAL_BY_DEPTH = {
 """Columns of a profile."""
 USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
 """Any stress or stiffness, of a law of another package."""
+MOST_NAMED = 8
+"""Values beyond the sane range that a line names."""
 
 
 def tell_of_unusual_values(study: Study) -> None:
@@ -284,15 +286,17 @@ def tell_of_unusual_values(study: Study) -> None:
 
 
 def beyond_sane_range(study: Study) -> list[str]:
-    """Parameters of which a study gives values that fewer cases complete with: the furthest one."""
+    """Parameters of which a study gives values that fewer cases complete with, and these values."""
     lines = []
     for part in study.parts:
         for name, definition in part.parameters.items():
             least, greatest = definition.sane or (-math.inf, math.inf)
             values = _given(part, name) if definition.sane else []
-            beyond = {max(least - value, value - greatest): value for value in values}
-            if beyond and max(beyond) > 0.0:
-                lines.append(f"{name} = {beyond[max(beyond)]:g}{_sane(definition)}")
+            beyond = sorted({value for value in values if not least <= value <= greatest})
+            if beyond:
+                named = ", ".join(f"{value:g}" for value in beyond[:MOST_NAMED])
+                further = f" and {len(beyond) - MOST_NAMED} more" if beyond[MOST_NAMED:] else ""
+                lines.append(f"{name} = {named}{further}{_sane(definition)}")
     return list(dict.fromkeys(lines))
 
 
