@@ -83,7 +83,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
             colour = of_kind[scenes[case]] if several else shade(float(scale(ends[case])))
         named = _with_scene(dataset, case) if few and several else None
         axes.plot(x, curves[case], color=colour, lw=width, label=named)
-        if case in labelled and (label := _label(studied, case)):
+        if case in labelled and studied and studied.varied:
+            label = studied.label(case)
             marks.append(CurveEnd(x[last[case]], ends[case], label, colour))
     axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))
@@ -121,16 +122,6 @@ def _with_scene(dataset: xr.Dataset, case: int) -> str:
     values = {name: over_cases(dataset, name)[case] for name in varied_within(dataset)}
     own = [assigned(dataset, name, value) for name, value in values.items() if is_there(value)]
     return ", ".join([spelt(spoken(scenes_of(dataset)[case])), *own])
-
-
-def _label(studied: Studied | None, case: int) -> str:
-    """What a case is called: the varied values, of one at a time that which differs."""
-    if studied is None or not studied.varied:
-        return ""
-    if not studied.is_one_at_a_time:
-        return studied.label(case)
-    differing = [name for name, it in studied.varied.items() if it.numbers[case] != it.numbers[0]]
-    return studied.label(case, differing) or "start"
 
 
 STRAIN, SHEAR, DEVIATOR = "shear_strain", "shear_stress", "deviator_stress"

@@ -235,7 +235,8 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.margins(x=0.12)
-    axes.set_xlabel(axis_label(dataset, studied.headline))
+    label = axis_label(dataset, studied.headline)  # beside long names the axis is short
+    axes.set_xlabel(textwrap.fill(label, 40, break_long_words=False))
     handles = [
         Patch(color=LIGHT, label="value below the start"),
         Patch(color=ACCENT, label="value above it, or another choice"),

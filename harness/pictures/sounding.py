@@ -77,12 +77,14 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     studied = Studied.of(dataset)
     soundings = joined(dataset)
     figure, (strength, resistance, factor) = panels(3, height=5.0, sharey=True)
-    count = soundings.sizes["sounding"]
+    count, is_cut = soundings.sizes["sounding"], STRETCH in dataset["status"].dims
     shown = series(range(count))
     varied = studied.varied if studied else ()
     names = [name for name in varied if name not in (STRETCH, "to_depth")]  # of a stretch alone
     for place, line in shown:
         sounding, colour = soundings.isel(sounding=place), line.colour
+        if not is_cut:  # others have samples at depths of their own, between which it is one line
+            sounding = sounding.sel({DEPTH: sounding[RESISTANCE].notnull()})
         label = studied.label(int(sounding["case"]), names) if studied else ""
         depth = sounding[DEPTH]
         net, half_width = sounding[RESISTANCE] / KILO, sounding[UNCERTAINTY] / KILO
@@ -101,7 +103,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
         figure,
         dataset,
         of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
-        JOINED if STRETCH in dataset["status"].dims else "",
+        JOINED if is_cut else "",
         left_out(count - len(shown), "soundings"),
         legend=strength if count > 1 else None,
     )

@@ -33,7 +33,7 @@ from harness.archive.conventions import (
     spoken,
     varied_names,
 )
-from harness.pictures.drawing.caption import captioned
+from harness.pictures.drawing.caption import LINE, captioned
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.pictures.studied import changing
@@ -55,6 +55,8 @@ STATUSES = {
 """Marker and colour of each status, in Okabe and Ito's colours."""
 OTHER = ("*", "black")
 """Those of any other status."""
+SCALE = 0.6
+"""Height of the scale of colours with its label [inch]."""
 LEFT, RIGHT = 0.18, 0.6
 """Where strips begin and end, of the page's width: names stand before them, words behind."""
 
@@ -188,13 +190,15 @@ class Strip:
         stable = [values.text(number) for number in self.stable] or ["none"]
         ends = dict.fromkeys([stable[0], stable[-1]])
         text = ", ".join(stable) if values.categories else " to ".join(ends)
-        margins = self.margin(-1), self.margin(1)
+        margins = "" if values.categories else self.margin(-1), self.margin(1)
         share = f"up to {known.max():.0%} of the limit" if known.size else ""
         return values.label, values.text(self.default), text, *margins, share
 
     @property
     def beside(self) -> tuple[str, ...]:
-        """What stands beside the strip."""
+        """What stands beside the strip; texts are neither below the default nor above it."""
+        if self.values.categories:
+            return (self.margin(1),)
         return f"below: {self.margin(-1)}", f"above: {self.margin(1)}"
 
     def margin(self, side: int) -> str:
@@ -330,10 +334,13 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
     if not shows_stability(dataset):
         return None
     rows, outcomes = stability_strips(dataset), Outcomes.of(dataset)
-    above, below = 0.45, 1.2  # of the legend; of the scale of colours and the caption [inch]
-    height = 0.62 * len(rows) + above + below
     with rc_context({"figure.constrained_layout.use": False}):
-        figure = Figure(figsize=(Figure().get_figwidth(), height))
+        figure = captioned(Figure(), dataset, rows[0].explanation)
+    lines = 1 + figure.get_supxlabel().count("\n")
+    # Of the legend; of the scale of colours and the caption [inch].
+    above, below = 0.45, SCALE + 0.35 + LINE * lines
+    height = 0.62 * len(rows) + above + below
+    figure.set_figheight(height)
     all_axes = figure.subplots(len(rows), 1, squeeze=False)[:, 0]
     top, bottom = 1 - above / height, below / height
     figure.subplots_adjust(left=LEFT, right=RIGHT, bottom=bottom, top=top, hspace=1.0)
@@ -358,18 +365,17 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
         handles.append(Line2D([], [], color="black", lw=1, label="default"))
         handles.append(Line2D([], [], color="0.8", lw=8, label="stable"))
         if is_scaled:
-            _draw_scale(figure, f"{limit}, of completed cases")
+            _draw_scale(figure, (below - 0.35) / height, f"{limit}, of completed cases")
     elif is_scaled:
         label = f"{limit}, median of completed"
         handles.append(Line2D([], [], color="black", lw=2, label=label))
     figure.legend(handles=handles, loc="upper left", ncols=3, fontsize=7)
-    return captioned(figure, dataset, rows[0].explanation)
+    return figure
 
 
-def _draw_scale(figure: Figure, label: str) -> None:
+def _draw_scale(figure: Figure, bottom: float, label: str) -> None:
     """Draw the colours of the shares of a limit, below the strips."""
-    height = figure.get_figheight()
-    axes = figure.add_axes((LEFT, 0.85 / height, RIGHT - LEFT, 0.08 / height))
+    axes = figure.add_axes((LEFT, bottom, RIGHT - LEFT, 0.08 / figure.get_figheight()))
     scale = ScalarMappable(Normalize(0.0, 1.0), SHADES)
     figure.colorbar(scale, cax=axes, orientation="horizontal")
     axes.set_xlabel(label, fontsize=7)

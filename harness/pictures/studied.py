@@ -99,11 +99,15 @@ class Studied:
         return of_half_widths(self.dataset, BARS, are_shown=self.half_width is not None)
 
     def label(self, case: int, names: Iterable[str] | None = None) -> str:
-        """What a case is called: its values of these varied parameters, by default of all."""
-        names = self.varied if names is None else names
-        return ", ".join(
-            assigned(self.dataset, name, self.varied[name].of_case(case)) for name in names
-        )
+        """What a case is called: its values of these varied parameters, by default of all.
+
+        Of one at a time those that differ from the start.
+        """
+        own = {name: self.varied[name] for name in (self.varied if names is None else names)}
+        if self.is_one_at_a_time:
+            own = {name: it for name, it in own.items() if it.numbers[case] != it.numbers[0]}
+        texts = [assigned(self.dataset, name, it.of_case(case)) for name, it in own.items()]
+        return ", ".join(texts or ["start"] * self.is_one_at_a_time)
 
     def groups(self, name: str, along: Floats) -> list[tuple[np.ndarray, str]]:
         """The cases that agree in all that varies but `name`, each group by `along`; its label.

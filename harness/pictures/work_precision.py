@@ -19,7 +19,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
-from harness.pictures.drawing.caption import captioned
+from harness.pictures.drawing.caption import NO_BREAK, captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
     MOST_LABELS,
@@ -172,11 +172,13 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         failed = over_cases(dataset, "status") != COMPLETED
         mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
     several = len(set(scenes_of(dataset))) > 1
+    soil = [text.replace(" ", NO_BREAK) for text in problems[0].soil] if len(problems) == 1 else []
     _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
     states = np.isfinite(uncertainty_of(dataset)).any()
     return captioned(
         figure,
         dataset,
+        f"All points: {', '.join(soil)}." if soil else "",
         _settings_key(dataset, problems),
         OF_HALF_WIDTH if states else "",
         "Run times of cases side by side are not to be compared.",
@@ -204,7 +206,8 @@ def _draw_fronts(
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
         scene = [plain(spelt(spoken(problem.scene)))] if several else []
-        name = ", ".join([*scene, *problem.soil]) if len(problems) <= MOST_LABELS else ""
+        soil = problem.soil if len(problems) > 1 else []
+        name = ", ".join([*scene, *soil]) if len(problems) <= MOST_LABELS else ""
         label = name or once(axes, FRONT)
         place = seconds[front], measured[front]
         axes.plot(*place, f"{line.marker}-", color=line.colour, label=label, zorder=3)

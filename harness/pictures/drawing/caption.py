@@ -1,5 +1,6 @@
 """The caption of a picture: what it shows, and what was fixed."""
 
+import math
 import re
 import textwrap
 from collections.abc import Iterator
@@ -17,19 +18,25 @@ from harness.archive.conventions import (
     parameter_names,
     reasons_of,
     scenes_of,
+    spoken,
     uncertainty_of,
+    varied_names,
     words_of,
 )
 from harness.compare.defaults import defaults_of_law, not_by_default
 from harness.pictures.drawing.plot_parts import legend_above
-from harness.pictures.drawing.quantities import assigned, plain, quantity, symbol
+from harness.pictures.drawing.quantities import Values, assigned, plain, quantity, spelt, symbol
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, replaced_by
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
+LINE = 0.126
+"""Height of a line [inch]."""
 MOST_FIXED = 14
 """Parameters that a caption names."""
+MOST_TEXTS = 4
+"""Long texts that a caption has room for."""
 SYMBOL, IN_PLACE = re.compile(r"\$[^$]*(?<!\\)\$"), "\ue000--"
 """A symbol in mathematics, and what holds its place while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -51,16 +58,27 @@ def captioned(
 ) -> Figure:
     """A figure with what it shows, and what was fixed, below it; with the legend of axes above.
 
-    Empty sentences are left out.
+    Empty sentences are left out. For the key of long texts the figure is higher.
     """
     if legend is not None:
         legend_above(figure, legend)
     title = plain(dataset.attrs.get("title", "")).rstrip(".")
     ended = title if title.endswith(("?", "!")) or not title else f"{title}."
-    parts = [ended, *sentences, fixed(dataset)]
+    key = " ".join(_numbered(dataset))
+    parts = [ended, *sentences, key, fixed(dataset)]
+    figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
     text = _wrapped(" ".join(filter(None, parts)))
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
     return figure
+
+
+def _numbered(dataset: xr.Dataset) -> Iterator[str]:
+    """What numbers stand for in the place of long texts, in sentences."""
+    for name in varied_names(dataset) if "status" in dataset else ():
+        if long := Values.of(dataset, name).long:
+            key = "; ".join(f'{place}: "{plain(text)}"' for place, text in enumerate(long, 1))
+            told = f"is {key}" if len(long) <= MOST_TEXTS else "is numbered in the order of cases"
+            yield f"{plain(spelt(spoken(name))).capitalize()} {told}."
 
 
 def left_out(count: int, noun: str) -> str:

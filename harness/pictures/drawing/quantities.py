@@ -130,12 +130,15 @@ class Values:
         numbers: the value of each case, or its place among the categories.
         categories: the values in words, in the order of the study, where they are no numbers or
             the scene derives one of them; else none.
+        long: those that have no room in a picture, such as a table of the ground: among the
+            categories stand their numbers, 1 for the first.
     """
 
     name: str
     unit: str
     numbers: Floats
     categories: tuple[str, ...] = ()
+    long: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, dataset: xr.Dataset, name: str) -> Self:
@@ -144,9 +147,11 @@ class Values:
         if values.dtype.kind in "iuf" and np.isfinite(values).all():
             return cls(name=name, unit=unit, numbers=values.astype(float))
         texts = [_category(value) for value in values.tolist()]
-        categories = tuple(dict.fromkeys(texts))
-        numbers = np.array([float(categories.index(text)) for text in texts])
-        return cls(name=name, unit=unit, numbers=numbers, categories=categories)
+        every = list(dict.fromkeys(texts))
+        numbers = np.array([float(every.index(text)) for text in texts])
+        long = tuple(text for text in every if len(text) > LONGEST_LABEL)
+        shown = tuple(f"{long.index(text) + 1}" if text in long else text for text in every)
+        return cls(name=name, unit=unit, numbers=numbers, categories=shown, long=long)
 
     def at(self, cases: np.ndarray) -> Self:
         """Those of some cases."""
@@ -213,11 +218,7 @@ class Values:
         set_scale = axes.set_xscale if is_x else axes.set_yscale
         set_margin = axes.set_xmargin if is_x else axes.set_ymargin
         if self.categories:
-            # A table of the ground, say, would lie over its neighbours: its place stands for it.
-            names = [
-                category.replace("_", " ") if len(category) <= LONGEST_LABEL else f"{place}"
-                for place, category in enumerate(self.categories)
-            ]
+            names = [category.replace("_", " ") for category in self.categories]
             axis.set_ticks(range(len(names)), names)
             set_margin(0.2)
             return

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from harness.pictures.convergence import approach, convergence_figure
 from harness.pictures.work_precision import study_figure
 
-from .conftest import MADE, figures, legend, result, texts
+from .conftest import MADE, caption_of, figures, legend, result, texts
 
 CELLS = (2.0, 4.0, 8.0, 16.0)
 WIDTHS = 1.0 / np.array(CELLS)
@@ -155,6 +155,24 @@ def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene
     figure = study_figure(dataset.assign_attrs(design="list"))
     assert len(fronts(figure)) == 2
     assert legend(figure) == [r"$ξ_{\mathrm{95}}$ = derived", r"$ξ_{\mathrm{95}}$ = 2"]
+
+
+def test_the_soil_of_a_single_front_stands_in_the_caption() -> None:
+    """In the legend there is no room for all that one at a time varies."""
+    parameter = {"role": "parameter", "units": "1"}
+    dataset = timed(
+        "case",
+        [0.1, 0.02, 0.03],
+        [1.0, 2.0, 1.0],
+        "cone_penetration",
+        cells_per_radius=("case", [2, 4, 2], parameter),
+        rigidity_index=("case", [50.0, 50.0, 100.0], parameter),
+    )
+    dataset["error"].attrs["role"] = "error"
+    figure = study_figure(dataset.assign_attrs(design="one_at_a_time"))
+    assert legend(figure) == ["front: no other is faster and better"]
+    told = caption_of(figure).replace("\N{NO-BREAK SPACE}", " ")
+    assert r"All points: $I_{\mathrm{r}}$ = 50." in told
 
 
 def test_a_point_is_a_measured_error_and_never_a_half_width() -> None:

@@ -113,6 +113,19 @@ def test_it_is_drawn_of_cases_that_are_no_grid(design: str, tmp_path: Path) -> N
     np.testing.assert_allclose(drawn, [0.01, 0.02])  # kPa
 
 
+def test_of_one_at_a_time_each_curve_is_whole_and_called_by_what_it_changes(tmp_path: Path) -> None:
+    """Cases have samples at depths of their own."""
+    design = IN_A_ROW[1].replace("[1]", "[1]\nrigidity_index = [50]")
+    of_each = result().isel(adhesion_factor=0, stretch_number=0, drop=True).isel(depth=slice(4))
+    one = of_each.drop_vars(["status", "net_resistance_uncertainty"])
+    between = one.assign_coords(depth=one.depth + 0.5)
+    figure = figures(collected(tmp_path, "sounding", design, one, between, between))["sounding"]
+    assert legend(figure) == ["start", "$α$ = 1", r"$I_{\mathrm{r}}$ = 50"]
+    for axes in figure.axes:
+        assert [np.isfinite(line.get_xdata()).sum() for line in axes.lines] == [4, 4, 4]
+        assert [line.get_xdata().size for line in axes.lines] == [4, 4, 4]
+
+
 def test_depth_goes_downward_and_each_sounding_is_one_curve_with_a_band() -> None:
     figure = sounding_figure(result())
     strength, resistance, factor = figure.axes

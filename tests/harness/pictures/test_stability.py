@@ -12,11 +12,12 @@ from matplotlib.patches import Rectangle
 
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
+from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.effects import tornado_figure
 from harness.pictures.stability import short_reason, stability_figure, stability_rows
 from tests.harness.conftest import as_collected
-from tests.harness.pictures.conftest import collected, figures, legend, texts
+from tests.harness.pictures.conftest import caption_of, collected, figures, legend, texts
 
 VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
@@ -102,8 +103,8 @@ BELOW, ABOVE = f"0.001 (factor 30), {DIVERGED}", f"0.3 (factor 10), {INACCURATE}
         ),
         (TRIED, "speed ratio", "0.01 to 0.4", "none failed down to 0.01", "none failed up to 0.4"),
         (NO_DEFAULT, "speed ratio", "none", *["the default itself, crashed"] * 2),
-        (OUTCOMES, "material", "tresca, von_mises", "no case", "none failed"),
-        (NO_MISES, "material", "tresca", "no case", f"von_mises, {DIVERGED}"),
+        (OUTCOMES, "material", "tresca, von_mises", "", "none failed"),
+        (NO_MISES, "material", "tresca", "", f"von_mises, {DIVERGED}"),
     ],
 )
 def test_what_is_stable_and_what_is_the_margin(
@@ -315,14 +316,49 @@ def test_a_bar_has_the_cases_that_change_its_parameter_alone(vary: str, tmp_path
         assert found["speed ratio"][2] == "0.03 to 0.1"
 
 
-def test_a_value_without_room_on_an_axis_is_told_by_its_place() -> None:
-    ground = "depth [m], strength [kPa]; 0, 20; 99, 20"
-    categories = ("derived", "von_mises", ground)
-    values = Values(name="it", unit="1", numbers=np.arange(3.0), categories=categories)
+GROUND = "depth [m], strength [kPa]; 0, 20; 99, {}"
+
+
+def of_profiles(count: int) -> xr.Dataset:
+    """A case without a profile, and one of each; the last fails."""
+    profiles = ["", *(GROUND.format(place) for place in range(1, count + 1))]
+    return made("one_at_a_time", [*["completed"] * count, "diverged"], profile=profiles)
+
+
+def test_long_texts_have_room_in_a_tornado() -> None:
+    result = of_profiles(2)
+    name = "cone factor over strength at the tip, at the end"
+    result["factor"] = "case", [10.0, 12.0, np.nan], {"role": "headline", "long_name": name}
+    figure = tornado_figure(result)
+    (axes,) = figure.axes
+    assert texts(axes.texts) == ["1"]
+    assert "Not completed: profile = 2." in caption_of(figure)
+    assert axes.get_xlabel() == "cone factor over strength at the tip, at\nthe end [-]"
+
+
+def test_a_value_without_room_on_an_axis_is_told_by_its_number() -> None:
+    ground = GROUND.format(20)
+    values = Values.of(made("list", ["completed"] * 3, it=["", "von_mises", ground]), "it")
     axes = Figure().subplots()
     values.dress(axes, room=6)
     labels = [label.get_text() for label in axes.get_xticklabels()]
-    assert labels == ["derived", "von mises", "2"]
+    assert labels == ["derived", "von mises", "1"]
+    assert values.of_case(2) == "1"
+
+
+def test_the_caption_says_what_numbers_of_long_texts_are() -> None:
+    few, many = (stability_figure(of_profiles(count)) for count in (4, 5))
+    key = "; ".join(f'{it}: "{GROUND.format(it)}"' for it in range(1, 5))
+    assert f"Profile is {key}." in caption_of(few)
+    assert "Profile is numbered in the order of cases." in caption_of(many)
+    lines = few.get_supxlabel().count("\n") - many.get_supxlabel().count("\n")
+    assert few.get_figheight() - many.get_figheight() == pytest.approx(lines * LINE)
+    assert lines > 0
+
+
+def test_beside_texts_stands_what_failed_neither_below_nor_above() -> None:
+    figure = stability_figure(of_profiles(2))
+    assert texts(figure.axes[0].texts) == [f"2, {DIVERGED}"]
 
 
 @pytest.mark.parametrize(
