@@ -40,7 +40,10 @@ def status(options: argparse.Namespace) -> int:
     results.tell_of_other_sources(study, stand)
     file = study_file(options.out, study)
     if all(outcome.status == MISSING for outcome in stand) and file.exists():
-        tell(f"{file} has other cases: give each --set that it was run with, or `status {file}`")
+        tell(
+            f"{file} has other cases: of other settings, so give each --set that it was run with, "
+            f"or of another version of the scene; `status {file}` lists them"
+        )
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
 
