@@ -10,6 +10,7 @@ cannot be installed beside pandas 3. A sounding is a small table: the standard l
 """
 
 import csv
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -242,7 +243,8 @@ def _area(text: str | None, unit: str | None) -> dict[str, float]:
     """The cone's cross-section as `told` has it; nothing where it is 0, or in no unit of areas."""
     name = (unit or "").replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
     found = _numbers([text])
-    return {"cone_area": found[0] / AREAS[name]} if name in AREAS and any(found) else {}
+    is_told = name in AREAS and any(found) and math.isfinite(found[0])
+    return {"cone_area": found[0] / AREAS[name]} if is_told else {}
 
 
 def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:

@@ -51,8 +51,8 @@ def check_begun(study: Study, out: Path) -> None:
     if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
             f"{folder}: has no case of this study; "
-            "run it first, or give each --set that it was run with; those of another version of its "
-            "scene do not count"
+            "run it first, or give each --set that it was run with; those of another version of "
+            "its scene do not count"
         )
 
 

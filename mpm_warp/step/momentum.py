@@ -30,8 +30,8 @@ returns all of a linear field, but what it takes from one motion for another not
 waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
 
 Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short waves of shear
-grow, by up to 7 % a row: what S gives back belongs to soil that has moved on. It takes hundreds of
-rows to see it (`studies/stability.md`).
+grow, with 4 points a cell by up to 7 % a row: what S gives back belongs to soil that has moved on.
+It takes hundreds of rows to see it (`studies/stability.md`).
 
 In cells that are filled in part P may be anything: there is no S where a free surface passes, or
 only far below it (`mpm_warp.parts.free_surface`).

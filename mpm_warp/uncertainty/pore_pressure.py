@@ -23,8 +23,8 @@ the shaft; D_l is the deviator in it, close to what yield allows, D_b that of th
 and w is the share of the 0.06 radii that the layer takes. A mesh makes the layer about half a row
 thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
-width; in very stiff clay nothing is known of u2 then. Half widths grow beyond the rigidity indices
-where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.6 i are
+width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
+indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.6 i are
 the most that it was found to do. A window that is smaller than by default leaves open as much of
 both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How all of
 it was measured is in `uncertainty/README.md`.
@@ -61,7 +61,7 @@ SHOULDER_ERROR = (
     (2.5, 1.9, 3.0, 3.0),
 )
 """S at these rigidity indices (rows) and adhesion factors, of 5 to 56 rows beside the face, above a
-rigidity index of 300 of 5 to 7 or 20."""
+rigidity index of 300 of 5 to 20 at most."""
 SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
 """Power of h in this error; h up to which it grows, and above which cells are wide."""
 STIFFEST_OF_WIDE = {"face": 500.0, "shoulder": 300.0}

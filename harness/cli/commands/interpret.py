@@ -116,11 +116,14 @@ def _check_targets(tables: Mapping[str, str], checks: Mapping[str, str], whole: 
 
 
 def _title_of(path: Path) -> str:
-    """Title of the site that a dataset is of; any other file is refused."""
+    """Title of the site that a dataset is of; any other file is refused, a damaged one too."""
     try:
         said = read_attributes(path)
-    except ArchiveError:
-        said = {}
+    except ArchiveError as error:
+        raise ArchiveError(
+            f"{error}; it is damaged, or was not written by this program: remove it, or give "
+            "another --out"
+        ) from None
     if "site" not in said:
         raise not_own(path)
     return str(said["title"])

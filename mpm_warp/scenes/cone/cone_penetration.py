@@ -85,11 +85,16 @@ class ConePenetration(ConeTestByDefault):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: soil is thrown off, or waves grow on its way through the grid."""
+        return self.failure_told(1.0)
+
+    def failure_told(self, scale: float) -> str:
+        """The same, its speeds times a scale: that of a scene whose speed is over other waves."""
         if self.inertia > GREATEST_INERTIA and self.cells_per_radius < CELLS_AT_SPEED:
             remedy = f"or {CELLS_AT_SPEED:g} cells_per_radius or more"
-            return f"{self._thrown_off(GREATEST_INERTIA)}, {remedy}"
+            return f"{self._thrown_off(GREATEST_INERTIA, scale)}, {remedy}"
         rows, clay = self._grid.row_count, self.clay
-        fastest = max(self.speed_ratio, math.sqrt(self.approach_inertia / self.rigidity_index))
+        of_approach = math.sqrt(self.approach_inertia / self.rigidity_index)
+        fastest = max(self.speed_ratio, of_approach)
         small_step = STEP_OF_MANY_ROWS * clay.pressure_wave_speed / clay.shear_wave_speed
         if (
             rows <= MANY_ROWS
@@ -97,17 +102,19 @@ class ConePenetration(ConeTestByDefault):
             or self.time_step_fraction <= small_step
         ):
             return ""
+        speeds = "speed_ratio and approach_speed_ratio" if of_approach > 0.0 else "speed_ratio"
         return (
             f"soil crosses {rows} rows of cells at {fastest:.2g} of the speed of shear waves, and "
-            f"waves grow from row to row; try speed_ratio and approach_speed_ratio = "
-            f"{SPEED_OF_MANY_ROWS:g} or less, or time_step_fraction = {small_step:.1g}"
+            f"waves grow from row to row; try {speeds} = {scale * SPEED_OF_MANY_ROWS:.2g} or less, "
+            f"or time_step_fraction = {math.floor(10.0 * small_step) / 10.0:g}"
         )
 
-    def _thrown_off(self, limit: float) -> str:
+    def _thrown_off(self, limit: float, scale: float = 1.0) -> str:
         """Why a cone above a limit of rho V^2 / su is too fast, and the speed to take instead."""
+        speed_ratio = scale * math.sqrt(SANE_INERTIA / self.rigidity_index)
         return (
             f"rho V^2 is {self.inertia:.3g} su, and above {limit:g} su soil is thrown off; "
-            f"try speed_ratio = {math.sqrt(SANE_INERTIA / self.rigidity_index):.2g} or less"
+            f"try speed_ratio = {speed_ratio:.2g} or less"
         )
 
     @property

@@ -16,6 +16,7 @@ the soil has borne 2 n xi_p on the average when the body passes it, and so
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,6 +78,11 @@ class CyclicPenetration(FullFlowPenetrometer):
     )
     stroke: float = parameter(8.0, "way from turn to turn over radius", minimum=6, maximum=50)
 
+    def derived(self) -> Mapping[str, float]:
+        """See `FullFlowPenetrometer`; slower where little strength is left."""
+        greatest = 0.99 * math.sqrt(GREATEST_INERTIA * self.strength_left / self.rigidity_index)
+        return {"speed_ratio": min(super().derived()["speed_ratio"], greatest)}
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.inertia > REFUSED_INERTIA:
@@ -101,8 +107,7 @@ class CyclicPenetration(FullFlowPenetrometer):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
-        is_fast = self.inertia > GREATEST_INERTIA
-        return self.thrown_off(GREATEST_INERTIA) if is_fast else self.brittle
+        return "" if self.inertia <= GREATEST_INERTIA else self.thrown_off(GREATEST_INERTIA)
 
     @property
     def loads_solvers(self) -> bool:

@@ -70,7 +70,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     @property
     def likely_failure(self) -> str:
-        """See `CatalogueScene`: remoulded soil is thrown off where the body is fast."""
+        """See `CatalogueScene`: remoulded soil is thrown off, or the clay is brittle."""
         if self.inertia <= GREATEST_INERTIA or self.cells_per_radius >= CELLS_AT_SPEED:
             return self.brittle
         return f"{self.thrown_off(GREATEST_INERTIA)}, and {CELLS_AT_SPEED} cells_per_radius or more"

@@ -193,13 +193,14 @@ class FullFlowPenetrometer(FieldClayScene):
 
     @property
     def brittle(self) -> str:
-        """Why it is likely to fail in clay that loses its strength in little strain; or ""."""
+        """Why a push is likely to fail in clay that loses its strength in little strain; or ""."""
         strain = math.inf if self.ductility is None else self.ductility
         if self.remoulded_strength_ratio >= BRITTLE_STRENGTH or strain >= BRITTLE_STRAIN:
             return ""
         return (
-            "the clay is brittle, and shears in layers thinner than the cells; try a ductility of "
-            f"{BRITTLE_STRAIN:g} or more, or remoulded_strength_ratio = {BRITTLE_STRENGTH:g}"
+            "the clay is brittle, and shears in layers thinner than the cells; no choice of the "
+            f"method is known to help below a ductility of {BRITTLE_STRAIN:g} with a "
+            f"remoulded_strength_ratio below {BRITTLE_STRENGTH:g}"
         )
 
     def thrown_off(self, limit: float) -> str:

@@ -28,13 +28,21 @@ from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH, WITHIN_OF_GREAT
 
 ROUNDED = 1e-9
 """Relative difference of two rows that is none."""
-LEAST_OF_RAMP, STEEP, GREAT = 0.3, 0.2, 0.76
-"""Change from one row to the next over the greater value: above which, and above which over a
-radius, it is felt as a border is; and of strength, above which it is felt farther away."""
+RAMP, LEAST_OF_RAMP, GREAT = 1.5, 0.3, 0.76
+"""Way over a radius within which a change above the second is felt as a border is; and change of
+strength above which it is felt farther away, just more than a factor of four."""
+OF_NO_SCALE = {"adhesion_factor", "stress_anisotropy"}
+"""Columns whose change counts as it is, not over the greater value."""
 TINY = 1e-300
 """In place of a value of 0, to divide by."""
 FILLED_IN: Any = None
 """Default of a column that all ground has."""
+
+
+def _change(name: str, one: Floats, other: Floats) -> Any:
+    """Change of a column from one value to another, of their shape."""
+    scale = np.maximum(np.maximum(np.abs(one), np.abs(other)), TINY)
+    return np.abs(other - one) / (1.0 if name in OF_NO_SCALE else scale)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -190,23 +198,36 @@ class Profile:
     def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
         """Whether the resistance feels a border of the ground, at depths over a radius [m], [n].
 
-        That is a jump, or where much of the ground changes within a few radii.
+        That is a jump, or where much of the ground changes within a radius and a half.
         """
-        top, bottom = self.depth[:-1] / radius, self.depth[1:] / radius
-        columns = self._columns | {"strength": self.strength}
-        changes = {
-            name: np.abs(np.diff(it)) / np.maximum(np.abs([it[:-1], it[1:]]).max(axis=0), TINY)
-            for name, it in columns.items()
-            if name != "depth"
+        columns = {
+            name: values
+            for name, values in self._columns.items()
+            if name not in {"depth", "unit_weight"}
         }
-        change = np.max(list(changes.values()), axis=0)
-        is_jump = (top == bottom) & (change > ROUNDED)
-        is_ramp = (change > LEAST_OF_RAMP) & (change > STEEP * (bottom - top))
         near = np.zeros(len(way), dtype=bool)
-        for row in np.flatnonzero(is_jump | is_ramp):
-            is_great = changes["strength"][row] > GREAT
-            before, behind = WITHIN_OF_GREAT if is_great else WITHIN_HALF_WIDTH
-            near |= (way > top[row] - before) & (way < bottom[row] + behind)
+
+        def feel(top: float, bottom: float, ratio: float) -> None:
+            before, behind = WITHIN_OF_GREAT if ratio > GREAT else WITHIN_HALF_WIDTH
+            near[(way > top / radius - before) & (way < bottom / radius + behind)] = True
+
+        is_jump = np.diff(self.depth) == 0.0
+        for row in np.flatnonzero(is_jump):
+            changes = {name: _change(name, *it[[row, row + 1]]) for name, it in columns.items()}
+            if max(changes.values()) > ROUNDED:
+                feel(self.depth[row], self.depth[row], changes["strength"])
+        jumps = self.depth[1:][is_jump]
+        for way_on in (-RAMP * radius, RAMP * radius):
+            ends = np.sort([self.depth, self.depth + way_on], axis=0)
+            beyond = {
+                name: _change(name, it, np.interp(self.depth + way_on, self.depth, it))
+                for name, it in columns.items()
+            }
+            changed = np.max(list(beyond.values()), axis=0) > LEAST_OF_RAMP
+            for row in np.flatnonzero(changed):
+                top, bottom = ends[:, row]
+                if not ((jumps >= top) & (jumps <= bottom)).any():
+                    feel(top, bottom, beyond["strength"][row])
         return near
 
     def strength_at(self, depth: Floats) -> Floats:

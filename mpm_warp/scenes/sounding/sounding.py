@@ -72,7 +72,7 @@ class Sounding(SoundingTest):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: that of a cone in the strongest soil, where most of the work is."""
-        return self._test.likely_failure
+        return self._test.failure_told(self.speed_ratio / self._test.speed_ratio)
 
     @property
     def _test(self) -> ConePenetration:

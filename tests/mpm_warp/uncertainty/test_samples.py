@@ -104,24 +104,44 @@ def test_near_borders_nothing_is_known_and_the_depths_are_told(index: float) -> 
 
 
 @pytest.mark.parametrize(
-    ("upper", "lower", "thickness", "before", "behind"),
+    ("strengths", "thickness", "before", "behind"),
     [
-        (80.0, 30.0, 0.02, 10.0, 16.0),
-        (80.0, 15.0, 0.02, 16.0, 30.0),  # a change by more than a factor of four
-        (80.0, 60.0, 0.02, 0.0, 0.0),  # little, as rows of a measured profile differ
-        (80.0, 30.0, 0.2, 0.0, 0.0),  # over eleven radii
+        ([80.0, 30.0], 1.1, 10.0, 16.0),
+        ([80.0, 15.0], 1.1, 16.0, 30.0),  # a change by more than a factor of four
+        (np.geomspace(80.0, 10.0, 20), 3.0, 10.0, 16.0),  # in rows that differ little
+        ([80.0, 60.0], 1.1, -50.0, -50.0),  # little, as rows of a measured profile differ
+        ([80.0, 30.0], 11.0, -50.0, -50.0),  # over many radii
     ],
 )
 def test_what_changes_within_a_few_radii_is_a_border(
-    upper: float, lower: float, thickness: float, before: float, behind: float
+    strengths: list[float], thickness: float, before: float, behind: float
 ) -> None:
+    """It is told to the way within which it changes, a radius and a half."""
+    radius = Sounding().cone_radius
+    depths = 8.0 + radius * np.linspace(0.0, thickness, len(strengths))
+    rows = [(0.0, strengths[0]), *zip(depths, strengths, strict=True)]
+    table = "; ".join(f"{depth:.9f}, {strength}, 100" for depth, strength in rows)
     head = "depth [m], strength [kPa], rigidity_index [1]"
-    rows = f"0, {upper}, 100; 8, {upper}, 100; {8 + thickness}, {lower}, 100"
-    sounding = Sounding(profile=f"{head}; {rows}", from_depth=5.0)
+    sounding = Sounding(profile=f"{head}; {table}", from_depth=5.0)
     way = np.arange(-50.25, 50.0)
-    ramp = thickness / sounding.cone_radius
-    near = sounding.ground.near_border(8.0 / sounding.cone_radius + way, sounding.cone_radius)
-    np.testing.assert_array_equal(near, (way > -before) & (way < behind + ramp) & (behind > 0.0))
+    near = sounding.ground.near_border(8.0 / radius + way, radius)
+    assert near[(way > -before) & (way < behind + thickness)].all()
+    assert not near[(way < -before - 1.5) | (way > behind + thickness + 1.5)].any()
+
+
+@pytest.mark.parametrize(
+    ("column", "first", "second"),
+    [
+        ("stress_anisotropy [1]", 0.01, -0.01),
+        ("adhesion_factor [1]", 0.0, 0.01),
+        ("unit_weight [kN/m3]", 10.0, 18.0),
+    ],
+)
+def test_what_changes_nothing_is_no_border(column: str, first: float, second: float) -> None:
+    rows = f"0, 20, {first}; 8, 20, {first}; 8.005, 20, {second}"
+    sounding = Sounding(profile=f"depth [m], strength [kPa], {column}; {rows}", from_depth=5.0)
+    radius = sounding.cone_radius
+    assert not sounding.ground.near_border(np.arange(7.0, 9.0, 0.01) / radius, radius).any()
 
 
 @pytest.mark.parametrize("index", [12.0, 24.0, 80.0])

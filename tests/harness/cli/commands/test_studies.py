@@ -131,8 +131,8 @@ LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
 OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
 CELLS = "cells_per_radius or more"
 BRITTLE = (
-    "the clay is brittle, and shears in layers thinner than the cells; try a ductility of 5 or "
-    "more, or remoulded_strength_ratio = 0.15"
+    "the clay is brittle, and shears in layers thinner than the cells; no choice of the method is "
+    "known to help below a ductility of 5 with a remoulded_strength_ratio below 0.15"
 )
 LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soil is "
 
