@@ -80,8 +80,9 @@ class CyclicPenetration(FullFlowPenetrometer):
 
     def derived(self) -> Mapping[str, float]:
         """See `FullFlowPenetrometer`; slower where little strength is left."""
-        greatest = 0.99 * math.sqrt(GREATEST_INERTIA * self.strength_left / self.rigidity_index)
-        return {"speed_ratio": min(super().derived()["speed_ratio"], greatest)}
+        by_strength = 0.99 * math.sqrt(GREATEST_INERTIA * self.strength_left)
+        relative_speed = min(self.relative_speed, by_strength)
+        return {"speed_ratio": relative_speed / math.sqrt(self.rigidity_index)}
 
     def __post_init__(self) -> None:
         super().__post_init__()
