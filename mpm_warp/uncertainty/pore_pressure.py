@@ -24,10 +24,10 @@ and w is the share of the 0.06 radii that the layer takes. A mesh makes the laye
 thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
-indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and 0.6 i are
-the most that it was found to do. A window that is smaller than by default leaves open as much of
-both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How all of
-it was measured is in `uncertainty/README.md`.
+indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and
+0.6 i are the most that it was found to do. A window that is smaller than by default leaves open as
+much of both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How
+all of it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
