@@ -26,7 +26,7 @@ WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Extents of the window over those of `default_extents`, and speed over that of shear waves in
 stiff clay, by accuracy."""
-GREATEST_INERTIA = {"quick": LARGEST_INERTIA, "fine": 0.2}
+INERTIA_BY_ACCURACY = {"quick": LARGEST_INERTIA, "fine": 0.2}
 """rho V^2 / su up to which that speed is taken: the greatest whose effect is known; fine tests:
 one that leaves 0.01 open."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
@@ -191,7 +191,7 @@ class ConeTestByDefault(ConeTest):
         if not self._is_plain_tresca:
             return ratio
         if self.accuracy != "standard":
-            greatest = (1.0 - ROUNDING) * GREATEST_INERTIA[self.accuracy]
+            greatest = (1.0 - ROUNDING) * INERTIA_BY_ACCURACY[self.accuracy]
             return min(ratio, math.sqrt(greatest / self.rigidity_index))
         of_same_inertia = ratio * math.sqrt(STIFF / self.rigidity_index)
         return max(ratio, min(of_same_inertia, SOFT_SPEED_RATIO))

@@ -9,6 +9,7 @@ import pytest
 from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
+from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.built import why_not_as_measured
 from mpm_warp.uncertainty.cone import why_laws_do_not_hold
 from mpm_warp.uncertainty.laws import LARGEST_INERTIA
@@ -136,6 +137,20 @@ def test_waves_that_grow_on_many_rows_are_told_before_the_run() -> None:
         {"cells_per_radius": 16.17},
     ):
         assert dataclasses.replace(fine, **sound).likely_failure == ""
+
+
+def test_a_remedy_is_told_in_the_speed_of_the_scene() -> None:
+    """That of a sounding is over the waves of the softest soil, here half as stiff."""
+    rows = "0, 20, 100; 4, 20, 100; 4, 20, 200; 9, 20, 200"
+    fast = Sounding(
+        profile=f"depth [m], strength [kPa], rigidity_index [1]; {rows}",
+        speed_ratio=0.45,
+        cells_per_radius=1.5,
+        from_depth=3.0,
+        to_depth=5.0,
+    )
+    scaled = math.sqrt(2.0) * math.sqrt(5.0 / 200.0)
+    assert f"try speed_ratio = {scaled:.2g} or less" in fast.likely_failure
 
 
 @pytest.mark.parametrize(("index", "is_allowed"), [(199.0, True), (201.0, False)])

@@ -74,6 +74,12 @@ def test_the_first_passage_is_that_of_a_body_that_goes_on(
     np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=rounding)
 
 
+def test_the_speed_by_default_is_never_too_fast_for_what_is_left_of_the_strength() -> None:
+    weak = CyclicTBar(remoulded_strength_ratio=0.001, ductility=4.0, cycle_count=3)
+    assert weak.speed_ratio < CyclicTBar().speed_ratio
+    assert weak.likely_failure == ""
+
+
 @pytest.mark.parametrize(("ductility", "is_allowed"), [(50.0, True), (10.0, False)])
 def test_a_bar_too_fast_for_what_is_left_of_the_strength_is_refused(
     ductility: float, is_allowed: bool
