@@ -1,8 +1,7 @@
 """Deliberate errors, `tests/mutations.toml`, and for each the test that is to notice it.
 
-``python tests/mutations.py`` puts each error into a copy of the tree, runs its test alone, and
-writes the table `tests/mutations.md`. ``python tests/mutations.py WORD ...`` tries only those whose
-meaning has one of the words in it, and writes nothing.
+``python tests/mutations.py`` puts each error into a copy of the tree and runs its test alone;
+``python tests/mutations.py WORD ...`` tries those whose meaning has one of the words in it.
 
 Two copies of the tree are at work at the same time. They share a cache of kernels, in which the
 tests without an error leave theirs: with an error only the kernels that it changes are compiled.
@@ -30,19 +29,12 @@ from pathlib import Path
 from queue import SimpleQueue
 
 ROOT = Path(__file__).parent.parent
-TABLE = ROOT / "tests" / "mutations.md"
 COPIED = ("harness", "mpm_warp", "studies", "tests", "pyproject.toml")
 COPIES = 2
 """Copies of the tree in which errors are tried at the same time."""
 TIME_LIMIT = 300.0
 """Time that a test may take with an error in place [s]: many times what any takes without."""
 PASSED, FAILED = "passed", "failed"
-HEAD = """# Deliberate errors and the test that notices each
-
-Written by `python tests/mutations.py`.
-
-| error | file | test |
-|---|---|---|"""
 
 
 @dataclass(frozen=True)
@@ -121,7 +113,7 @@ def copied(tree: Path) -> Path:
 
 
 def tried(mutations: list[Mutation]) -> int:
-    """Try errors, print a line of the table for each; returns how many go unnoticed."""
+    """Try errors, print a line for each; returns how many go unnoticed."""
     nodes = dict.fromkeys(it.test for it in mutations)
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(COPIES) as pool:
         trees = SimpleQueue[Path]()
@@ -142,16 +134,13 @@ def tried(mutations: list[Mutation]) -> int:
                 file.write_text(text)
                 trees.put(tree)
 
-        lines, unnoticed = [], 0
+        unnoticed = 0
         for mutation, (said, reason, seconds) in zip(
             mutations, pool.map(attempt, mutations), strict=True
         ):
             unnoticed += said != FAILED
-            noticed = f"`{mutation.test}`" if said == FAILED else f"**unnoticed**: {said}"
-            lines.append(f"| {mutation.meaning} | `{mutation.file}` | {noticed} |")
-            print(f"{seconds:.0f} s", lines[-1], reason, flush=True)
-    if len(mutations) == len(MUTATIONS):
-        TABLE.write_text("\n".join([HEAD, *lines, ""]))
+            noticed = f"noticed by {mutation.test}" if said == FAILED else f"UNNOTICED: {said}"
+            print(f"{seconds:.0f} s  {mutation.meaning}: {noticed}  {reason}", flush=True)
     return unnoticed
 
 
