@@ -49,9 +49,6 @@ class Part(Checked):
     nothing. At the places on nodes the array "node.velocities" holds (v_r, v_z, u_r, u_z), velocity
     after the step and before it, and "node.mass" the mass, 0 where no particle is near.
 
-    A file with kernels must not have `from __future__ import annotations`: Warp reads the types of
-    a kernel from its annotations, and would raise a `NameError`.
-
     Attributes:
         needs: kinds of parts without which there is none of this kind.
         not_beside: kinds of parts that a scene cannot have beside one of this kind, each with what
@@ -149,11 +146,7 @@ class Scene(Checked):
         return next((part for part in self.parts if isinstance(part, kind)), None)
 
     def __getitem__(self, kind: type[KindOfPart]) -> KindOfPart:
-        """The first part of a kind.
-
-        Raises:
-            SceneError: the scene has none.
-        """
+        """The first part of a kind; `SceneError` where there is none."""
         part = self.find(kind)
         if part is None:
             raise SceneError(f"the scene has no {kind.__name__}")

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from mpm_warp.arguments import Range, check_kind, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
+from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.execution.threads import in_turn
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.plan import Launch, Plan
@@ -53,7 +54,7 @@ class Simulation:
         on_gpu = wp.get_device(execution.device).is_cuda
         self._share_count = 1 if on_gpu else SHARE_COUNT
         plan = make_plan(scene, share_count=self._share_count)
-        self._execution, self._run = execution, execution.begin(plan)
+        self._execution, self._run = execution, DeviceRun(plan, execution.device)
         self.scene = scene
         self.compile_time = self._run.compile_time
         self.setup_time = time.perf_counter() - start - self.compile_time

@@ -6,8 +6,6 @@ import warp as wp
 
 from mpm_warp.arguments import FROM_ONE, check_kind, check_known, check_whole
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.replay import DeviceRun
-from mpm_warp.plan.plan import Plan
 
 
 def device_names() -> list[str]:
@@ -39,7 +37,3 @@ class Execution:
         check_whole("threads", self.threads, FROM_ONE)
         check_known("device", self.device, device_names())
         check_known("threads", self.threads, THREAD_COUNTS)
-
-    def begin(self, plan: Plan) -> DeviceRun:
-        """A run of a plan on the device."""
-        return DeviceRun(plan, self.device)

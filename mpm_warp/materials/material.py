@@ -4,9 +4,6 @@ A law gets the stress of a point, its strain in a step, the time step, its prope
 It gives stress and state. It owns its elasticity, the state that a point starts with, what its
 volume does, a bound on its wave speed and a check of its stress. What it does not have compiles to
 nothing. Most laws are a subclass of `Isotropic`, which brings constant elastic moduli.
-
-A file with kernels must not have `from __future__ import annotations`: Warp reads the types of a
-kernel from its annotations, and would raise a `NameError`.
 """
 
 import functools
@@ -33,8 +30,7 @@ ADHESION_RATIO = "particle.adhesion_ratio"
 """The array of the adhesion ratio of each point, where it varies; shape [slot_count]."""
 
 EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure"
-"""What a law with effective stress calls these two numbers of its state [Pa], compression positive.
-"""
+"""Two numbers of the state of a law with effective stress [Pa], compression positive."""
 
 
 @dataclass(frozen=True)
@@ -146,12 +142,9 @@ class Material(Checked, ABC):
         return np.zeros((*place.shape[:-1], len(self.state)))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """Check that the ground may have a stress before anything moves; any by default.
+        """Raise a `SceneError` where the ground may not have a stress before anything moves.
 
-        It is (rr, zz, rz, tt) over that of the ground's pressure [Pa], shape [4].
-
-        Raises:
-            SceneError: the law does not allow it.
+        By default it may have any; (rr, zz, rz, tt) over the ground's pressure [Pa], shape [4].
         """
         return
 

@@ -107,7 +107,7 @@ class SlipLines:
 
     def _crossing(self, a: Point, b: Point) -> Point:
         """Where the line e = 1 through one point meets the line e = -1 through another."""
-        kappa, found = self.strength_gradient_ratio, Point(b.r, b.z, b.s, 0.5 * (a.psi + b.psi))
+        found = Point(b.r, b.z, b.s, 0.5 * (a.psi + b.psi))
         for _ in range(MOST_ITERATIONS):
             # Along a chord the direction and the coefficients are those of its middle.
             one = 0.5 * (a.psi + found.psi) + 0.25 * math.pi
@@ -115,9 +115,7 @@ class SlipLines:
             along = (b.r - a.r) * math.cos(other) - (b.z - a.z) * math.sin(other)
             along /= math.sin(one - other)
             r, z = a.r + along * math.sin(one), a.z + along * math.cos(one)
-            c_a, c_b = self._strength(a.z, z), self._strength(b.z, z)
-            of_a = self._hoop(c_a, a.r, r) * ((r - a.r) - (z - a.z)) + kappa * (r - a.r)
-            of_b = self._hoop(c_b, b.r, r) * ((r - b.r) + (z - b.z)) - kappa * (r - b.r)
+            (c_a, of_a), (c_b, of_b) = self._terms(a, r, z, 1.0), self._terms(b, r, z, -1.0)
             psi = (a.s - b.s + 2.0 * (c_a * a.psi + c_b * b.psi) - of_a + of_b) / (c_a + c_b) / 2.0
             change = abs(psi - found.psi) + abs(r - found.r)
             found = Point(r, z, a.s - 2.0 * c_a * (psi - a.psi) - of_a, psi)
@@ -127,13 +125,12 @@ class SlipLines:
 
     def _end_on_face(self, a: Point) -> Point:
         """Where the line e = 1 through a point ends on the face, z = (1 - r) cot(half angle)."""
-        kappa, slope, psi = self.strength_gradient_ratio, self._slope, self.face_psi
+        slope, psi = self._slope, self.face_psi
         direction = 0.5 * (a.psi + psi) + 0.25 * math.pi
         along = (1.0 - a.r) * slope - a.z
         along /= math.cos(direction) + slope * math.sin(direction)
         r, z = a.r + along * math.sin(direction), a.z + along * math.cos(direction)
-        c = self._strength(a.z, z)
-        change = self._hoop(c, a.r, r) * ((r - a.r) - (z - a.z)) + kappa * (r - a.r)
+        c, change = self._terms(a, r, z, 1.0)
         return Point(r, z, a.s - 2.0 * c * (psi - a.psi) - change, psi)
 
     @property
@@ -146,13 +143,12 @@ class SlipLines:
         """Angle psi at the face: the shear stress there is the adhesion."""
         return 0.5 * math.pi - self.half_angle - 0.5 * math.asin(self.adhesion_factor)
 
-    def _strength(self, one: float, other: float) -> float:
-        """Strength in the middle between two depths."""
-        return 1.0 + self.strength_gradient_ratio * 0.5 * (one + other)
-
-    def _hoop(self, strength: float, one: float, other: float) -> float:
-        """Strength over radius in the middle between two radii."""
-        return 0.0 if self.planar else strength / max(0.5 * (one + other), 0.5 * CLOSEST)
+    def _terms(self, a: Point, r: float, z: float, e: float) -> tuple[float, float]:
+        """(c, (c / r) (dr - e dz) + e kappa dr) from a point to (r, z) along a line."""
+        kappa, dr, dz = self.strength_gradient_ratio, r - a.r, z - a.z
+        c = 1.0 + kappa * 0.5 * (a.z + z)
+        hoop = 0.0 if self.planar else c / max(0.5 * (a.r + r), 0.5 * CLOSEST)
+        return c, hoop * (dr - e * dz) + e * kappa * dr
 
     def _upward_traction(self, point: Point) -> float:
         """Upward force on the face over the area that it has in plan."""
