@@ -41,6 +41,13 @@ MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
     "steady_tolerance": 0,
 }
 """A short cone test to which its further runs belong."""
+DIRECTED = {
+    "material": "anisotropic",
+    "strength_compression": 20e3,
+    "strength_extension": 10e3,
+    "strength_simple_shear": 15e3,
+}
+"""Clay whose strength depends on direction."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -78,12 +85,16 @@ def layers(*rows: tuple[float, float, float], **given: Any) -> Variation:
     return Variation(depth=depth, strength_ratio=strength, stiffness_ratio=stiffness, **given)
 
 
-def greatest_shear(stress: Floats) -> Floats:
-    """Half the difference of the extreme principal stresses, of (rr, zz, rz, tt), shape [n]."""
+def principal(stress: Floats) -> Floats:
+    """Principal stresses, of (rr, zz, rz, tt), in rising order, shape [n, 3]."""
     centre = 0.5 * (stress[:, 0] + stress[:, 1])
     radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
-    extremes = np.stack([centre - radius, centre + radius, stress[:, 3]])
-    return np.asarray(0.5 * np.ptp(extremes, axis=0))
+    return np.sort(np.stack([centre - radius, centre + radius, stress[:, 3]], axis=1), axis=1)
+
+
+def greatest_shear(stress: Floats) -> Floats:
+    """Half the difference of the extreme ones, shape [n]."""
+    return np.asarray(0.5 * np.ptp(principal(stress), axis=1))
 
 
 def cells_of(simulation: Simulation) -> Integers:

@@ -48,14 +48,8 @@ def test_refusals_name_key_value_and_what_is_allowed(key: str, value: object, sa
     assert "\n" not in message
 
 
-def test_values_take_the_type_of_the_parameter() -> None:
-    scene = ConePenetration(rigidity_index=50, particles_per_cell=9.0)
-    assert isinstance(scene.rigidity_index, float)
-    assert isinstance(scene.particles_per_cell, int)
-
-
-def test_numbers_of_numpy_are_numbers() -> None:
-    for kind in (np.int64, np.float32, np.float64):
+def test_numbers_those_of_numpy_too_take_the_type_of_the_parameter() -> None:
+    for kind in (int, float, np.int64, np.float32, np.float64):
         cone = ConePenetration(rigidity_index=kind(120), particles_per_cell=kind(9))
         assert (cone.rigidity_index, type(cone.rigidity_index)) == (120.0, float)
         assert (cone.particles_per_cell, type(cone.particles_per_cell)) == (9, int)

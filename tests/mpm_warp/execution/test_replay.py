@@ -32,20 +32,21 @@ def wait_until(happened: Callable[[], bool]) -> None:
         time.sleep(0.001)
 
 
-def penetrated(execution: Execution, switches: tuple[int, ...] = ()) -> Simulation:
+def penetrated(*threads: int) -> Simulation:
     """A run after a radius of penetration, whose threads change on the way."""
+    execution = Execution()
     simulation = Simulation(CONE.build(), execution)
-    for fraction, threads in enumerate(switches or (execution.threads,), start=1):
-        execution.threads = threads
-        simulation.travel_to(CONE.cone_radius * fraction / len(switches or (1,)))
+    for part, execution.threads in enumerate(threads, start=1):
+        simulation.travel_to(CONE.cone_radius * part / len(threads))
     assert any(launch.is_shared for launch in simulation.plan.step)
     return simulation
 
 
 @pytest.mark.usefixtures("all_take_part")
-@pytest.mark.parametrize("threads", [2, 4])
-def test_threads_do_not_change_a_bit(threads: int) -> None:
-    assert_same_bits(penetrated(Execution()), penetrated(Execution(threads=threads)))
+@pytest.mark.parametrize("threads", [(2,), (4,), (1, 4, 2, 1)], ids=["2", "4", "come and go"])
+def test_threads_do_not_change_a_bit(threads: tuple[int, ...]) -> None:
+    # The same stops, because a run takes whole steps up to each.
+    assert_same_bits(penetrated(*(1 for _ in threads)), penetrated(*threads))
 
 
 @pytest.mark.usefixtures("all_take_part")
@@ -69,13 +70,6 @@ def test_simulations_in_threads_of_one_process_take_turns() -> None:
     assert len(positions) == len(threads)
     for position in positions:
         np.testing.assert_array_equal(position, alone.array("particle.position"))
-
-
-@pytest.mark.usefixtures("all_take_part")
-def test_threads_may_come_and_go_during_a_run() -> None:
-    # The same stops, because a run takes whole steps up to each.
-    steady = penetrated(Execution(), (1, 1, 1, 1))
-    assert_same_bits(steady, penetrated(Execution(), (1, 4, 2, 1)))
 
 
 @pytest.mark.usefixtures("all_take_part")
@@ -105,7 +99,7 @@ def test_nobody_waits_for_a_thread_that_has_left_a_step(
             simulation.advance(400)
     assert calls[unlucky] == 3
     assert calls[1 - unlucky] < 100  # the other does not go on alone for long
-    test_threads_do_not_change_a_bit(2)  # of another run, with the same threads
+    test_threads_do_not_change_a_bit((2,))  # of another run, with the same threads
 
 
 def test_steps_are_the_same_one_by_one_as_on_a_gpu(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,7 @@ from mpm_warp.parts.history import History
 from mpm_warp.planning import make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import Simulation
-from tests.mpm_warp.conftest import Recording, greatest_shear
+from tests.mpm_warp.conftest import Recording, greatest_shear, principal
 from tests.mpm_warp.materials.conftest import points_on, returned
 
 TIME_STEP = 1e-3
@@ -69,13 +69,6 @@ TRESCA, VON_MISES = (criterion(strength=STRENGTH, **ELASTIC) for criterion in (T
 
 def trials(spread: float, count: int = 2000) -> Floats:
     return np.random.default_rng(1).normal(scale=spread, size=(count, 4))
-
-
-def principal(stress: Floats) -> Floats:
-    """Principal stresses in rising order, shape [n, 3]."""
-    centre = 0.5 * (stress[:, 0] + stress[:, 1])
-    radius = np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
-    return np.sort(np.stack([centre - radius, centre + radius, stress[:, 3]], axis=1), axis=1)
 
 
 def deviators(stress: Floats) -> Floats:

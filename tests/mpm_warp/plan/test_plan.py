@@ -155,12 +155,8 @@ def following(now: float, critical: float, fraction: float = 0.8) -> float:
     return control.following(now, np.zeros)
 
 
-def test_the_time_step_stays_while_it_is_nearly_right() -> None:
-    assert following(0.8, critical=1.0) == 0.8
-    assert following(0.8, critical=1.0 / 1.02) == 0.8
-
-
-def test_the_time_step_is_ready_for_the_critical_one_to_fall_on() -> None:
+def test_the_time_step_stays_while_it_is_nearly_right_and_is_ready_for_a_further_fall() -> None:
+    assert following(0.8, critical=1.0) == following(0.8, critical=1.0 / 1.02) == 0.8
     assert following(0.8, critical=1.0 / 1.06) == pytest.approx(0.8 / 1.06**2)
 
 

@@ -10,7 +10,7 @@ from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
-from tests.mpm_warp.conftest import refused
+from tests.mpm_warp.conftest import DIRECTED, refused
 from tests.mpm_warp.scenes.conftest import scene
 
 cone_test = partial(scene, "cone_penetration")
@@ -46,12 +46,6 @@ def test_what_no_clay_is_like_is_refused_in_one_line(given: dict[str, float], me
 
 FACTOR = xr.Variable((), 9.0, {"long_name": "cone factor"})
 CONE = xr.Dataset({"cone_factor": FACTOR, "pore_pressure_factor_shoulder": ((), 4.5)})
-DIRECTED = {
-    "material": "anisotropic",
-    "strength_compression": 20e3,
-    "strength_extension": 10e3,
-    "strength_simple_shear": 15e3,
-}
 
 
 def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None:

@@ -29,7 +29,7 @@ from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
-from tests.mpm_warp.conftest import MEASURABLE
+from tests.mpm_warp.conftest import DIRECTED, MEASURABLE
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
 GUIDE = Path(__file__).parents[3] / "studies" / "guide.md"
@@ -46,13 +46,7 @@ class InOwnClay:
     def build(self) -> Scene:
         scene: Scene = super().build()  # type: ignore[misc]
         assert isinstance(scene.material, Tresca)
-        soil = OwnClay(
-            shear_modulus=scene.material.shear_modulus,
-            poissons_ratio=scene.material.poissons_ratio,
-            density=scene.material.density,
-            strength=scene.material.strength,
-        )
-        return replace(scene, material=soil)
+        return replace(scene, material=OwnClay(**vars(scene.material)))
 
 
 class ConeInOwnClay(InOwnClay, ConePenetration):
@@ -77,8 +71,7 @@ class ConeWithContact(ConePenetration):
     def build(self) -> Scene:
         scene = super().build()
         names = SurfaceContact.__dataclass_fields__
-        values = {name: getattr(scene[SurfaceContact], name) for name in names}
-        own = StrongerContact(**values)
+        own = StrongerContact(**{name: vars(scene[SurfaceContact])[name] for name in names})
         parts = (own if isinstance(it, SurfaceContact) else it for it in scene.parts)
         return replace(scene, parts=tuple(parts))
 
@@ -238,17 +231,11 @@ def test_the_laws_of_this_package_are_called_by_their_names() -> None:
 
 def test_of_clay_with_strength_by_direction_a_cone_is_known_unless_it_softens() -> None:
     offered: Any = ConePenetration.offered()
-    directed = {
-        "material": "anisotropic",
-        "strength_compression": 20e3,
-        "strength_extension": 10e3,
-        "strength_simple_shear": 15e3,
-    }
     for changing, named in (
         ({}, "in anisotropic"),
         ({"remoulded_strength_ratio": 0.5, "ductility": 10.0}, "in Anisotropic clay whose"),
     ):
-        scene = offered(**directed, **changing).build()
+        scene = offered(**DIRECTED, **changing).build()
         assert why_not_as_measured(scene, scene)[0].startswith(
             f"law: the error is not known {named}"
         )
