@@ -16,7 +16,11 @@ class SceneError(ValueError):
 
 
 class ParameterError(ValueError):
-    """A parameter is unknown, or its value is not allowed; `key` is its name as it was given."""
+    """A parameter is unknown, or its value is not allowed.
+
+    Attributes:
+        key: name of the offending parameter, as it was given.
+    """
 
     status = "refused"
 
@@ -38,7 +42,8 @@ class KernelCacheError(OSError):
 class SimulationDiverged(RuntimeError):
     """The run became unstable; the message names what, where and when.
 
-    `curves` are what had been sampled up to there; None where nothing is sampled.
+    Attributes:
+        curves: what had been sampled up to there; None where nothing is sampled.
     """
 
     status = "diverged"
@@ -50,7 +55,11 @@ class WindowOverfull(SimulationDiverged):
 
 
 class _WithoutResult(RuntimeError):
-    """The run came to its end, but not to a result; `curves` has what was computed."""
+    """The run came to its end, but not to a result.
+
+    Attributes:
+        curves: what was computed, scalars included.
+    """
 
     def __init__(self, message: str, curves: "xarray.Dataset") -> None:
         super().__init__(message)

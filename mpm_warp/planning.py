@@ -32,8 +32,10 @@ def make_plan(
 ) -> Plan:
     """The plan of a run, complete. Other kinds of scenes than soil in a grid register their own.
 
-    Launches are split into `share_count` shares, >= 1. The time step [s], > 0, is by default the
-    scene's fraction of the critical one.
+    Args:
+        scene: what to run.
+        share_count: into how many shares its launches are split, >= 1.
+        time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
 
     Raises:
         SceneError: a value is not allowed.

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.parameters import Parameter, Value, parameters_of
 
 ROLES = {
     "headline": "the scalar that the scene is run for; one in each dataset",
@@ -39,10 +39,17 @@ def variable(
     exact_of: str | None = None,
     limit: float | None = None,
 ) -> xr.Variable:
-    """A labelled variable, of a number or a text, or of numbers over `dims`.
+    """A labelled variable.
 
-    The unit of a text is None; `role` is one of `ROLES`, "exact" where it is `exact_of` another. A
-    value of a size beyond the `limit`, > 0, makes the run inaccurate.
+    Args:
+        value: a number or a text, or numbers over `dims`.
+        unit: SI unit; "1" for a dimensionless number; None for a text.
+        meaning: a few words, fit for the axis of a picture.
+        description: how the value came about, where that needs saying.
+        dims: names of the dimensions.
+        role: the part that it plays in the dataset, one of `ROLES`; None for an ordinary result.
+        exact_of: name of the variable that this is the exact value of; its role is then "exact".
+        limit: what the size of the value must not exceed, > 0; beyond it the run is inaccurate.
     """
     labels: dict[str, str | float] = {} if unit is None else {"units": unit}
     labels["long_name"] = meaning
@@ -116,7 +123,7 @@ def parameter_variables(scene: object, results: Collection[object]) -> dict[str,
     """
     return {
         stored_name(name, results): variable(
-            _stored(getattr(scene, name), definition.kind),
+            _stored(getattr(scene, name), definition),
             unit=definition.unit,
             meaning=name.replace("_", " "),
             description=f"{definition.meaning}; {definition.allowed}",
@@ -126,5 +133,7 @@ def parameter_variables(scene: object, results: Collection[object]) -> dict[str,
     }
 
 
-def _stored(value: Value | None, kind: type) -> Value:
-    return value if value is not None else "" if kind is str else np.nan
+def _stored(value: Value | None, definition: Parameter) -> Value:
+    if value is None:
+        return "" if definition.kind is str else np.nan
+    return value

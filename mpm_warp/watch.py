@@ -36,7 +36,11 @@ ROUNDED = 1e-3
 
 
 class ParticleWatch:
-    """Looks at each particle by itself, and at the time step; counts particles at each look."""
+    """Looks at each particle by itself, and at the time step.
+
+    Attributes:
+        particle_count: particles at the last look.
+    """
 
     def __init__(self, run: Run) -> None:
         self._run = run
@@ -251,10 +255,13 @@ def check_contact(
 ) -> None:
     """Check that soil and surface move together along their normal, on nearly all of it.
 
-    It is one from which soil cannot part: `Fault` where they have come apart, or go through each
-    other. `velocity` is that of the soil at its nodes in the last step [m/s], shape [n, 2], `speed`
-    that of the body down through the soil [m/s]. Nodes `on_axis`, [n], are left out: the axis holds
-    the soil there too, and should it come apart, blocks of cells lose theirs.
+    It is one from which soil cannot part. `velocity` is that of the soil at its nodes in the last
+    step [m/s], shape [node_count, 2], `speed` that of the body down through the soil [m/s]. Nodes
+    `on_axis`, shape [node_count], are left out: the axis holds the soil there too, and should it
+    come apart, blocks of cells lose theirs.
+
+    Raises:
+        Fault: they have come apart, or go through each other.
     """
     past = velocity + np.array([0.0, speed])
     normal_speed = np.sum(past * contact.normals, axis=1)

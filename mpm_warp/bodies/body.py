@@ -1,8 +1,11 @@
 """Bodies: square lattices of particles, the loads on them, and the uniform grid around them.
 
-Loads rise linearly in time, then stay. They are taken in the middle of the step:
+Loads rise linearly in time, then stay:
 
     f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
+
+They are taken in the middle of the step: then the impulse of a load is exact in every step in which
+it only rises or only stays.
 
 Shape functions are quadratic B-splines, nine nodes for each particle. Symbols: h cell size, X_0
 lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5 and 1.5.
@@ -76,7 +79,10 @@ def body_loads(
     half_step: real,
     particle_load: wp.array[vec2],
 ):
-    """Forces of all loads on each particle, by their (t_0, T); launched over particles."""
+    """Forces of all loads on each particle; launched over particles.
+
+    `load_schedule` holds (t_0, T) of each load.
+    """
     p = wp.tid()
     middle = load_time[0] + half_step
     total = vec2()
@@ -206,7 +212,8 @@ def first_node(where: real, node_count: int) -> int:
 def spline(where: real, h: real, node_count: int):
     """Lowest of the three nodes of a place, and of the three N, dN/dx [1/m] and X - x [m].
 
-    f is limited, so that a particle that has left the grid stays finite until the watch finds it.
+    f is limited to its range: a particle that has left the grid stays finite until the watch finds
+    it.
     """
     first = first_node(where, node_count)
     f = wp.clamp(where - real(first), half, high)
@@ -257,7 +264,11 @@ class InterfaceFrame:
         spacing: float,
         material: LinearElastic,
     ) -> Body:
-        """Whole particles at a spacing between two coordinates along it and two heights [m]."""
+        """A rectangle of a whole number of particles at a spacing [m].
+
+        It is between two coordinates along the interface, and two distances from it, outward
+        positive [m].
+        """
         across, up = (
             low + spacing * (np.arange(round((high - low) / spacing)) + 0.5)
             for low, high in (extent, heights)
@@ -274,7 +285,8 @@ class InterfaceFrame:
     ) -> UniformGrid:
         """A grid that holds the bodies, also when the first has gone so far [m] along the line.
 
-        The offset is the distance of the nodes from the origin over the cell size, 0 to 1.
+        The offset is the distance of the nodes from the origin of the coordinates over the cell
+        size [m], 0 to 1.
         """
         travelled = bodies[0].position + travel * self.along
         occupied = np.concatenate([travelled, *(body.position for body in bodies)]) / cell_size

@@ -7,12 +7,18 @@ weights (1 2 1) x (1 2 1) of a node and its neighbours; l spacing of particles a
     n = -b / |b|, b = sum w a_B;    A_k = a_A . n
     s_A = max over A's particles near the node of x . n + l/2,    gap = -(s_A + s_B)
 
+The normal of a node that few particles reach is poor, and a normal that is off by degrees acts as
+friction of that many per cent. So normals are those of a neighbourhood.
+
 Then m mass, v velocity predicted for each alone, v_S that of both together, d = v_A - v_S; mu
 friction coefficient, a adhesion:
 
     P = A_k sum_j (max(m_A d . n, 0)_j / sum_i A_i)    j near k, i near j: within two cells
     J = law(m_A, d, n, P, mu P + a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
+
+The nodes on either side of an interface share its normal force in a way that stresses leave open.
+So what presses a node is its share, by area, of the normal impulses around it; their sum stays.
 
 With v_S = (m_A v_A + m_B v_B) / (m_A + m_B) the law's m_A (v_A - v_S) is the reduced mass
 m_A m_B / (m_A + m_B) times v_A - v_B, the same for either body but for its sign. So one impulse

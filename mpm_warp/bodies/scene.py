@@ -1,6 +1,8 @@
 """What a user declares for bodies in contact: particles of several bodies on one uniform grid.
 
-In SI units; plane strain per unit thickness, axisymmetric per radian.
+Each body has a velocity field of its own. Where two bodies meet, and along which normal, is found
+from their particles in every step; nothing of it is declared. A part that is None, or empty, costs
+nothing in the run. SI units; plane strain per unit thickness, axisymmetric per radian.
 """
 
 import itertools

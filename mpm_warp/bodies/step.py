@@ -1,10 +1,27 @@
 """The step of bodies: from particles to the nodes of the field of their body, contact, and back.
 
-The equations are in the README of this folder. In them stress is (xx, yy, xy, zz), L the velocity
-gradient (xx, xy, yx, yy, zz), D its symmetric part; in axisymmetry x, y are r, z. Without the term
-of second order in L a body that turns grows. A Kelvin-Voigt solid has a viscous stress beside:
+Each body has a velocity field of its own, as if it were alone. Symbols: m mass, V volume, v
+velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load, d_i = x_i - x offset of node
+i, N_i its shape function, h cell size. In axisymmetry x, y are r, z.
 
-    sigma_v = tau (K tr L + 2 G dev L),    W <- W + dt V sigma_v : L      what it has dissipated
+    m_i     = sum m N_i
+    (m v)_i = sum m N_i (v + B d_i)
+    f_i     = sum N_i f_p - V (sigma_xx dN/dx + sigma_xy dN/dy + sigma_zz N/r,
+                               sigma_xy dN/dx + sigma_yy dN/dy)
+    a_i     = sum V (dN/dx + N/r, dN/dy)      by the divergence theorem the integral of N n
+    v_i     = ((m v)_i + dt f_i) / m_i
+
+and back, after contact, L the velocity gradient (xx, xy, yx, yy, zz):
+
+    v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
+    L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
+                                     symmetric part of L; without this term a body that turns grows
+    x <- x + dt v,       V <- V exp(dt tr L)
+    sigma <- R sigma R' + dt (K tr L + 2 G dev L)
+    sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
+    W <- W + dt V sigma_v : L                        what it has dissipated
+
+The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans. Graph. 34(4):51).
 
 Arrays over "field" have a row for each body and a column for each node.
 """

@@ -1,8 +1,13 @@
 """Laws with parameters of their own: those of this package, and of others by entry points.
 
-The README says how a package offers one. Fields that its class makes by `parameter` are parameters
-of every scene that takes a law, to be given with the name of its entry point as `material`; its
-other fields are given by the scene, see `GIVEN`.
+Other packages offer laws by the entry point group `mpm_warp.materials`, in their pyproject.toml:
+
+    [project.entry-points."mpm_warp.materials"]
+    my_clay = "their_package.my_clay:MyClay"
+
+The class is a `Material`. Fields that it makes by `mpm_warp.parameters.parameter` are its own:
+every scene that takes a law has them as parameters, to be given with `material = "my_clay"`. Its
+other fields are given by the scene, by their names: see `GIVEN`.
 """
 
 import functools

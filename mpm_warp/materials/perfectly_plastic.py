@@ -29,9 +29,13 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class UndrainedClay(Isotropic):
-    """The base of all clays whose volume stays elastic: it has a strength."""
+    """The base of all clays whose volume stays elastic: it has a strength.
 
-    # su [Pa], > 0: in pure shear, or in triaxial compression where it depends on direction
+    Attributes:
+        strength: undrained shear strength su [Pa], > 0: in pure shear, or in triaxial compression
+            where it depends on direction.
+    """
+
     strength: float = checked(POSITIVE, unit="Pa")
 
     @property

@@ -100,7 +100,10 @@ def move_wall(
     wall_motion: wp.array[vec3],
     grid_rows: wp.array[vec5],
 ):
-    """A step of the wall, its speed rising linearly to the final one; over rows of nodes."""
+    """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
+
+    `wall_motion` is (time [s], speed [m/s], radius [m]) of the wall.
+    """
     j = wp.tid()
     before = wall_motion[j]
     time = before[0] + time_step
@@ -184,7 +187,10 @@ def push(
     node_velocities: wp.array[vec4],
     wall_impulse: wp.array[real],
 ):
-    """The wall carries its nodes along, without shear, and notes impulses; over rows of nodes."""
+    """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
+
+    Launched over the rows of nodes.
+    """
     j = wp.tid()
     node = j * (column_count + 1)
     v = node_velocities[node]

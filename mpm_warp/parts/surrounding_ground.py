@@ -1,15 +1,25 @@
 """The ground around a travelling window: it moves as the body in the window moves it.
 
-The body puts the volume pi R^2 into the ground per unit of its travel, R being the radius of the
-shaft behind it. From afar that is a point source in incompressible elastic ground, whose velocity
-and stress are in the README; the velocity is harmonic, so that the mean stress stays. Bottom and
-top of the grid have this velocity. Along the side, spring k and dashpot c of a node act about that
-motion, per radian and for each component, A its area and t the growth of the source's traction per
-travel, v the source's velocity over V, the speed of the body:
+The body makes room for itself: it puts the volume pi R^2 into the ground per unit of its travel, R
+being the radius of the shaft behind it. From afar that is a point source. With x = (r, z) seen
+from the source, z upward, d = |x|, and V the speed of the body, incompressible elastic ground has
+
+    v = V R^2 / 4 x / d^3                                          velocity
+
+which is harmonic, so that the mean stress stays. On the source's path from infinitely far below the
+ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
+
+    2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
+    q = 1 / (d (d - z)) = (1 + z / d) / r^2
+
+Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
+about that motion, per radian and for each component, A its area and t the growth of the source's
+traction per travel, v the source's velocity over V:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
 Where a free surface passes, a node with less mass than beside full cells has as much less of k, c.
+
 Soil that enters at the bottom has the velocity and the stress of the source, and springs that enter
 beside it hold that stress. Where the material varies, stress, springs and dashpots are those of the
 soil's own stiffness; k and t are in proportion, so that the motion is that of uniform ground.

@@ -1,6 +1,7 @@
 """The window: the grid travels with the penetrometer down through the soil.
 
-Its motion is kept on the device so that a recorded step can be replayed as it is.
+Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
+device so that a recorded step can be replayed as it is. Soil enters below and leaves above.
 """
 
 import math
@@ -179,7 +180,10 @@ def advance_window(
     slowing_travel: real,
     window_motion: wp.array[real],
 ):
-    """One step: the speed rises linearly in time, at last falls in travel; launched once."""
+    """One step of the motion: the speed rises linearly in time; launched once.
+
+    At the end of an approach it falls again, linearly in travel.
+    """
     window_motion[2] += time_step * window_motion[1]
     window_motion[0] += time_step
     risen = speed * wp.min(window_motion[0] / ramp_time, one)

@@ -1,8 +1,14 @@
 """What a scene of the catalogue is, and which scenes there are: those of this package, and others.
 
-A scene is a subclass of `CatalogueScene` without abstract methods, in any module below
-`mpm_warp.scenes`, or of another package by an entry point. Its name is that of the class in small
-letters, with underscores between the words: `ConePenetration` is "cone_penetration".
+A scene can be named, parametrised, verified and run. It is a subclass of `CatalogueScene` without
+abstract methods, in any module below `mpm_warp.scenes`. Its name is that of the class in small
+letters, with underscores between the words: `ConePenetration` is "cone_penetration". A new scene is
+one new file and nothing else.
+
+Other packages offer scenes by the entry point group `mpm_warp.scenes`, in their pyproject.toml:
+
+    [project.entry-points."mpm_warp.scenes"]
+    pile_driving = "their_package.pile_driving:PileDriving"
 """
 
 import functools
@@ -14,7 +20,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -70,17 +76,14 @@ def compared(
     **bounds: float,
 ) -> tuple[Verification, ...]:
     """A `Verification` with each of the settings, or one with all by default; bounds by name."""
-    return tuple(
-        Verification(
-            resolution=resolution,
-            resolutions=resolutions,
-            bounds=bounds,
-            least_order=least_order,
-            settings=of_one,
-            extreme=extreme,
-        )
-        for of_one in settings or ({},)
+    by_default = Verification(
+        resolution=resolution,
+        resolutions=resolutions,
+        bounds=bounds,
+        least_order=least_order,
+        extreme=extreme,
     )
+    return tuple(replace(by_default, settings=of_one) for of_one in settings or ({},))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,23 +95,26 @@ class CatalogueScene(ABC):
     (`record`).
 
     Raises:
-        mpm_warp.errors.ParameterError: where a name is unknown or a value is not allowed.
+        mpm_warp.errors.ParameterError: on construction, where a name is unknown or a value is not
+            allowed.
     """
 
-    summary: ClassVar[str]  # one line on what the scene simulates
-    version: ClassVar[int] = 1  # raised when the same parameters give other numbers
-    # whether its results measure the machine, so that no other case may run beside it
+    summary: ClassVar[str]
+    """One line on what the scene simulates."""
+    version: ClassVar[int] = 1
+    """Raised whenever the same parameters no longer give the same numbers."""
     runs_alone: ClassVar[bool] = False
-    # parameters of the method alone: without its error, the headline would not depend on them
+    """Whether its results measure the machine, so that no other case may run beside it."""
     method: ClassVar[tuple[str, ...]] = ()
-    # comparisons with the exact solution, where there is one: its results hold `error`
+    """Parameters of the method alone: without its error, the headline would not depend on them."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
-    # result that published values can be set beside, as ``cone_factor``; or none
+    """Comparisons with the exact solution, where there is one: its results hold `error`."""
     comparable: ClassVar[str | None] = None
-    # parameters of laws of other packages; None where `material` names another law
+    """Result that published values can be set beside, as ``cone_factor``; or none."""
     of_other_laws: ClassVar[tuple[str, ...]] = ()
-    # parameter that says how far a run goes at most, over which snapshots are taken; or none
+    """Parameters of laws of other packages; None where `material` names another law."""
     snapshots_over: ClassVar[str | None] = None
+    """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
 
     def __new__(cls, **values: object) -> Self:
         """Refuse an unknown name with what to give instead, which `__init__` would not say."""
@@ -178,18 +184,21 @@ class CatalogueScene(ABC):
         """Simulate the scene.
 
         Args:
-            progress: True for a progress bar on the terminal; or a function, which is called with
-                the fraction done: with 0 when the first step is begun, at the end with 1.
+            progress: True for a progress bar on the terminal; or a function, which is called now
+                and then with the fraction done: with 0 when the first step is begun, at the end
+                with 1.
             execution: device and threads; default: one thread of the processor.
             snapshots: are taken on the way, whatever ends the run; they change no result by a bit.
 
         Returns:
-            Curves, scalars, what they cost, and all parameters; one with the name of a result is
-            called ``<name>_parameter``. Each variable has the attributes `units` and `long_name`,
-            and where it is not an ordinary result a `role`, one of `mpm_warp.results.ROLES`.
+            Curves, scalars, what they cost, and all parameters. Each variable has the attributes
+            `units` and `long_name`; `role` says what it is, where it is not an ordinary result:
+            one of `mpm_warp.results.ROLES`. A parameter whose name is that of a result is called
+            ``<name>_parameter``.
 
         Raises:
-            mpm_warp.errors.SimulationDiverged: the run became unstable; `curves` has what there is.
+            mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
+                recorded up to there.
             mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
             mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
             mpm_warp.errors.SceneError: the scene takes no snapshots, or has more steps than can be
@@ -259,7 +268,11 @@ Where the package importlib_metadata is loaded, as by Dask, an entry point is on
 
 
 def scene_names() -> tuple[str, ...]:
-    """Names of all scenes, sorted; `UnknownSceneError` where two have the same."""
+    """Names of all scenes, sorted.
+
+    Raises:
+        UnknownSceneError: two scenes have the same name.
+    """
     return tuple(sorted(_all_scenes()))
 
 

@@ -32,9 +32,9 @@ class ClayScene(CatalogueScene):
     """A scene in clay of one stiffness and one strength, or of a law of another package.
 
     Raises:
-        mpm_warp.errors.ParameterError: also for a rate factor without a reference strain rate, a
-            remoulded strength without a ductility, a strength that falls too steeply, or a
-            parameter of another law than that of `material`.
+        mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
+            strain rate, a remoulded strength without a ductility, a strength that falls too
+            steeply, or a parameter of another law than that of `material`.
     """
 
     rigidity_index: float = parameter(

@@ -68,7 +68,12 @@ class RunSize:
 
 
 def size_in_grid(scene: Scene, duration: float) -> RunSize:
-    """The size of a run of so many seconds of soil in a grid, every cell of which may hold soil."""
+    """The size of a run of soil in a grid, every cell of which may hold soil.
+
+    Args:
+        scene: what is run; its stiffest soil has its fastest waves.
+        duration: time to the end of the run [s].
+    """
     grid, window = scene.grid, scene.find(MovingGrid)
     slots, wave_speed = 1.0, scene.material.pressure_wave_speed
     if window is not None:

@@ -1,10 +1,19 @@
-"""Stages 2 and 5: the mean stress of each cell; its rates, and what they do to points in a step.
+"""Stage 2: the mean stress of each cell.
 
-The equations are in the README. The velocity gradient (rr, rz, zr, zz, tt) of stage 5 is
+Symbols: sigma stress (rr, zz, rz, tt), m mass, h length of a cell, rho density, c pressure wave
+speed, b coefficient of the bulk viscosity, M mass of a cell that is full.
 
-    L = sum over nodes (v_r G_r, v_r G_z, v_z G_r, v_z G_z, v_r G_t) / V
+    sigma_c = sum m sigma / sum m + b rho c h div v            mean stress and bulk viscosity
+    sigma_c <- min(sum m / M, 1) sigma_c                       where a free surface may pass
 
-and the motion of a cell that which `motion_of` makes of it.
+Stage 5: the mean velocity gradient of each cell, and what it does to points in a step.
+
+Symbols: v velocity of the nodes after the step, G_i the integrals over a cell of
+(dN_i/dr r, dN_i/dz r, N_i), V volume of the cell, L velocity gradient (rr, rz, zr, zz, tt).
+
+    L       = sum over nodes (v_r G_r, v_r G_z, v_z G_r, v_z G_z, v_r G_t) / V
+    div v_c = L_rr + L_zz + L_tt
+    motion  = (e, R)       strain and rotation by the spin in a step, see `motion_of`
 """
 
 import functools

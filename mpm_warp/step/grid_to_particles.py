@@ -1,9 +1,14 @@
 """Stage 6: particles take velocity, position and stress from the grid.
 
-The equations are in the README. Where a particle takes a share a of its velocity from the grid as
-it is (PIC fraction), with u before the step,
+Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, e
+and R strain of the cell in the step and rotation by its spin, q properties and s state of the
+particle, U the velocity of the soil past a grid that travels, E the displacement by the flow within
+the cell where velocities are interpolated so, a the share of its velocity that a particle takes
+from the grid as it is (PIC fraction).
 
-    v_p <- v_p + N (v - u) + a (N u - v_p)
+    v_p   <- v_p + N (v - u)                    + a (N u - v_p) where a share a is taken as it is
+    x_p   <- x_p + dt (N v + U) + E
+    sigma, s <- law(R sigma R', e, dt, q, s)
 """
 
 import functools

@@ -1,19 +1,33 @@
-"""Stage 3: the momentum equation of the nodes; its equations and symbols are in the README.
+"""Stage 3: the momentum equation of the nodes.
 
-The force is that of full cells, whatever particles are near the node at the moment; so the least
-mass M bounds what it can do to a node that has few.
+Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass, M half a quarter of the mass of the cells
+around a node when they are full, u and v velocity before and after the step, G_i the integrals over
+a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one; of a cell:
+v_ij velocity of its nodes after the step before, rho density, V volume.
+
+    f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
+                                sigma_rz G_r + sigma_zz G_z)
+    u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)
+    v_i     = u_i + dt f_i / max(m_i, M_i)
+
+The force is that of full cells, whatever particles are near the node at the moment; so M bounds
+what it can do to a node that has few.
 
 A field that particles have from the nodes comes back to them smoothed, as if it had diffused: each
 particle spreads its momentum over the nodes of its cell. That takes the mean of xi (1 - xi) over
 the particles of a cell, times second differences. The operator S gives back the part k of it that
 is taken wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
 
+    (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -
+    X, Y    = v_10 - v_00 + v_11 - v_01,  v_01 - v_00 + v_11 - v_10
+
 Why so much: of a motion that alternates from node to node the particles return the share P, 1/4 to
 1/2 for n = 2, and S the share A, 1/2. The force f acts on the nodes at once, and on what comes back
 one step later: v' = v + f - q, q' = A q + (1 - A - P) f. An oscillator is then stable up to 0.93 of
-the critical time step, without S up to 0.76 of it, and at no time step where A + P > 1. The affine
-part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Graph. 34(4):51) returns all of
-a linear field, but what it takes from one motion for another not the other way.
+the critical time step, without S up to 0.76 of it, and at no time step where A + P > 1. With the
+affine part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Graph. 34(4):51), which
+returns all of a linear field, but what it takes from one motion for another not the other way,
+waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
 
 Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short waves of shear
 grow, with 4 points a cell by up to 7 % a row: what S gives back belongs to soil that has moved on.

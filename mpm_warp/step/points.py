@@ -2,8 +2,15 @@
 
 A slot of these arrays holds a particle in the grid, or none: its cell is then (-1, -1). Every array
 called `particle.*` belongs to the particles: what enters through a window, and what moves, brings
-all of them along, whichever they are. In stage 1 they give mass and momentum to nodes, and stress
-to cells; the equations are in the README.
+all of them along, whichever they are.
+
+Stage 1: particles give mass and momentum to nodes, and stress to cells.
+
+Symbols: m mass, v velocity, sigma stress, N_i shape function of node i at the particle.
+
+    m_i       = sum m N_i
+    (m v)_i   = sum m N_i v
+    sigma_c   = sum m sigma / sum m            the mean over the cell; divided in stage 2
 """
 
 import functools

@@ -5,8 +5,14 @@ and what differs from run to run, makes up the half width: its parts are added a
 `studies/held_out.toml` tests it.
 
 Measured: the case and four runs, which differ from it in one choice of the method each, determine
-the five unknowns of the equation in `scenes/cone/README.md`, whose terms are those of `laws`. This
-is for cases whose error those do not give.
+the unknowns of
+
+    Nc_simulated = Nc + B h + Q h^1.7 + C g^1.5 h^1.3 + S i + W w
+
+with h the width of the cells at the cone over its radius, g their growth, i = rho V^2 / su, and
+w = (extent of the window of the case / extent)^2. These are the laws of `laws`, where B, C and S
+are known from other cases, and from where Q is taken: it hardly differs between cones and clays.
+This is for cases whose error those do not give.
 """
 
 import math
@@ -156,9 +162,17 @@ class ConeRun(TestRun):
 
 
 def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str, xr.Variable]:
-    """The cone factor less what is known of its error, its uncertainty, and their parts.
+    """The cone factor less what is known of its error, and its uncertainty.
 
-    Expected is what the catalogue builds of the same parameters, see `built`.
+    Args:
+        run: the run.
+        built: the scene that was simulated.
+        expected: what the catalogue builds of the same parameters; see `built`.
+
+    Returns:
+        `cone_factor`, its normal part and its correction; `cone_factor_uncertainty` and its parts,
+        each a half width of 95 %. Where nothing is known of the error there is no correction, the
+        uncertainty is not a number, and `why_no_uncertainty` says why.
     """
     laws = run.laws
     by_laws = {name: float(value) for name, value in laws.half_widths().items()}

@@ -1,9 +1,15 @@
 """The error of the resistance of a ball or T-bar, measured by further runs of the case itself.
 
 The case and four runs, which differ from it in one or two choices of the method, determine the
-unknowns of the equation in `scenes/full_flow/README.md`. Its powers of h and V are between those
-observed. The error of the speed is larger with wider cells: hence C. At a pole the first chord is
-the longest, which adds an error in proportion to h. It is a part of the uncertainty.
+unknowns of
+
+    N_simulated = N + M h^2 + S V^1.4 + C h^2 V^1.4 + W / E
+
+with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
+the extent of the window over that of the case. The powers are between those observed
+(`scenes/full_flow/README.md`). The error of the speed is larger with wider cells: hence C. At a
+pole the first chord is the longest, which adds an error in proportion to h. It is a part of the
+uncertainty.
 """
 
 import math

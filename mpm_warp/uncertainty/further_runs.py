@@ -64,15 +64,18 @@ TestT = TypeVar("TestT", bound=Test)
 class TestRun:
     """A run of a test, as far as its error goes."""
 
-    name: ClassVar[str]  # of the value whose error it is, "cone_factor"
-    description: ClassVar[str]  # how that value is defined
-    # what the further run has that measures an effect, as "smaller cells", by effect
+    name: ClassVar[str]
+    """Of the value whose error it is, "cone_factor"."""
+    description: ClassVar[str]
+    """How that value is defined."""
     differences: ClassVar[Mapping[str, str]]
-    # half width of an error over what the best run still has of it, by effect
+    """What the further run has that measures an effect, as "smaller cells", by effect."""
     left_open: ClassVar[Mapping[str, float]]
-    largest_correction: ClassVar[float] = math.inf  # that the laws may take off, over the value
-    # half width of what a hurried approach leaves, over the value; it goes with that of speed
+    """Half width of an error over what the best run still has of it, by effect."""
+    largest_correction: ClassVar[float] = math.inf
+    """Error that the laws may take off, over the value."""
     approach: ClassVar[float] = 0.0
+    """Half width of what a hurried approach leaves, over the value; it goes with that of speed."""
 
     recorded: xr.Dataset  # what came out
 

@@ -1,9 +1,30 @@
 """The laws of the error of a cone factor: what mesh, speed and window add to it.
 
-Their equations and symbols, and how all of it was measured, are in `scenes/cone/README.md`;
-`studies/mesh_error.toml` measures B. B and Q are tables over the rigidity index, and follow the
-adhesion factor. What the laws leave open is given as half widths. They are used for a cone test
-(`cone`), and for each sample of a sounding (`samples`).
+Of the mesh, h the width of the cells at the cone over its radius, g their growth:
+
+    E_mesh = B h + Q h^1.7 + C g^1.5 h^1.3
+
+B and Q by rigidity index, tables, and adhesion factor; of the speed, by the inertia
+i = rho V^2 / su = Ir (V / c_s)^2, c_s the speed of shear waves:
+
+    E_speed = S i
+
+and of the bottom of the window, H its distance from the tip over the cone's radius:
+
+    E_bottom = -D Ir / H^2
+
+and of the top, A its distance from the shoulder and w the way that the cone has gone beyond that
+of a test by default, both over the cone's radius:
+
+    E_top = T (Ir / A^2)^1.5 (1 - exp(-w / (1.7 (A + H))))
+
+and of a bound of Poisson's ratio, which takes b off that of the clay:
+
+    E_bound = -P b
+
+All are taken from the cone factor; what they leave open is given as half widths. How all of it was
+measured is in `scenes/cone/README.md`; `studies/mesh_error.toml` measures B. They are used for a
+cone test (`cone`), and for each sample of a sounding (`samples`).
 """
 
 import math
@@ -103,7 +124,10 @@ ratio, and per ln(Ir) below and above the range that they were measured or teste
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorLaws:
-    """The laws, for one cone factor or an array of them, as simulated; lengths over its radius."""
+    """The laws, for one cone factor or for an array of them; lengths are over the cone's radius.
+
+    All is as simulated.
+    """
 
     rigidity_index: Value  # G/su, shape [...]
     adhesion_factor: Value  # of the face, shape [...]
@@ -262,6 +286,9 @@ def window_uncertainty(extent_ratio: float) -> float:
     lower and u2 0.2 to 0.7 with a radius of 10 and 6 instead of 40; at Ir 400 u2 is 1.3 lower and
     4.2 higher with 10 and 6 instead of 80. Nc by further runs, whose windows are 1.4 times as
     large, is up to 0.8 too low with a radius of 5 to 10, and 0.2 with 12 and 5 above and below.
+
+    Args:
+        extent_ratio: as in `ErrorLaws`.
     """
     return DOMAIN * max(0.0, extent_ratio**2 - 1.0)
 

@@ -43,8 +43,10 @@ def is_steady(values: Sequence[float], span: int, tolerance: float) -> bool:
     What decays exponentially by the factor q over a span, and differs by `tolerance` from one span
     to the next, has tolerance q / (1 - q) to go: about as much where a span halves it.
 
-    The curve so far is at even distances, from where it may be steady at all; a mean is over a
-    `span` of values, >= 1. It is never steady before two spans, nor at a tolerance of 0.
+    Args:
+        values: the curve so far, at even distances, from where it may be steady at all.
+        span: how many of them a mean is over, >= 1; never steady before two spans.
+        tolerance: difference of the two means over the last one, dimensionless; never steady at 0.
     """
     if len(values) < 2 * span:
         return False

@@ -171,9 +171,10 @@ class Bearing(CatalogueScene):
 
 
 def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
-    """The upward force [N] on half a body of unit length, or on a radian of one.
+    """The force of the soil on a body along the line of travel, upward positive [N].
 
-    It is that of normal and tangential forces from the soil at the nodes [N], shape [n, 2].
+    It is that on half a body of unit length, or on a radian of one, of normal and tangential forces
+    from the soil at the nodes [N], shape [node_count, 2].
     """
     normals = contact.normals
     return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))

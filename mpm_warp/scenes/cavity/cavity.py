@@ -46,10 +46,12 @@ class Cavity(ClayScene):
     """
 
     method = ("cells_per_radius", "particles_per_cell", "speed_ratio")
-    exponent: ClassVar[int]  # m: 2 for the cylinder, 3 for the sphere
-    factor: ClassVar[float]  # k: 1 for the cylinder, 4/3 for the sphere
-    # strength of soil of von Mises over su where the cavity takes it to yield
+    exponent: ClassVar[int]
+    """m: 2 for the cylinder, 3 for the sphere."""
+    factor: ClassVar[float]
+    """k: 1 for the cylinder, 4/3 for the sphere."""
     von_mises_strength: ClassVar[float]
+    """Strength of soil of von Mises over su where the cavity takes it to yield."""
 
     rigidity_index: float = redefined(ClayScene, "rigidity_index", minimum=10, maximum=2000)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.495, minimum=0.4)

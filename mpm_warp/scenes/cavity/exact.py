@@ -65,11 +65,11 @@ def strain_rate(strain: Floats, *, exponent: int, growth_rate: float, expansion:
 class ExactCavity:
     """The exact pressures of a cavity."""
 
-    clay: UndrainedClay
+    clay: UndrainedClay  # the clay
     rigidity_index: float  # G/su of the clay
     wall: MovingWall  # how the wall moves, in the time of the run
-    exponent: int  # m
-    factor: float  # k
+    exponent: int  # m, 2 for the cylinder and 3 for the sphere
+    factor: float  # k, 1 for the cylinder and 4/3 for the sphere
     # half the difference of the stresses along and across the wall at yield, over the strength: 1
     # but for von Mises around a sphere
     strength_share: float

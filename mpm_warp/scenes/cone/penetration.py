@@ -35,9 +35,13 @@ class PenetrationCurves:
     """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
 
     `forces` are means over each sample so far, `nodal_forces` those at the nodes over the last one
-    [N], shape [node_count, 2]. The scene has a window, and a `PenetrometerContact` of that radius
-    [m]. `forgetting` is the penetration over the radius in which the soil forgets an approach,
-    `tolerance` the change of the resistance at which it counts as steady; 0: never.
+    [N], shape [node_count, 2].
+
+    Args:
+        simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
+        radius: of the penetrometer [m].
+        forgetting: penetration in which the soil forgets an approach, over the radius.
+        tolerance: change of the resistance over two radii at which it counts as steady; 0: never.
     """
 
     def __init__(

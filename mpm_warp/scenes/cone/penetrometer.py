@@ -1,6 +1,8 @@
 """The penetrometer: a cone below a shaft, the grid fitted to it, its contact, the forces on it.
 
-The places of the standard one, of 10 cm2, are over its radius: a larger one has them in proportion.
+The standard penetrometer is 35.7 mm wide, which is 10 cm2. The cylindrical part of its cone reaches
+10 mm above the shoulder. There begins the friction sleeve, of 150 cm2. These heights are over the
+radius, so that a larger penetrometer has its places in proportion.
 """
 
 import math
@@ -48,9 +50,11 @@ class Penetrometer:
     ) -> Grid:
         """A grid whose rows meet tip and shoulder and whose first column follows the surface.
 
-        All rows are as high as the `rows_on_face`, >= 1, and the extents below the tip and above
-        the shoulder [m] go to the nearest row. `columns` are the distances of the columns of nodes
-        from the shaft, from 0, rising [m].
+        Args:
+            rows_on_face: rows of cells beside the face, >= 1; all rows are as high.
+            columns: distances of the columns of nodes from the shaft, from 0, rising [m].
+            depth_below: extent of the grid below the tip, to the nearest row [m].
+            height_above: extent of the grid above the shoulder, to the nearest row [m], >= 0.
         """
         cell_height = self.cone_height / rows_on_face
         rows_below = max(1, round(depth_below / cell_height))
@@ -106,7 +110,8 @@ class PenetrometerContact(SurfaceContact):
 
     The normal of a node is that of its consistent area vector, the integral of N n over the
     surface, so that on the whole no soil flows through (Engelman, Sani & Gresho 1982, Int. J.
-    Numer. Meth. Fluids 2:225-238). It matters at the shoulder.
+    Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a smooth cone
+    has Nc 10.61 with it, 10.84 with the normal of the face alone, 9.99 with the shaft's.
     """
 
     face_areas: Floats  # integrals of N r along the face for each node [m2], shape [node_count]
@@ -124,13 +129,12 @@ class PenetrometerContact(SurfaceContact):
         *,
         face_adhesion: float,
         shaft_adhesion: float = 0.0,
+        friction: float = 0.0,
         strength: float = math.inf,
-        **others: float,
+        in_situ_stress: float,
+        speed: float = 0.0,
     ) -> Self:
-        """Contact on all nodes of the surface that the grid is fitted to, from the tip upward.
-
-        The `others` are fields of `SurfaceContact` as they are.
-        """
+        """Contact on all nodes of the surface that the grid is fitted to, from the tip upward."""
         tip = int(np.flatnonzero(grid.surface_radius == 0.0)[-1])
         rows = np.arange(tip, grid.row_count + 1, dtype=np.int32)
         nodes = grid.node(0, rows)
@@ -149,14 +153,16 @@ class PenetrometerContact(SurfaceContact):
             normals=vectors / normal_areas[:, None],
             normal_areas=normal_areas,
             adhesion_forces=face_adhesion * face + shaft_adhesion * shaft,
+            friction=friction,
             strength_forces=None if math.isinf(strength) else strength * (face + shaft),
+            in_situ_stress=in_situ_stress,
+            speed=speed,
             face_areas=face,
             shaft_areas=shaft,
             face_adhesion=face_adhesion,
             shaft_adhesion=shaft_adhesion,
             strength=strength,
             half_angle=half,
-            **others,
         )
 
     def forces(self, nodal: Floats) -> PenetrometerForces:

@@ -1,14 +1,20 @@
 """The excess pore pressure beside a penetrometer, where a piezocone measures it.
 
-Each reading is a weighted sum of the pressures of cells.
+It is the change of mean total stress of the soil at the surface; an elastic, perfectly plastic
+undrained clay has no other part. Each reading is a weighted sum of the pressures of cells.
 
     u1  a line through the first two columns of cells, drawn on to the face
     u2  a + b ln(z/R + 0.15), z the height above the shoulder, fitted to the pressure of the first
         column from the third row above the shoulder on; its mean over the height of the filter
     u3  the first column, linear between the middles of its cells
 
-Beside u2 the radial deviator of the same cells is read, s_rr = sigma_rr - tr(sigma) / 3, by which
-u2 is stated (`mpm_warp.uncertainty.pore_pressure`).
+At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
+smears this over two and a half rows; above, it falls in all meshes alike.
+
+Beside u2 the radial deviator of the same cells is read, s_rr = sigma_rr - tr(sigma) / 3. The
+radial stress s_rr - p is the same in the soil that touches the shaft and farther out; s_rr is not,
+and cells do not resolve how it changes. So u2 is stated by the radial stress, and by what s_rr is
+at the shaft (`mpm_warp.uncertainty.pore_pressure`).
 """
 
 import math

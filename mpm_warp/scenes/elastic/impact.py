@@ -80,11 +80,13 @@ class Impact(CatalogueScene):
     method = ("cell_count",)
     loads_solvers = True  # for the shock
     verifications = compared("cell_count", (40, 80), error=0.02, extreme=True)
-    modulus: ClassVar[float]  # modulus of uniaxial strain [Pa]
-    density: ClassVar[float]  # density before the impact [kg/m3]
-    # time step over the critical one, small: a shock strains what it passes by half, and each step
-    # is accurate for small strain
+    modulus: ClassVar[float]
+    """Modulus of uniaxial strain [Pa]."""
+    density: ClassVar[float]
+    """Density before the impact [kg/m3]."""
     time_step_fraction: ClassVar[float]
+    """Time step over the critical one, small: a shock strains what it passes by half, and each step
+    is accurate for small strain."""
 
     speed_ratio: float = parameter(
         0.5, "speed of the impact over that of waves", minimum=1e-6, maximum=0.9
@@ -114,9 +116,10 @@ class Impact(CatalogueScene):
 
     @abstractmethod
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
-        """Heights of the bar's sections from the wall up [m], [n], and weights of their points.
+        """Heights of the bar's sections from the wall up, and weights of the points in each.
 
-        The points, [n, points of a section], are the first of the simulation, at its start.
+        The bar's points are the first of the simulation, at its start. Shapes [section_count] [m],
+        and [section_count, points of a section].
         """
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:

@@ -138,7 +138,10 @@ class ThickCylinder(CatalogueScene):
 
 
 def _wall_displacement(grid: Grid, before: Floats, after: Floats) -> float:
-    """Mean displacement of the inner wall [m], drawn on from the two rings of points beside it."""
+    """Mean displacement of the inner wall [m], by positions of the particles before and after [m].
+
+    It lies on the line through the two rings of particles next to the wall.
+    """
     distance, now = (
         np.hypot(*position.T) if grid.polar else position[:, 0] for position in (before, after)
     )

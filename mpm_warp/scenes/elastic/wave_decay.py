@@ -9,7 +9,7 @@ stresses s = (sigma_zz, sigma_rz) of the cells:
     v_p <- v_p + sum N_ip (v_i - u_i)
     s   <- s + dt E sum G_i v_i
 
-with the symbols of `mpm_warp/README.md`, G_i the velocity gradient that a velocity of the node
+with the symbols of `mpm_warp.step.momentum`, G_i the velocity gradient that a velocity of the node
 makes, E the elastic moduli. These are the rows of a matrix. The eigenvalue that belongs to a wave
 is a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by |a|^2, and w is its
 angular frequency.

@@ -85,7 +85,11 @@ class FullFlow(Bearing):
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlowCylinder(FullFlow):
-    """Half a cylinder on rays, in plane strain: `limit_load` over (diameter times su)."""
+    """Half a cylinder on rays, in plane strain.
+
+    Force over (diameter times su), with D = asin(adhesion factor):
+    pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `LIMIT_LOAD_SOURCE`.
+    """
 
     summary = "force on a cylinder that soil flows around (T-bar), plane strain"
     version = 3

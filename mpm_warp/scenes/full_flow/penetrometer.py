@@ -151,7 +151,8 @@ class FullFlowPenetrometer(FieldClayScene):
         maximum=100,
     )
 
-    relative_speed = 0.3  # speed over sqrt(su / rho), by default: rho V^2 is 9 % of su
+    relative_speed = 0.3
+    """Speed over sqrt(su / rho), by default: rho V^2 is 9 % of su."""
 
     def derived(self) -> Mapping[str, float]:
         """The stiffer the clay, the faster its waves, and the slower the body against them."""

@@ -109,7 +109,11 @@ class Profile:
     def read(cls, text: str) -> Self:
         """A profile from its text, see `table`; columns but depth and strength may be left out.
 
-        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3.
+        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3. Without
+        an adhesion factor or a stress anisotropy the ground has none of its own.
+
+        Raises:
+            ParameterError: something in it is not allowed.
         """
         return cls.of(columns_of(text))
 

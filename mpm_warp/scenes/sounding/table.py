@@ -1,8 +1,17 @@
 """The text of a ground by depth: a table of columns with units.
 
 The text has a header that names columns and units, and a row for each depth; rows are parted by
-new lines or by semicolons, values by commas. Two rows of one depth make the border of two layers. A
-row that begins with # is a remark. `Profile` and the README have examples.
+new lines or by semicolons, values by commas:
+
+    depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
+    0, 40, 100, 18
+    2, 15, 100, 17
+    12, 35, 100, 17
+    12, 80, 150, 19
+    20, 90, 150, 19
+
+Two rows of one depth make the border of two layers. A row that begins with # is a remark. Ground of
+a law with parameters of its own may have these as columns too, by their names.
 
 In place of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress,
 and ground_water [m], the depth of the water table. At each row they give
@@ -12,8 +21,8 @@ and ground_water [m], the depth of the water table. At each row they give
 and its effective stress is linear between rows; where the water table lies between two rows, a row
 is added there. A law of effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
 
-Parameters of a law, which may be columns by their names, are linear between two rows. Strength and
-stiffness that follow from them need not be: so each part between two rows is made of several.
+Parameters of a law are linear between two rows. Strength and stiffness that follow from them need
+not be: so each part between two rows is made of several.
 """
 
 import re
