@@ -15,7 +15,7 @@ its means over classes of the input (first-order effect, Saltelli et al. 2008, c
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ import numpy as np
 import xarray as xr
 
 from harness.interpret.borders import edges_of_runs, near_border, without_borders
+from harness.interpret.columns import GAP
 from harness.interpret.factors import (
     PRESSURE,
     RANGES,
@@ -116,6 +117,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         if between.any():
             reason[between & (reason == 0)] = REASONS.index(OTHER_LAYER)
             notes.append(f"border told at {said:.2f} m, found at {lies:.2f} m")
+    notes += _beyond_the_test(site.layers, depth)
     for number, layer in enumerate(site.layers):
         if "adhesion_factor" not in layer.inputs:  # the sleeve is to tell it
             lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
@@ -150,6 +152,22 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         told = "net resistance without the effect of borders"
         own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
     return found.assign(labelled(dims=("depth",), **own)).assign_attrs(notes="; ".join(notes))
+
+
+def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
+    """Where layers have no test, which goes over `depth`."""
+    first, last = depth[0], depth[-1]
+    above = [
+        f"a layer begins at {layer.top:g} m, the test at {first:g} m"
+        for layer in layers
+        if layer.top < first - GAP
+    ]
+    below = [
+        f"a layer ends at {layer.bottom:g} m, the test at {last:g} m"
+        for layer in layers
+        if layer.bottom > last + GAP
+    ]
+    return above + below
 
 
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:

@@ -68,6 +68,15 @@ def test_water_pressure_is_given_for_all_of_a_test(folder: Path, refusal: Refusa
     assert "u0: is given from 0 to 5 m, the test goes from 1 to 11.9 m" in line
 
 
+def test_layers_that_go_beyond_the_test_are_told(folder: Path) -> None:
+    inside = interpret(load_site(folder / "site.toml"))
+    assert inside.attrs["notes"] == ""
+    beyond = interpret(load_site(changed(folder, (LAYER_ENDS, "from = 0\nto = 30"))))
+    assert beyond.attrs["notes"] == (
+        "a layer begins at 0 m, the test at 1 m; a layer ends at 30 m, the test at 11.9 m"
+    )
+
+
 def test_a_row_on_a_border_is_of_the_lower_layer_alone(folder: Path) -> None:
     """In the numbers, and where they are counted and averaged."""
     lower = (folder / "site.toml").read_text().partition("[[layer]]")[2]
