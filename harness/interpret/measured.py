@@ -66,8 +66,8 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     share_above = float(np.mean(net[there] > 0.0)) if there.any() else 1.0
     if share_above < LEAST_SHARE_ABOVE:
         raise StudyError(
-            f"{test.file}: qt is above sigma_v0, {np.nanmax(stress):.3g} Pa at most, in "
-            f"{share_above:.0%} of the rows; look at the unit of qc"
+            f"{test.file}: only in {share_above:.0%} of the rows is qt above sigma_v0, which is at "
+            f"most {np.nanmax(stress):.3g} Pa; look at the unit of qc"
         )
     effective = np.where(depth > 0.0, stress - u0, 1.0)
     if (effective <= 0.0).any():

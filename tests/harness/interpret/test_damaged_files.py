@@ -47,7 +47,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "unit of qc": (
         "csv",
         replaced("qc [MPa]", "qc [kPa]"),
-        "qt is above sigma_v0, 2.02e+05 Pa at most, in 0% of",
+        "only in 0% of the rows is qt above sigma_v0, which is at most 2.02e+05 Pa",
     ),
     "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
     "a code of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,-0.999,0\n1.51,"), "fs = -999000 Pa"),
