@@ -31,6 +31,7 @@ from harness.compare.result_table import (
     parameter_columns,
     table,
 )
+from mpm_warp.uncertainty.laws import CURVATURE_POWER
 
 ORDERS = np.linspace(0.05, 8.0, 1591)
 """Among which the order of a fit is sought; steps of 0.005."""
@@ -132,6 +133,6 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
         f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
         "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
-        "mesh, B h + Q h^1.5 + C g^1.5 h^1.3, has terms that cancel, so that no power of h fits",
+        f"mesh, B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, has terms that cancel: no power fits",
     ]
     return table(columns, notes)

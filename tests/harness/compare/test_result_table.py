@@ -17,7 +17,7 @@ from harness.compare.result_table import result_table
 from harness.compare.spread import NUMERICAL, TOGETHER, first_order, spread_rows, spreads_of
 from harness.study.files import studies_folder
 from mpm_warp.results import labelled
-from mpm_warp.uncertainty.laws import mesh_error
+from mpm_warp.uncertainty.laws import CURVATURE_POWER, mesh_error
 from tests.harness.conftest import Command, as_collected
 
 
@@ -264,6 +264,7 @@ def test_the_table_from_the_command_line(tmp_path: Path, command: Command) -> No
     write_study(tmp_path / "s.nc", cases())
     told = command("compare", tmp_path / "s.nc", "--standards").out
     assert "least squares: Eca & Hoekstra" in told
+    assert f"Q h^{CURVATURE_POWER:g} +" in told
 
 
 COUNT = 1024
