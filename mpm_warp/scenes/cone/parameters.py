@@ -197,7 +197,8 @@ class ConeTest(FittedToCone, FieldClayScene):
         "standard",
         "what cells, window and speed are by default: fine halves the cells and widens the "
         "window by 1.3, takes some ten times as long, and has two thirds of the uncertainty; "
-        "quick takes a fifth to a tenth of the time, and has up to twice the uncertainty",
+        "quick takes a fifth to a tenth of the time, and has up to twice the uncertainty, at Delta "
+        "-0.5 up to 2.3 times",
         choices=("quick", "standard", "fine"),
     )
     cells_per_radius: float = parameter(
