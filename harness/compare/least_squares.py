@@ -133,6 +133,6 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
         f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
         "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
-        f"mesh, B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, has terms that cancel: no power fits",
+        f"mesh, B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, whose terms cancel: no power fits",
     ]
     return table(columns, notes)
