@@ -215,10 +215,11 @@ def _why_not_of_scene(built: Scene) -> list[str]:
 def check_measurable(laws: ErrorLaws, rows_on_face: int) -> None:
     """Raise `ParameterError` where no law holds by which further runs can measure the error."""
     too_fast = rows_on_face < FEW_ROWS and laws.inertia > INERTIA_WITH_FEW_ROWS
+    most = INERTIA_WITH_FEW_ROWS if rows_on_face < FEW_ROWS else LARGEST_MEASURED_INERTIA
     few = f"speed: rho V^2 is above {INERTIA_WITH_FEW_ROWS:g} su with {rows_on_face} rows of cells"
     for reason in those_that_hold({**laws.why_not_measurable, few: too_fast}):
         raise ParameterError(
             "uncertainty",
             f"uncertainty = measured: {reason}; cells at the cone must be <= {LARGEST_CELL:g} of "
-            f"its radius, and rigidity_index speed_ratio^2 <= {LARGEST_MEASURED_INERTIA:g}",
+            f"its radius, and rigidity_index speed_ratio^2 <= {most:g}",
         )
