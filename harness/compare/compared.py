@@ -118,9 +118,9 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
     """The computed cone factors."""
     if COMPARED not in dataset:
-        raise NothingToCompareError(
-            f"nothing to compare: no {COMPARED}; it is another scene's, or no case completed"
-        )
+        done = np.any(dataset.status == COMPLETED)
+        why = f"the scene has no {COMPARED}" if done else "no case completed"
+        raise NothingToCompareError(f"nothing to compare: {why}")
     return dataset[COMPARED]
 
 

@@ -308,7 +308,7 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
             f"most {REBOUND:g} m are allowed, for a change of rods"
         )
     if not kept.all():
-        notes.append(f"{np.sum(~kept)} rows left out in which the tip stands or goes back")
+        notes.append(f"rows left out in which the tip stands or goes back: {np.sum(~kept)}")
     step = np.diff(depth[kept])
     wide = step > max(GAP, 5.0 * float(np.median(step)) if len(step) else 0.0)
     for top, length in zip(depth[kept][:-1][wide], step[wide], strict=True):

@@ -230,7 +230,7 @@ def cone_factor(
     adhesion_factor: float | Floats = 0.0,
     stress_anisotropy: float | Floats = 0.0,
     rate_factor: float | Floats = 0.0,
-    reference_strain_rate: float = TABLE_RATE,
+    reference_strain_rate: float | None = None,
     remoulded_strength_ratio: float | Floats = 1.0,
     ductility: float | Floats = 20.0,
 ) -> tuple[Floats, Floats]:
@@ -243,7 +243,8 @@ def cone_factor(
         adhesion_factor: of face and shaft, 0 to 1.
         stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), -0.6 to 0.9.
         rate_factor: mu, what a log cycle of strain rate adds to su, over it; 0 to 0.25.
-        reference_strain_rate: shear strain rate at which su holds [1/s], 1e-6 to 1e-2.
+        reference_strain_rate: shear strain rate at which su holds [1/s], 1e-6 to 1e-2; 1 % an
+            hour is 2.8e-6. To be given where there is a rate effect.
         remoulded_strength_ratio: remoulded over intact strength, 0.04 to 1.
         ductility: plastic shear strain xi_95 at which 95 % of that loss is done, 5 to 60.
 
@@ -253,11 +254,13 @@ def cone_factor(
     Raises:
         ParameterError: a value is outside the table.
     """
-    if not TABLE_RATE <= reference_strain_rate <= 1e-2:
+    if reference_strain_rate is None and np.any(np.asarray(rate_factor) != 0.0):
+        raise ParameterError("rate_factor", "rate_factor needs a reference_strain_rate [1/s]")
+    rate = TABLE_RATE if reference_strain_rate is None else reference_strain_rate
+    if not TABLE_RATE <= rate <= 1e-2:
         raise ParameterError(
             "reference_strain_rate",
-            f"reference_strain_rate = {reference_strain_rate:g} must be >= {TABLE_RATE:g} and "
-            "<= 0.01 s-1",
+            f"reference_strain_rate = {rate:g} must be >= {TABLE_RATE:g} and <= 0.01 s-1",
         )
     given = {
         "rigidity_index": rigidity_index,
@@ -267,7 +270,7 @@ def cone_factor(
         "remoulded_strength_ratio": remoulded_strength_ratio,
         "ductility": ductility,
     }
-    own, ratio = at_table_rate({k: np.asarray(v) for k, v in given.items()}, reference_strain_rate)
+    own, ratio = at_table_rate({k: np.asarray(v) for k, v in given.items()}, rate)
     for name, value in own.items():
         low, high = RANGES[name]
         outside = np.atleast_1d(~((value >= low) & (value <= high)))

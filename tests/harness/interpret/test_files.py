@@ -180,7 +180,7 @@ def test_changes_of_rods_and_gaps_are_told(folder: Path) -> None:
     found = columns_of(site_of(folder, "csv", as_csv(rows[:41] + back + rows[41:60] + rows[80:])))
     assert len(found.values["depth"]) == len(rows) - 20
     assert found.notes == (
-        "2 rows left out in which the tip stands or goes back",
+        "rows left out in which the tip stands or goes back: 2",
         "no values from 6.9 to 9 m",
     )
 

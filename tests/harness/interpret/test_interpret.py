@@ -58,7 +58,9 @@ def test_ductility_says_nothing_of_clay_that_does_not_soften() -> None:
 def test_a_factor_follows_the_rate_at_which_the_strength_is_told() -> None:
     """The same ground, told at another rate: Nkt su is the same force."""
     rate, share = 1e-4, 0.1
-    at_table = cone_factor(rigidity_index=100, stress_anisotropy=0.2, rate_factor=share)[0]
+    at_table = cone_factor(
+        rigidity_index=100, stress_anisotropy=0.2, rate_factor=share, reference_strain_rate=1e-6
+    )[0]
     over = 1.0 + share * math.log10(rate / 1e-6)
     faster = cone_factor(
         rigidity_index=100 / over,
@@ -83,7 +85,12 @@ def test_a_factor_follows_the_rate_at_which_the_strength_is_told() -> None:
 )
 def test_a_factor_outside_the_table_is_refused(name: str, value: float) -> None:
     with pytest.raises(ParameterError, match=f"^{name} = .* must be "):
-        cone_factor(**{"rigidity_index": 100.0, name: value})
+        cone_factor(**{"rigidity_index": 100.0, "reference_strain_rate": 1e-6, name: value})
+
+
+def test_a_rate_effect_needs_the_rate_of_the_strength() -> None:
+    with pytest.raises(ParameterError, match=r"^rate_factor needs a reference"):
+        cone_factor(rigidity_index=100.0, rate_factor=[0.0, 0.1])
 
 
 def test_the_strength_of_an_exact_test_is_that_of_the_ground(folder: Path) -> None:
