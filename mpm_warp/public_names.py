@@ -24,6 +24,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.parts.enclosed_soil import EnclosedSoil
 from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.parts.free_surface import FreeSurface, PassingSurface

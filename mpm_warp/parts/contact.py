@@ -150,12 +150,13 @@ class SurfaceContact(Part):
         rubs, bound = bool(self.friction > 0.0), self.bound_of_friction
         travels = "window.motion" in plan.arrays
         moves = travels or bool(self.speed != 0.0)  # numbers may be those of numpy
+        enclosed = "cell.enclosed_modulus" in plan.arrays
         if rubs:
             plan.add_array("contact.rubbing", "real", self.in_situ_stress * self.normal_areas)
         if bound is not None:
             plan.add_array("contact.strength", "real", bound * strength)
         plan.add_launch(
-            _make_surface_contact(travels, rubs, bound is not None, moves),
+            _make_surface_contact(travels, rubs, bound is not None, moves, enclosed),
             len(self.nodes),
             friction=self.friction,
             friction_way=float(scene.grid.cell_lengths.min()),
@@ -238,11 +239,14 @@ def contact_law(
 
 
 @functools.cache
-def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool, moves: bool) -> Any:
+def _make_surface_contact(
+    travelling: bool, rubs: bool, bounded: bool, moves: bool, enclosed: bool
+) -> Any:
     """The kernel, launched over the surface's nodes.
 
     `travelling`: the grid travels with the body, which else has a speed of its own. `rubs`: it has
-    friction; `bounded`: by the strength of the soil; `moves`: the body has a speed.
+    friction; `bounded`: by the strength of the soil; `moves`: the body has a speed; `enclosed`:
+    soil is all around each cell, see `mpm_warp.parts.enclosed_soil`.
     """
 
     @kernel
@@ -267,12 +271,15 @@ def _make_surface_contact(travelling: bool, rubs: bool, bounded: bool, moves: bo
         k = offset + wp.tid()
         node = contact_nodes[k]
         m = node_mass[node]
-        if m <= zero:
-            return
-        v = node_velocities[node]
         n = contact_normals[k]
         # In a grid that travels it sinks at the speed at which the soil passes the grid.
         sinking = window_motion[1] if wp.static(travelling) else speed
+        if m <= zero:
+            if wp.static(enclosed):
+                along_normal = -(sinking * n[1]) * n
+                node_velocities[node] = vec4(along_normal[0], along_normal[1], zero, zero)
+            return
+        v = node_velocities[node]
         d = vec2(v[0], v[1]) + vec2(zero, sinking)
         in_situ = contact_pressure[k] * time_step
         by_force = vec2(v[0] - v[2], v[1] - v[3])

@@ -1,10 +1,12 @@
 """Stage 2: the mean stress of each cell.
 
 Symbols: sigma stress (rr, zz, rz, tt), m mass, h length of a cell, rho density, c pressure wave
-speed, b coefficient of the bulk viscosity, M mass of a cell that is full.
+speed, b coefficient of the bulk viscosity, M mass of a cell that is full, K bulk modulus, e strain
+of the last step.
 
     sigma_c = sum m sigma / sum m + b rho c h div v            mean stress and bulk viscosity
     sigma_c <- min(sum m / M, 1) sigma_c                       where a free surface may pass
+    sigma_c <- (tr sigma_c / 3 + K tr e) 1                     an empty cell that soil encloses
 
 Stage 5: the mean velocity gradient of each cell, and what it does to points in a step.
 
@@ -21,7 +23,19 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.kernel_types import kernel, maybe, one, real, vec3, vec4, vec5, vec7, vec10, zero
+from mpm_warp.kernel_types import (
+    kernel,
+    maybe,
+    one,
+    real,
+    third,
+    vec3,
+    vec4,
+    vec5,
+    vec7,
+    vec10,
+    zero,
+)
 from mpm_warp.materials.elasticity import motion_of
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
@@ -29,21 +43,29 @@ from mpm_warp.step.momentum import correction_of_cell
 
 
 def add_cell_stress(plan: Plan, scene: Scene) -> None:
-    """Add the stage; the plan has "cell.full_mass" where soil may fill cells in part alone."""
+    """Add the stage.
+
+    The plan has "cell.full_mass" where soil may fill cells in part alone, "cell.enclosed_modulus"
+    where soil is all around each (`mpm_warp.parts.enclosed_soil`).
+    """
     grid, viscosity = scene.grid, scene.bulk_viscosity
     plan.add_zeros("cell.stress", "vec4", grid.cell_count)
     if viscosity is not None:
         impedance = scene.material.density * scene.material.pressure_wave_speed
         plan.add_array("cell.viscosity", "real", viscosity * impedance * grid.cell_lengths)
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
-    free_surface = "cell.full_mass" in plan.arrays
+    plan.add_zeros("cell.motion", "vec7", grid.cell_count)
+    free_surface, enclosed = (
+        f"cell.{name}" in plan.arrays for name in ("full_mass", "enclosed_modulus")
+    )
     plan.add_launch(
-        _make_cell_stress(plan.share_count, viscosity is not None, free_surface), grid.cell_count
+        _make_cell_stress(plan.share_count, viscosity is not None, free_surface, enclosed),
+        grid.cell_count,
     )
 
 
 @functools.cache
-def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> Any:
+def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclosed: bool) -> Any:
     """The kernel, launched over cells; it clears the particles' sums of all shares."""
 
     @kernel
@@ -54,6 +76,8 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> An
         cell_dilation_rate: maybe(real),
         cell_viscosity: maybe(real),
         cell_full_mass: maybe(real),
+        cell_enclosed_modulus: maybe(real),
+        cell_motion: wp.array[vec7],
         cell_stress: wp.array[vec4],
     ):
         c = offset + wp.tid()
@@ -67,8 +91,8 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> An
                 cell_mass[share, c] = zero
         mean = (one / m) * sums
         total = mean[0] + mean[1] + mean[2] + mean[3]
-        # A cell that is empty for a moment keeps the stress it had: soil is all around it. So does
-        # one whose soil is not finite, until the watch finds the particle.
+        # A cell that is empty for a moment keeps the stress it had, or the pressure that follows
+        # its volume. One whose soil is not finite keeps it until the watch finds the particle.
         if total - total == zero:
             if wp.static(viscous):
                 q = cell_viscosity[c] * cell_dilation_rate[c]
@@ -78,6 +102,12 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool) -> An
             cell_stress[c] = mean
         elif wp.static(free_surface):
             cell_stress[c] = vec4()
+        elif wp.static(enclosed):
+            if m == zero:
+                had, e = cell_stress[c], cell_motion[c]
+                change = cell_enclosed_modulus[c] * (e[0] + e[1] + e[3])
+                p = third * (had[0] + had[1] + had[3]) + change
+                cell_stress[c] = vec4(p, p, zero, p)
 
     return cell_stress
 
@@ -94,7 +124,6 @@ def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> No
     # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
     weight = scene.material.density * (1.0 - scene.particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)
-    plan.add_zeros("cell.motion", "vec7", grid.cell_count)
     if internal_flow is not None:
         plan.add_zeros("cell.internal_flow", "vec4", grid.cell_count)
     viscous, corrected, blended = (

@@ -180,7 +180,7 @@ class CyclicBall(Ball, CyclicPenetration):
     """
 
     summary = "ball without a shaft, pushed down and pulled up in undrained clay"
-    version = 2
+    version = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,7 +191,7 @@ class CyclicTBar(TBar, CyclicPenetration):
     """
 
     summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version = 4
+    version = 5
 
 
 class ResistanceLoops(ResistanceSamples):

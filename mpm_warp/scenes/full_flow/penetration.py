@@ -206,7 +206,7 @@ class BallPenetration(Ball, FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary = "ball penetrometer pushed through undrained clay to steady flow"
-    version = 5
+    version = 6
 
     shaft_radius_ratio: float = parameter(
         0.316,
@@ -224,7 +224,7 @@ class TBarPenetration(TBar, FullFlowPenetration):
     """
 
     summary = "T-bar pushed through undrained clay to steady flow, plane strain"
-    version = 5
+    version = 6
     verifications = compared(
         "cells_per_radius",
         (3, 4),

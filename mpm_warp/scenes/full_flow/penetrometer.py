@@ -15,6 +15,7 @@ from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow
+from mpm_warp.parts.enclosed_soil import EnclosedSoil
 from mpm_warp.parts.energy import EnergyAudit
 from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
@@ -248,6 +249,7 @@ class FullFlowPenetrometer(FieldClayScene):
                     grid, adhesion=self.adhesion_factor * su, in_situ_stress=NO_PARTING * su
                 ),
                 self.window,
+                EnclosedSoil(),
                 ConservativeInterpolation(),
                 EnergyAudit(),
             ),

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
+from mpm_warp.errors import ParameterError, SimulationDiverged
 from mpm_warp.parameters import parameters_of
+from mpm_warp.parts.enclosed_soil import EnclosedSoil
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
     CyclicPenetration,
@@ -114,6 +115,23 @@ def test_perfectly_plastic_clay_does_not_degrade(plastic: xr.Dataset) -> None:
     assert float(plastic.resistance_ratio) == pytest.approx(1.0, abs=NOISE)
     assert float(plastic.error) == abs(float(plastic.resistance_ratio) - 1.0)
     assert "fitted_cycles" not in plastic
+
+
+def test_a_fast_bar_does_not_lose_the_soil_behind_it() -> None:
+    """At rho V^2 = 3 su cells at its rear pole are empty now and then, and fill again."""
+    fast = CyclicTBar(
+        rigidity_index=300,
+        adhesion_factor=1.0,
+        poissons_ratio=0.48,
+        speed_ratio=0.1,
+        cycle_count=1,
+        stroke=6,
+    )
+    scene = fast.build()
+    passage = fast.window.passage_time
+    with pytest.raises(SimulationDiverged, match="velocity of particle"):
+        Simulation(scene.without(EnclosedSoil)).advance_to(passage)
+    Simulation(scene).advance_to(passage)
 
 
 def test_penetration_and_extraction_have_signs_numbers_and_places(plastic: xr.Dataset) -> None:

@@ -1,0 +1,36 @@
+"""Soil that encloses every cell: one that no point is in for a moment is not a hole.
+
+Behind a body that soil flows around, points part, and now and then a cell has none. A cell that
+kept the stress it had would push at the soil around it, or pull, by the same force whatever that
+does: points never come back into a cell that pushes, and the work of it has no end. Symbols: sigma
+stress of the cell, K bulk modulus, e strain of a step.
+
+    sigma <- (tr sigma / 3 + K tr e) 1          of a cell without points
+
+So it is like a drop of liquid, which resists a change of its volume as the soil does, and no shear.
+A node of a surface that has soil in none of its cells moves along its normal with the body: else
+the volume of these cells would change by all of the body's speed.
+"""
+
+import numpy as np
+
+from mpm_warp.parts.free_surface import FreeSurface
+from mpm_warp.plan.plan import Plan
+from mpm_warp.scene import Part, Scene, refuse_together
+
+
+class EnclosedSoil(Part):
+    """Soil is all around every cell: none has a hole, neither by a free surface nor by parting."""
+
+    cell_bytes = 8.0
+
+    def check(self, scene: Scene) -> None:
+        """Check that there is no free surface."""
+        refuse_together("EnclosedSoil", scene.find(FreeSurface) is not None, "a free surface")
+
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """Add "cell.enclosed_modulus", K [Pa]: that of the waves of pressure."""
+        soil = scene.material
+        of_waves = soil.density * soil.pressure_wave_speed**2
+        K = of_waves - 4.0 / 3.0 * soil.ground_shear_modulus
+        plan.add_array("cell.enclosed_modulus", "real", np.full(scene.grid.cell_count, K))
