@@ -36,31 +36,16 @@ from mpm_warp.parameters import did_you_mean
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a case ended.
+    """How a case ended."""
 
-    Attributes:
-        status: ``completed``; ``refused``, by its scene before it began; ``diverged``,
-            ``inaccurate``, ``unfinished``, ``failed``, ``crashed``, ``timed_out``; ``missing``
-            where there is no file, ``damaged`` where the file is of no use, ``untimed`` where it
-            completed without the timed runs that its study asks for, ``no_fields`` where it did so
-            without the snapshots.
-        message: why it did not complete, one line.
-        headline: name and value of the scalar that the scene is run for.
-        reason: why it has no half width; see `conventions.reasons_of`.
-        seconds: time of the case in all [s].
-        start_seconds: of it, before the first step: imports, set-up; 0 where not known.
-        compile_seconds: of it, for compiling kernels or loading them.
-        sources: digest of the code that computed it, as its file says.
-    """
-
-    status: str
-    message: str = ""
-    headline: str = ""
-    seconds: float = 0.0
-    sources: str = ""
-    reason: str = ""
-    start_seconds: float = 0.0
-    compile_seconds: float = 0.0
+    status: str  # harness/README.md has all of them
+    message: str = ""  # why it did not complete, one line
+    headline: str = ""  # name and value of the scalar that the scene is run for
+    seconds: float = 0.0  # time of the case in all [s]
+    sources: str = ""  # digest of the code that computed it, as its file says
+    reason: str = ""  # why it has no half width; see `conventions.reasons_of`
+    start_seconds: float = 0.0  # of it, before the first step: imports, set-up; 0 where not known
+    compile_seconds: float = 0.0  # of it, for compiling kernels or loading them
 
 
 def case_folder(out: Path, study: Study) -> Path:

@@ -43,24 +43,17 @@ value; seconds are those of the wall clock."""
 
 @dataclass(frozen=True, kw_only=True)
 class BenchmarkCase:
-    """One case, and the scene of this program that computes it.
-
-    Attributes:
-        phase: 1 exact anchors, 2 cone factors, 3 layers and gradients.
-        exact: between which values the exact one is known to be; none where it is not known.
-        result: the variable of the scene's dataset, "NAME" or "NAME @ COORDINATE=NUMBER".
-        fixed, accuracy: parameters of the scene, and further ones for each of `ACCURACIES`.
-    """
+    """One case, and the scene of this program that computes it."""
 
     name: str
-    phase: int
+    phase: int  # 1 exact anchors, 2 cone factors, 3 layers and gradients
     title: str
     unit: str
-    exact: tuple[float, float] | None
+    exact: tuple[float, float] | None  # between which values it is known to be, where it is known
     scene: str
-    result: str
-    fixed: Mapping[str, float | str]
-    accuracy: Mapping[str, Mapping[str, float | str]]
+    result: str  # the variable of the scene's dataset, "NAME" or "NAME @ COORDINATE=NUMBER"
+    fixed: Mapping[str, float | str]  # parameters of the scene
+    accuracy: Mapping[str, Mapping[str, float | str]]  # further ones for each of `ACCURACIES`
 
 
 @dataclass(frozen=True)

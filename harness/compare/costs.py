@@ -36,23 +36,13 @@ DERIVED = "derived"
 
 @dataclass(frozen=True, kw_only=True)
 class Recommendation:
-    """Settings of a scene, and what they were measured to cost and to be worth.
+    """Settings of a scene, and what they were measured to cost and to be worth."""
 
-    Attributes:
-        settings: parameters of the method that differ between the cases at hand, or are not as by
-            default.
-        run_time: longest wall-clock time of the time loop, over all cases with them [s].
-        error: greatest error of these cases, dimensionless; no less than what is known of the
-            reference, and than the half width that a case states.
-        case_count: how many there are.
-        file: the result that they are from.
-    """
-
-    settings: dict[str, Value]
-    run_time: float
-    error: float
+    settings: dict[str, Value]  # of the method that differ between cases, or are not as by default
+    run_time: float  # longest wall-clock time of the time loop, over all cases with them [s]
+    error: float  # greatest of these cases, see `credited_error`
     case_count: int
-    file: Path
+    file: Path  # the result that they are from
 
     def __str__(self) -> str:
         text = ", ".join(f"{name} = {value}" for name, value in self.settings.items())

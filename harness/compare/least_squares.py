@@ -47,19 +47,12 @@ TRUSTED, DOUBTED = 1.25, 3.0
 
 @dataclass(frozen=True)
 class Fit:
-    """A fit of values over meshes.
+    """A fit of values over meshes."""
 
-    Attributes:
-        order: fitted, the mean of both weights where it was not taken.
-        is_taken: whether the order is within `LEAST` to `GREATEST`.
-        limit: the value with cells of no width.
-        half_widths: of each value, 95 %, shape [n].
-    """
-
-    order: float
-    is_taken: bool
-    limit: float
-    half_widths: np.ndarray
+    order: float  # fitted, the mean of both weights where it was not taken
+    is_taken: bool  # whether the order is within `LEAST` to `GREATEST`
+    limit: float  # the value with cells of no width
+    half_widths: np.ndarray  # of each value, 95 %, shape [n]
 
 
 def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:

@@ -43,27 +43,18 @@ NUMERICAL, TOGETHER = "numerical error", "together"
 
 @dataclass(frozen=True)
 class Spread:
-    """The spread of a result.
-
-    Attributes:
-        name: of the result.
-        values: of the cases that have one, shape [cases].
-        mean, deviation: of these, inputs alone.
-        percentiles: `PERCENTILES` of these.
-        numerical: deviation of the numerical error, 0 where that of a case is not known.
-        shares: of each input, of the numerical error and of what is left, in the variance with the
-            numerical error; they add up to 1. Empty where there are too few cases.
-        needed: cases that shares need.
-    """
+    """The spread of a result."""
 
     name: str
-    values: Floats
-    mean: float
+    values: Floats  # of the cases that have one, shape [cases]
+    mean: float  # of these, as deviation and percentiles: of the inputs alone
     deviation: float
-    percentiles: Floats
-    numerical: float
+    percentiles: Floats  # `PERCENTILES`
+    numerical: float  # deviation of the numerical error, 0 where that of a case is not known
+    # of each input, of the numerical error and of what is left, in the variance with the numerical
+    # error; they add up to 1; empty where there are too few cases
     shares: Mapping[str, float]
-    needed: int
+    needed: int  # cases that shares need
 
     @property
     def combined(self) -> float:

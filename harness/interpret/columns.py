@@ -83,20 +83,13 @@ USUAL_AREA = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A measured test.
+    """A measured test; what is told of the cone is by the site file, or by the test's own."""
 
-    Attributes:
-        values: by name, in SI units, shape [n]; not a number where a value is missing.
-        area_ratio, pre_drilled: by the site file, or by the test's own.
-        cone_radius: likewise [m].
-        notes: what a reader must know of the file, each a line.
-    """
-
-    values: dict[str, Floats]
+    values: dict[str, Floats]  # by name, in SI units, shape [n]; not a number where one is missing
     area_ratio: float
-    pre_drilled: float
-    cone_radius: float
-    notes: tuple[str, ...]
+    pre_drilled: float  # [m]
+    cone_radius: float  # [m]
+    notes: tuple[str, ...]  # what a reader must know of the file, each a line
 
 
 def read_columns(test: MeasuredTest) -> Columns:

@@ -62,20 +62,13 @@ of shear waves."""
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The polynomials.
+    """The polynomials."""
 
-    Attributes:
-        exponents: of each input in each term, shape [terms, inputs].
-        weights: of each term in each quantity, shape [terms, quantities].
-        half_widths: 95 % of each quantity's error over it, by name: of the fit, by cases kept out,
-            and of what was simulated, as squares.
-        fit_errors: errors of fits in cases kept out of them, over the quantity; by name, [cases].
-    """
-
-    exponents: np.ndarray
-    weights: Floats
+    exponents: np.ndarray  # of each input in each term, shape [terms, inputs]
+    weights: Floats  # of each term in each quantity, shape [terms, quantities]
+    # 95 % of each quantity's error over it: of the fit and of what was simulated, as squares
     half_widths: Mapping[str, float]
-    fit_errors: Mapping[str, Floats]
+    fit_errors: Mapping[str, Floats]  # of fits in cases kept out of them, over it; shape [cases]
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
         """The quantities of inputs of the table, shape [...]; they are not checked."""

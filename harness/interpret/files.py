@@ -33,40 +33,25 @@ class NotNamedError(StudyError):
 
 @dataclass(frozen=True)
 class Heading:
-    """Of a column.
+    """Of a column."""
 
-    Attributes:
-        name: what it is called, in small letters: of what the file says itself where it says it.
-        title: as it stands in the file.
-        unit: "" where the file has none.
-        missing: numbers that stand for no value.
-    """
-
-    name: str
-    title: str
-    unit: str
-    missing: tuple[float, ...] = ()
+    name: str  # in small letters: by what the file says itself, where it says what it holds
+    title: str  # as it stands in the file
+    unit: str  # "" where the file has none
+    missing: tuple[float, ...] = ()  # numbers that stand for no value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TestFile:
-    """A measured test as its file has it.
-
-    Attributes:
-        headings: of the columns.
-        rows: the number of each row in the file, for messages, and its cells.
-        row: what such a number counts.
-        told: what the file says of the test: area_ratio, pre_drilled [m], cone_area [cm2].
-        in_order: whether rows stand in the order in which they were measured.
-        notes: what is odd about the file, each a line.
-    """
+    """A measured test as its file has it."""
 
     headings: Sequence[Heading]
-    rows: Sequence[tuple[int, list[str]]]
-    row: str = "line"
+    rows: Sequence[tuple[int, list[str]]]  # the number of each in the file, and its cells
+    row: str = "line"  # what such a number counts
+    # what the file says of the test: area_ratio, pre_drilled [m], cone_area [cm2]
     told: Mapping[str, float] = field(default_factory=dict)
-    in_order: bool = True
-    notes: tuple[str, ...] = ()
+    in_order: bool = True  # whether rows stand in the order in which they were measured
+    notes: tuple[str, ...] = ()  # what is odd about the file, each a line
 
 
 def read_file(path: Path, sounding: str | None = None) -> TestFile:

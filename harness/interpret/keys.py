@@ -54,25 +54,15 @@ class Form(Enum):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of the file.
-
-    Attributes:
-        meaning: what it is.
-        allowed: what a number may be.
-        forms: how it may be written, `choices` aside.
-        unit: of its numbers, "" where it has none.
-        choices: texts that it may be.
-        default: what holds where the file does not say it; None where nothing does.
-        required: whether the file must say it.
-    """
+    """A key of the file."""
 
     meaning: str
-    allowed: Range = FINITE
-    forms: tuple[Form, ...] = ()
-    unit: str = ""
-    choices: tuple[str, ...] = ()
-    default: object = None
-    required: bool = False
+    allowed: Range = FINITE  # what a number may be
+    forms: tuple[Form, ...] = ()  # how it may be written, `choices` aside
+    unit: str = ""  # of its numbers, "" where it has none
+    choices: tuple[str, ...] = ()  # texts that it may be
+    default: object = None  # what holds where the file does not say it; None where nothing does
+    required: bool = False  # whether the file must say it
 
     @property
     def in_unit(self) -> str:

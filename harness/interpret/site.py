@@ -41,17 +41,9 @@ class ByDepth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTest:
-    """What the table [test] says, in SI units; see `TEST_KEYS`.
+    """What the table [test] says, in SI units; see `TEST_KEYS`. None where it says nothing."""
 
-    Attributes:
-        where: the site file and its table, for messages.
-        sounding: name of the one that is meant in a file of several, None where none is named.
-        ground_level: where the file has levels in place of depths.
-        pre_drilled, area_ratio, cone_area [cm2]: None where the file of the test is to say it.
-        unit_weight: one for all depths, in N/m3, where it is an input.
-    """
-
-    where: str
+    where: str  # the site file and its table, for messages
     file: Path
     sounding: str | None
     columns: Mapping[str, str]
@@ -60,45 +52,33 @@ class MeasuredTest:
     ground_level: float | None
     pre_drilled: float | None
     area_ratio: float | None
-    cone_area: float | None
+    cone_area: float | None  # [cm2]
     water: float | ByDepth
-    unit_weight: Input | ByDepth
+    unit_weight: Input | ByDepth  # one for all depths where it is an input
     accuracy: Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layer:
-    """What a table [[layer]] says, in SI units; see `LAYER_KEYS`.
-
-    Attributes:
-        inputs: all that are drawn, by name; the adhesion factor is missing where the sleeve tells
-            it. Of K0 and stress_anisotropy it has one.
-        laboratory_rate: shear strain rate at which the strength is wanted [1/s].
-        strength: the mode that it is wanted in, one of `MODES`.
-        assumed: keys that the file leaves to their defaults.
-    """
+    """What a table [[layer]] says, in SI units; see `LAYER_KEYS`."""
 
     title: str
     top: float
     bottom: float
+    # all that are drawn, one of K0 and stress_anisotropy; no adhesion factor where the sleeve tells
+    # it
     inputs: Mapping[str, Input]
-    laboratory_rate: float
-    strength: str
+    laboratory_rate: float  # shear strain rate at which the strength is wanted [1/s]
+    strength: str  # the mode that it is wanted in, one of `MODES`
     model_error: float
-    assumed: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()  # keys that the file leaves to their defaults
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Site:
-    """A file of a site.
+    """A file of a site; see `SITE_KEYS`."""
 
-    Attributes:
-        name: of the file, and of what is written.
-        use: of `MEASURES`, what tells of the soil.
-        samples, seed: how many combinations of the inputs are drawn, and by which random numbers.
-    """
-
-    name: str
+    name: str  # of the file, and of what is written
     title: str
     test: MeasuredTest
     layers: tuple[Layer, ...]

@@ -66,23 +66,14 @@ TOGETHER = "together"
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Draws of one layer.
+    """Draws of one layer."""
 
-    Attributes:
-        inputs: causes by name, shape [draws].
-        factor: Nkt with all errors, over the strength that is wanted, shape [depths, draws].
-        strength: su that is wanted [Pa], shape [depths, draws].
-        ground: what `GROUND` names, shape [depths, draws].
-        outside: share of the draws that are outside the table, shape [depths].
-        log_likelihood: of each draw by sleeve and pore pressure, shape [draws].
-    """
-
-    inputs: Mapping[str, Floats]
-    factor: Floats
-    strength: Floats
-    ground: Mapping[str, Floats]
-    outside: Floats
-    log_likelihood: Floats
+    inputs: Mapping[str, Floats]  # causes by name, shape [draws]
+    factor: Floats  # Nkt with all errors, over the strength that is wanted, shape [depths, draws]
+    strength: Floats  # su that is wanted [Pa], shape [depths, draws]
+    ground: Mapping[str, Floats]  # what `GROUND` names, shape [depths, draws]
+    outside: Floats  # share of the draws that are outside the table, shape [depths]
+    log_likelihood: Floats  # of each draw by sleeve and pore pressure, shape [draws]
 
 
 def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:

@@ -57,19 +57,12 @@ def has_few_cases(studied: Studied) -> bool:
 
 
 class _Effects(NamedTuple):
-    """A fit of the headline by a sum of functions of one parameter each.
+    """A fit of the headline by a sum of functions of one parameter each, of each case."""
 
-    Attributes:
-        parts: of the fit, by parameter, of each case; each has the mean zero over completed cases.
-        mean: of the headline over completed cases.
-        residual: what the fit leaves, of each case; not a number where it did not complete.
-        is_fitted: whether there were enough cases for a fit; else the parts are zero.
-    """
-
-    parts: dict[str, Floats]
-    mean: float
-    residual: Floats
-    is_fitted: bool
+    parts: dict[str, Floats]  # by parameter; each has the mean zero over completed cases
+    mean: float  # of the headline over completed cases
+    residual: Floats  # what the fit leaves; not a number where a case did not complete
+    is_fitted: bool  # whether there were enough cases for a fit; else the parts are zero
 
     @property
     def spread(self) -> float:

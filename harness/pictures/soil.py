@@ -91,23 +91,14 @@ LEAST_PLASTIC_STRAIN = 0.01
 
 
 class _Quantity(NamedTuple):
-    """What one section shows.
+    """What one section shows."""
 
-    Attributes:
-        label: name and unit, for the colour bar.
-        colours: name of a colour map whose brightness rises or falls all along, for print in grey.
-        values: of a snapshot, in each slot of points; without dimension.
-        norm: colour scale of a greatest value.
-        lines: values of contour lines, or how many of them.
-        whole: as much soil is shown as has values of this or more.
-    """
-
-    label: str
-    colours: str
-    values: Callable[[xr.Dataset], Floats]
-    norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)
-    lines: int | Sequence[float] = 5
-    whole: float = math.inf
+    label: str  # name and unit, for the colour bar
+    colours: str  # a colour map whose brightness rises or falls all along, for print in grey
+    values: Callable[[xr.Dataset], Floats]  # of a snapshot, in each slot of points; dimensionless
+    norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)  # of a greatest value
+    lines: int | Sequence[float] = 5  # values of contour lines, or how many of them
+    whole: float = math.inf  # as much soil is shown as has values of this or more
 
 
 def _magnitude(snapshot: xr.Dataset, vector: str) -> Floats:
@@ -154,11 +145,7 @@ ROWS = math.ceil(len(QUANTITIES) / COLUMNS)
 
 
 class _Sections:
-    """The sections of all snapshots of a case; colours mean the same in all of them.
-
-    Attributes:
-        size: width and height of a figure that the sections fill [inch].
-    """
+    """The sections of all snapshots of a case; colours mean the same in all of them."""
 
     def __init__(self, fields: xr.Dataset) -> None:
         radius = fields.cone_radius.item()
@@ -179,7 +166,7 @@ class _Sections:
         below = min(BELOW, -float(fields.node_z.min()) / radius)
         above = min(ABOVE, float(fields.node_z.max()) / radius)
         height = 0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1
-        self.size = WIDTH, round(ROWS * height + 0.5, 1)
+        self.size = WIDTH, round(ROWS * height + 0.5, 1)  # of a figure that they fill [inch]
 
     def draw(self, figure: Figure, number: int) -> None:
         """Draw those of a snapshot into an empty figure."""

@@ -100,18 +100,11 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
 
 
 class Outcomes(NamedTuple):
-    """How cases ended, each field of shape [case].
-
-    Attributes:
-        status: of each case.
-        reason: what gave way, in a few words; empty where the case completed.
-        limit_share: size of results over their limit, of several the one nearest to it; not a
-            number where nothing has a limit.
-    """
+    """How cases ended, each field of shape [case]."""
 
     status: Texts
-    reason: Texts
-    limit_share: Floats
+    reason: Texts  # what gave way, in a few words; empty where the case completed
+    limit_share: Floats  # of the results the greatest over its limit; NaN where none has one
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self:
@@ -240,19 +233,13 @@ class Strip:
 
 @dataclass(frozen=True)
 class Shares:
-    """How random cases ended in each part of a parameter's range.
-
-    Attributes:
-        values: of the parameter.
-        bounds: lowest and highest value of each part, shape [part_count, 2].
-        parts: how the cases of each part ended.
-    """
+    """How random cases ended in each part of a parameter's range."""
 
     heading = ("parameter", "completed", "spread", "least", "what gives way there")
     explanation = "Each range is cut into parts of equally many cases; bars are shares of a part."
 
     values: Values
-    bounds: Floats
+    bounds: Floats  # lowest and highest value of each part, shape [part_count, 2]
     parts: Sequence[Outcomes]
 
     @classmethod

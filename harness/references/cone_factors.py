@@ -28,26 +28,18 @@ QUOTED = "coefficients as commonly quoted; the original was not read"
 class Conditions:
     """What the literature's cone factors depend on; all of it dimensionless but the angle.
 
-    Attributes:
-        rigidity_index: shear modulus over undrained shear strength, G/su, above 0.
-        face_adhesion: adhesion factor of the cone face, 0 to 1.
-        shaft_adhesion: adhesion factor of the shaft, 0 to 1.
-        stress_anisotropy: (sigma_v0 - sigma_h0) / (2 su) in the ground before.
-        apex_angle: of the cone [degree]; no formula uses it, all are made for 60.
-        friction: Coulomb coefficient of the penetrometer; no formula knows any.
-        strength_stays: whether neither strain, nor its rate, nor the mode of the test changes the
-            strength of the clay; all formulas are made for such clay.
-        parameters: all parameters of the scene by name, in SI units: what the formula of a study's
-            own reference may depend on.
+    All formulas are made for a cone of 60 degrees without friction, and for clay of which neither
+    strain, nor its rate, nor the mode of the test changes the strength.
     """
 
-    rigidity_index: Quantity
-    face_adhesion: Quantity
+    rigidity_index: Quantity  # shear modulus over undrained shear strength, G/su, above 0
+    face_adhesion: Quantity  # adhesion factor of the cone face, 0 to 1
     shaft_adhesion: Quantity
-    stress_anisotropy: Quantity = 0.0
-    apex_angle: Quantity = 60.0
-    friction: Quantity = 0.0
+    stress_anisotropy: Quantity = 0.0  # (sigma_v0 - sigma_h0) / (2 su) in the ground before
+    apex_angle: Quantity = 60.0  # of the cone [degree]
+    friction: Quantity = 0.0  # Coulomb coefficient of the penetrometer
     strength_stays: Truth = True
+    # of the scene, by name, in SI units: what a study's own reference may depend on
     parameters: Mapping[str, Quantity] = field(default_factory=dict)
 
 
@@ -55,30 +47,19 @@ class Conditions:
 class ConeFactor:
     """One literature formula for the cone factor.
 
-    Attributes:
-        id: name in study definitions and in the variables of a result.
-        label: authors and year, for pictures.
-        formula: the formula as text.
-        evaluate: the formula; it extrapolates, :meth:`applies` says where it should not.
-        criterion: yield criterion, and which strength su means where the source says so.
-        method: how the source arrived at the formula.
-        source: where it was published.
-        in_envelope: whether it is one of the analyses of penetration with an adhesion term,
-            which together form the envelope that a result is shown in.
-        how_known: where the coefficients were taken from.
-        rigidity_index_range: smallest and largest rigidity index it is meant for.
+    The analyses of penetration with an adhesion term form the envelope that a result is shown in.
     """
 
-    id: str
-    label: str
+    id: str  # name in study definitions and in the variables of a result
+    label: str  # authors and year, for pictures
     formula: str
-    evaluate: Callable[[Conditions], Quantity]
-    method: str
-    source: str
-    criterion: str = "not stated here"
+    evaluate: Callable[[Conditions], Quantity]  # extrapolates; `applies` says where it should not
+    method: str  # how the source arrived at the formula
+    source: str  # where it was published
+    criterion: str = "not stated here"  # of yielding, and which strength su means, where it is said
     in_envelope: bool = False
-    how_known: str = QUOTED
-    rigidity_index_range: tuple[float, float] = (50.0, 500.0)
+    how_known: str = QUOTED  # where the coefficients were taken from
+    rigidity_index_range: tuple[float, float] = (50.0, 500.0)  # that it is meant for
 
     @property
     def has_adhesion_term(self) -> bool:

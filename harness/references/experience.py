@@ -55,34 +55,20 @@ class Input(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Experience:
-    """One band of factors measured in the field.
+    """One band of factors measured in the field."""
 
-    Attributes:
-        id: name in study definitions and in the variables of a result.
-        label: authors and year, for pictures.
-        factor: what the band is of.
-        formula: the formula as text.
-        evaluate: the formula; it takes the inputs in their order and is monotonic in each.
-        inputs: what the formula depends on.
-        scatter: scatter about the formula, a share of it; 0 where none is known. It is reported for
-            su, and taken for the factor here.
-        clays: the clays that were tested.
-        strength: the strength that su means.
-        source: where it was published.
-        how_known: where formula and ranges were taken from.
-    """
-
-    id: str
-    label: str
+    id: str  # name in study definitions and in the variables of a result
+    label: str  # authors and year, for pictures
     factor: Factor = Factor.RESISTANCE
     formula: str
-    evaluate: Callable[..., float]
+    evaluate: Callable[..., float]  # takes the inputs in their order and is monotonic in each
     inputs: tuple[Input, ...]
-    clays: str
-    source: str
-    how_known: str
+    clays: str  # that were tested
+    source: str  # where it was published
+    how_known: str  # where formula and ranges were taken from
+    # about the formula, a share of it, reported for su and taken for the factor; 0: none is known
     scatter: float = 0.0
-    strength: str = COMPRESSION
+    strength: str = COMPRESSION  # that su means
 
     @property
     def bounds(self) -> tuple[float, float]:

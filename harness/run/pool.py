@@ -136,12 +136,7 @@ def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
 
 
 class WorkerProcess:
-    """The parent's end of a worker process.
-
-    Attributes:
-        case: that which it was given last.
-        is_at_work: whether it is at it.
-    """
+    """The parent's end of a worker process, and the case that it was given last."""
 
     def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
         self.folder = folder

@@ -44,23 +44,13 @@ CONTAINER_LIMITS = (
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How worker processes run cases.
-
-    Attributes:
-        device: where the cases are computed.
-        threads: for each case; None: the cases at work share the cores, whose number may be more
-            than theirs where there are few, or few left.
-        time_limit: time that a case may take [s], from the beginning of its computation; one that
-            takes more is ended.
-        repeats: times to run each case again to measure its run time warm.
-        memory_limit: memory that a case may take [byte]; None: most of this machine's.
-    """
+    """How worker processes run cases."""
 
     device: str = "cpu"
-    threads: int | None = None
-    time_limit: float = math.inf
-    repeats: int = 0
-    memory_limit: float | None = None
+    threads: int | None = None  # for each case; None: the cases at work share the cores
+    time_limit: float = math.inf  # of a case [s], from the beginning of its computation
+    repeats: int = 0  # times to run each case again to measure its run time warm
+    memory_limit: float | None = None  # of a case [byte]; None: most of this machine's
 
 
 DEFAULTS = RunOptions()

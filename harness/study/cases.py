@@ -28,25 +28,15 @@ MANY = 10_000
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """One run of a scene.
-
-    Attributes:
-        scene: name of the scene.
-        scene_version: version of the scene that the parameters are meant for.
-        parameters: all parameters of the scene, derived defaults filled in; None is one that the
-            scene derives only when it runs.
-        label: the varied values, for people.
-        changed: the parameters of which the design gives values, the others have the fixed ones.
-        snapshots: moments at which the soil is to be kept; they change no result, so a case is the
-            same one with them.
-    """
+    """One run of a scene."""
 
     scene: str
-    scene_version: int
+    scene_version: int  # that the parameters are meant for
+    # all of the scene, derived defaults filled in; None is one that it derives only when it runs
     parameters: Mapping[str, Value | None]
-    label: str
-    changed: tuple[str, ...] = ()
-    snapshots: tuple[float, ...] = ()
+    label: str  # the varied values, for people
+    changed: tuple[str, ...] = ()  # of which the design gives values; the others are the fixed ones
+    snapshots: tuple[float, ...] = ()  # moments at which the soil is kept; they change no result
 
     @functools.cached_property
     def key(self) -> str:

@@ -53,19 +53,12 @@ MISSPELT = 0.85
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """What a result is compared with; every name is known.
+    """What a result is compared with; every name is known."""
 
-    Attributes:
-        references: of the literature or the study's own.
-        reference_result: result whose cases stand for the true values of errors; or none.
-        experience: bands of factors measured in the field, to set beside the result.
-        tolerances: largest deviation from a reference, or largest size of a result, by name.
-    """
-
-    references: tuple[ConeFactor, ...]
-    reference_result: Path | None
-    experience: tuple[str, ...]
-    tolerances: Mapping[str, float]
+    references: tuple[ConeFactor, ...]  # of the literature or the study's own
+    reference_result: Path | None  # whose cases stand for the true values of errors
+    experience: tuple[str, ...]  # bands of factors measured in the field, to set beside the result
+    tolerances: Mapping[str, float]  # largest deviation from a reference, or size of a result
 
 
 def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> Compared:

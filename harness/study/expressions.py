@@ -59,18 +59,11 @@ Meaning = Callable[[Parameters], Value]
 
 @dataclass(frozen=True)
 class Expression:
-    """A well-formed expression.
+    """A well-formed expression."""
 
-    Attributes:
-        text: as it was written.
-        names: the parameters that it needs.
-        is_condition: whether it is true or false, no number.
-        meaning: what works it out.
-    """
-
-    text: str
-    names: frozenset[str]
-    is_condition: bool
+    text: str  # as it was written
+    names: frozenset[str]  # the parameters that it needs
+    is_condition: bool  # whether it is true or false, no number
     meaning: Meaning = field(compare=False, repr=False)
 
     @classmethod

@@ -55,30 +55,17 @@ def method_of(scene: Scene) -> tuple[str, ...]:
 
 @dataclass(frozen=True, kw_only=True)
 class ScenePart:
-    """What a study does with one scene; every name and value is valid.
-
-    Attributes:
-        name: of the scene.
-        scene: its class.
-        parameters: definitions of its parameters, by name.
-        fixed: parameters that are the same in every case, or where nothing varies them.
-        varied: values of the parameters that vary; ranges and distributions in a Latin hypercube
-            alone.
-        listed: the cases of the design ``list``.
-        derived: parameters worked out from the others, in this order.
-        excluded: conditions on cases that are not run.
-        snapshots: moments at which the soil of each case is kept.
-    """
+    """What a study does with one scene; every name and value is valid."""
 
     name: str
     scene: Scene
     parameters: Mapping[str, Parameter]
-    fixed: Mapping[str, Value]
-    varied: Variations
-    listed: tuple[Combination, ...]
-    derived: Mapping[str, Expression]
-    excluded: tuple[Expression, ...]
-    snapshots: tuple[float, ...]
+    fixed: Mapping[str, Value]  # the same in every case, or where nothing varies them
+    varied: Variations  # ranges and distributions in a Latin hypercube alone
+    listed: tuple[Combination, ...]  # the cases of the design ``list``
+    derived: Mapping[str, Expression]  # worked out from the others, in this order
+    excluded: tuple[Expression, ...]  # conditions on cases that are not run
+    snapshots: tuple[float, ...]  # moments at which the soil of each case is kept
 
     @property
     def assigned(self) -> set[str]:

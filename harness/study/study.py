@@ -43,28 +43,16 @@ OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What to run and what to compare it with; every name and value is valid.
+    """What to run and what to compare it with; every name and value is valid."""
 
-    Attributes:
-        name: stem of the definition's file; names the results.
-        title: one line on what the study shows.
-        parts: one for each scene.
-        design: how the varied values are combined.
-        compared: what its result is compared with.
-        timing_repeats: times to run each case again, alone on the machine, to measure its run
-            time; 0 where a study does not ask for it.
-        source: the definition's file.
-        stability_map: whether it asks for a map of where its cases complete.
-    """
-
-    name: str
+    name: str  # stem of the definition's file; names the results
     title: str
-    parts: tuple[ScenePart, ...]
+    parts: tuple[ScenePart, ...]  # one for each scene
     design: Design
     compared: Compared
-    timing_repeats: int
-    source: Path
-    stability_map: bool = False
+    timing_repeats: int  # times to run each case again, alone on the machine, to measure its time
+    source: Path  # the definition's file
+    stability_map: bool = False  # whether it asks for a map of where its cases complete
 
     @functools.cached_property
     def cases(self) -> tuple[Case, ...]:

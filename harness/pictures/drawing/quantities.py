@@ -122,22 +122,14 @@ Texts = NDArray[np.str_]
 
 @dataclass(frozen=True, kw_only=True)
 class Values:
-    """A parameter's values in the cases that were run.
-
-    Attributes:
-        name: of the parameter.
-        unit: SI unit, "1" for a dimensionless number.
-        numbers: the value of each case, or its place among the categories.
-        categories: the values in words, in the order of the study, where they are no numbers or
-            the scene derives one of them; else none.
-        long: those that have no room in a picture, such as a table of the ground: among the
-            categories stand their numbers, 1 for the first.
-    """
+    """A parameter's values in the cases that were run."""
 
     name: str
-    unit: str
-    numbers: Floats
+    unit: str  # SI unit, "1" for a dimensionless number
+    numbers: Floats  # the value of each case, or its place among the categories
+    # the values in words, in the order of the study, where not all are numbers
     categories: tuple[str, ...] = ()
+    # those without room in a picture, as a table of the ground: their numbers are the categories
     long: tuple[str, ...] = ()
 
     @classmethod
