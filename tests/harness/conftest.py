@@ -168,10 +168,7 @@ def answered(arguments: list[str]) -> tuple[int, str]:
     """
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            code = main(arguments)
-        except SystemExit as end:  # of the command line's own errors, and of --help
-            code = int(end.code or 0)
+        code = _exit_code(arguments)
     told = err.getvalue()
     assert code in (0, 1, 2), told
     assert all(it.isprintable() for it in (*out.getvalue(), *told) if it != "\n")
@@ -182,12 +179,16 @@ def answered(arguments: list[str]) -> tuple[int, str]:
     return code, told
 
 
+def _exit_code(arguments: list[str]) -> int:
+    try:
+        return main(arguments)
+    except SystemExit as end:  # of the command line's own errors, and of --help
+        return int(end.code or 0)
+
+
 def _ended(capsys: pytest.CaptureFixture[str], *words: object, code: int = 0) -> Any:
     capsys.readouterr()
-    try:
-        ended: object = main([str(word) for word in words])
-    except SystemExit as end:  # of the command line's own errors, and of --help
-        ended = end.code or 0
+    ended = _exit_code([str(word) for word in words])
     told = capsys.readouterr()
     assert ended == code, told.err
     return told

@@ -17,13 +17,10 @@ from harness.study.study import Study, load_study
 def result(depths: list[float], cone_factor: float) -> xr.Dataset:
     """What a scene returns, with exact and awkward numbers."""
     resistance = ("penetration", np.array(depths) / 3, {"units": "Pa", "long_name": "resistance"})
+    labels = {"units": "1", "long_name": "cone factor", "role": "headline"}
     return xr.Dataset(
         {
-            "cone_factor": (
-                (),
-                cone_factor,
-                {"units": "1", "long_name": "cone factor", "role": "headline"},
-            ),
+            "cone_factor": ((), cone_factor, labels),
             "penetration_resistance": resistance,
             "particle_updates": ((), 2**40 + 1, {"units": "1", "long_name": "updates"}),
         },

@@ -108,29 +108,23 @@ def test_the_tab_key_offers_what_fits(line: str, offered: set[str], tmp_path: Pa
     assert {word.strip() for word in asked.read_text().split("\n")} == offered
 
 
-@pytest.mark.parametrize("text", ["8GB", "8e9", "8000MB", "8gb", "8000000000", "8000000000B"])
-def test_a_size_has_a_unit_or_none(text: str) -> None:
-    assert make_parser().parse_args(["run", "s", "--memory-limit", text]).memory_limit == 8e9
+NUMBERS = {
+    "run s --memory-limit": dict.fromkeys(("8GB", "8e9", "8000MB", "8gb", "8000000000B"), 8e9),
+    "recommend s --error": {"2%": 0.02, "0.02": 0.02, "0.5%": 0.005, "150%": 1.5},
+}
 
 
-@pytest.mark.parametrize(
-    ("text", "share"), [("2%", 0.02), ("0.02", 0.02), ("0.5%", 0.005), ("150%", 1.5)]
-)
-def test_an_error_is_a_share(text: str, share: float) -> None:
-    assert make_parser().parse_args(["recommend", "s", "--error", text]).error == share
+@pytest.mark.parametrize("option", NUMBERS)
+def test_a_number_has_its_unit_or_none(option: str) -> None:
+    name = option.partition("--")[2].replace("-", "_")
+    for text, number in NUMBERS[option].items():
+        assert vars(make_parser().parse_args([*option.split(), text]))[name] == number
 
 
 def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
     """The result holds the command line; every case would be computed, and none be kept."""
     line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
     assert line.endswith("is not text, which results could not keep")
-
-
-@pytest.mark.slow
-def test_scenes_may_be_named_one_by_one(command: Command) -> None:
-    out = command("verify", "--scene", "material_point", "--scene", "gravity_column").out
-    assert "material_point" in out
-    assert "gravity_column" in out
 
 
 @pytest.mark.slow

@@ -44,13 +44,15 @@ def test_a_result_without_cone_factor_stands_beside_its_exact_values() -> None:
     assert "bearing_capacity_exact: exact limit load; Shield" in lines
 
 
+def with_half_widths(*half_widths: float) -> xr.Dataset:
+    """Both footings, with what is stated of their loads."""
+    known = {"bearing_capacity_uncertainty": (half_widths, "1", "uncertainty of the limit load")}
+    made = footings(["completed", "completed"])
+    return made.assign(labelled(dims=("adhesion_factor",), role="uncertainty", **known))
+
+
 def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
-    half_width = ([0.02, np.nan], "1", "uncertainty of the limit load")
-    stated = footings(["completed", "completed"]).assign(
-        labelled(
-            dims=("adhesion_factor",), role="uncertainty", bearing_capacity_uncertainty=half_width
-        )
-    )
+    stated = with_half_widths(0.02, np.nan)
     lines = result_table(stated).splitlines()
     assert lines[3].split()[1:4] == ["5.75", "+-", "0.02"]
     assert lines[4].split()[1] == "6.10"
@@ -174,12 +176,7 @@ def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
 
 
 def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
-    half_width = ([0.02, 0.03], "1", "uncertainty of the limit load")
-    known = footings(["completed", "completed"]).assign(
-        labelled(
-            dims=("adhesion_factor",), role="uncertainty", bearing_capacity_uncertainty=half_width
-        )
-    )
+    known = with_half_widths(0.02, 0.03)
     said = (
         "adhesion_factor from 0 to 1: difference 0.35 +- 0.04, ratio 1.061 +- 0.006, "
         "slope of the straight line 0.35 +- 0.04"

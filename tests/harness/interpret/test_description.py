@@ -75,6 +75,7 @@ REFUSED = {
     ),
     "area ratio": ("area_ratio = 0.8", "area_ratio = 1.8", "> 0 and <= 1"),
     "heavy": ("= 17", "= 17000", "must be a number >= 10 and <= 30"),
+    "buoyant": ("= 17", "= 9", "must be a number >= 10 and <= 30"),
     "heavy below": ("= 17", "= { depth = [1], value = [90] }", "at all depths"),
 }
 """A text, what stands there instead, and what is said of it."""

@@ -56,12 +56,6 @@ def test_soil_without_effective_stress_is_refused(folder: Path, refusal: Refusal
     assert "unit_weight: sigma_v0 is not above u0 from 7 m on" in line
 
 
-def test_a_buoyant_weight_is_refused(folder: Path, refusal: Refusal) -> None:
-    line = refusal(["interpret", str(changed(folder, ("unit_weight = 17", "unit_weight = 9")))])
-    assert "unit_weight = 9" in line
-    assert ">= 10" in line
-
-
 def test_water_pressure_is_given_for_all_of_a_test(folder: Path, refusal: Refusal) -> None:
     given = "u0 = { depth = [0, 5], value = [0, 49] }"
     line = refusal(["interpret", str(changed(folder, ("water_level = 1.0", given)))])

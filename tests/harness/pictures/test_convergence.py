@@ -111,14 +111,11 @@ def test_the_uncertainty_of_the_reference_is_a_line(two_soils: xr.Dataset) -> No
     assert list(line.get_ydata()) == [0.01, 0.01]
 
 
-def test_it_is_not_meant_for_cases_of_different_soils_alone(two_soils: xr.Dataset) -> None:
-    assert study_figure(two_soils.isel(cells_per_radius=[1])) is None
-
-
 def test_it_is_not_meant_for_cases_none_of_which_has_an_error(two_soils: xr.Dataset) -> None:
-    """As where all but the reference state none."""
+    """As where all but the reference state none; nor for cases of different soils alone."""
     silent = two_soils.assign(error_finest=np.nan * two_soils["error_finest"])
     assert study_figure(silent) is None
+    assert study_figure(two_soils.isel(cells_per_radius=[1])) is None
 
 
 def test_pictures_of_a_result_with_finest_error(two_soils: xr.Dataset) -> None:

@@ -122,6 +122,11 @@ def test_plan_of_a_scene_without_a_grid(command: Command) -> None:
     assert "node" not in text
 
 
-def test_a_scene_that_is_named_and_has_no_quick_check_is_told(command: Command) -> None:
-    told = command("verify", "--quick", "--scene", "material_point", "circular_footing").err
-    assert "--quick: left out, without a quick check: circular_footing" in told
+def test_scenes_are_named_one_by_one_and_one_without_a_quick_check_is_told(
+    command: Command,
+) -> None:
+    named = ("--scene", "material_point", "gravity_column", "--scene", "circular_footing")
+    told = command("verify", "--quick", *named)
+    assert "--quick: left out, without a quick check: circular_footing" in told.err
+    assert "material_point" in told.out
+    assert "gravity_column" in told.out

@@ -32,9 +32,7 @@ OF_A_CONE = [
     ('[fixed]\nmaterial = "treska"', "did you mean 'tresca'?"),
     (f"[fixed]\ndensity = {2**80}", f"must be {ALLOWED['density']}"),
     ("[fixed]\ndensity = 0x" + "f" * 20000, "too long to show"),
-    ("[fixed]\ndensity = [1, 2]", "belongs under [vary]"),
     ("[vary]\nadhesion_factor = [0, 2]", "[vary] adhesion_factor = 2"),
-    ("[vary]\ndensity = 1", "must be a list"),
     ("[vary]\ndensity = []", "must be a list of one value or more"),
     ("[vary]\ndensity = [1, 2, 1.0]", "1.0 is there twice"),
     (f"[vary]\ndensity = {[*range(1, 60_001), 60_000]}", "60000.0 is there twice"),
@@ -75,8 +73,6 @@ OF_A_CONE = [
     ('design = "latin_hypercube"\nseed = 1', "samples: is missing"),
     ('design = "latin_hypercube"\nsamples = 2\nseed = 1', "nothing to sample"),
     ("[vary]\ndensity = { low = 1, high = 2 }", 'goes with design = "latin_hypercube" alone'),
-    (DRAWN + "density = { low = 2, high = 1 }", "low must be below high"),
-    (DRAWN + "density = { mean = 2 }", "must be a number, { low, high }"),
     (DRAWN + "adhesion_factor = { low = 0, high = 2 }", "goes from 2e-06 to 2, must be >= 0"),
     (
         DRAWN + "particles_per_cell = { low = 4, high = 9 }",
@@ -93,7 +89,6 @@ OF_A_CONE = [
     ("scenne = 1", "unknown key; did you mean 'scene'?"),
     ("vary = 1", "must be a table [vary]"),
     ("[timing]\nrepeats = 2.0", "repeats = 2.0: must be an integer"),
-    ("[timing]\nrepeats = true", "must be an integer, 1 to 1000"),
     ("[timing]\nrepeats = 0", "must be an integer, 1 to 1000"),
     ("[timing]\nrepeat = 2", "did you mean 'repeats'?"),
     # TOML.
@@ -145,10 +140,8 @@ OF_A_CONE = [
     ),
     # Snapshots.
     ("snapshots = 5", "snapshots = 5: must be a list of one value or more, or a range"),
-    ("snapshots = []", "snapshots = []: must be a list of one value or more, or a range"),
     ("snapshots = [0]", "snapshots = 0 is not allowed: must be a number > 0 and <= "),
     ("snapshots = [3000]", "snapshots = 3000 is not allowed: must be a number"),
-    ("snapshots = ['a']", "snapshots = 'a' is not allowed: must be a number"),
     ("snapshots = [5, 5]", "snapshots = [5, 5]: 5.0 is there twice"),
     ("snapshots = { from = 1, to = 4 }", "snapshots: count: is missing"),
     # References of its own.

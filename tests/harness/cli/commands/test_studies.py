@@ -82,47 +82,30 @@ def test_a_study_is_described_and_planned(command: Command) -> None:
     assert total.startswith("2 cases, ")
 
 
-@pytest.mark.parametrize(
-    ("setting", "warning"),
-    [
-        ("undrained_shear_strength=35", "= 35 is in Pa; if 35 kPa is meant, give 35000"),
-        ("cone_radius=17.85", "= 17.85 is in m; if 17.85 mm is meant, give 0.01785"),
-        ("density=17", "= 17 is in kg m-3; if 17 kN/m3 is meant, give 1732.93"),
-        ("in_situ_stress=[200, 400]", "= 200 is in Pa; if 200 kPa is meant, give 200000"),
-        ("undrained_shear_strength=[1, 1e3, 1e7]", ""),
-        ("in_situ_stress=0", ""),
-        ("cone_radius=0.0252", ""),
-        ("cone_radius=1", ""),
-    ],
-)
-def test_a_value_in_what_looks_like_another_unit_is_told(
-    setting: str, warning: str, command: Command
-) -> None:
-    told = command("plan", "mesh_size", "--set", "cells_per_radius=1", "--set", setting).err
-    lines = [f"harness: {setting.partition('=')[0]} {warning}"] if warning else []
-    assert told.splitlines() == lines
+PROFILE = 'profile="depth [m], {}"'
+OTHER_UNITS = {
+    "undrained_shear_strength=35": "undrained_shear_strength = 35 is in Pa; if 35 kPa is meant, "
+    "give 35000",
+    "cone_radius=17.85": "cone_radius = 17.85 is in m; if 17.85 mm is meant, give 0.01785",
+    "density=17": "density = 17 is in kg m-3; if 17 kN/m3 is meant, give 1732.93",
+    "in_situ_stress=[200, 400]": "in_situ_stress = 200 is in Pa; if 200 kPa is meant, give 200000",
+    PROFILE.format("strength [Pa]; 0, 25; 9, 25"): "profile: strength = 25 is in Pa; if 25 kPa is "
+    "meant, its column is [kPa]",
+    PROFILE.format("strength [kPa], unit_weight [N/m3]; 0, 25, 17; 9, 25, 17"): "profile: "
+    "unit_weight = 17 is in N/m3; if 17 kN/m3 is meant, its column is [kN/m3]",
+    "undrained_shear_strength=[1, 1e3, 1e7]": None,
+    "in_situ_stress=0": None,
+    "cone_radius=0.0252": None,
+    "cone_radius=1": None,
+    PROFILE.format("strength [kPa]; 0, 25; 9, 25"): None,
+}
 
 
-@pytest.mark.parametrize(
-    ("profile", "warning"),
-    [
-        (
-            "strength [Pa]; 0, 25; 9, 25",
-            "strength = 25 is in Pa; if 25 kPa is meant, its column is [kPa]",
-        ),
-        (
-            "strength [kPa], unit_weight [N/m3]; 0, 25, 17; 9, 25, 17",
-            "unit_weight = 17 is in N/m3; if 17 kN/m3 is meant, its column is [kN/m3]",
-        ),
-        ("strength [kPa]; 0, 25; 9, 25", ""),
-    ],
-)
-def test_a_column_of_a_profile_in_what_looks_like_another_unit_is_told(
-    profile: str, warning: str, command: Command
-) -> None:
-    lines = command("plan", "sounding", "--set", f'profile="depth [m], {profile}"').err.splitlines()
-    told = [line for line in lines if " is meant" in line]
-    assert told == ([f"harness: profile: {warning}"] if warning else [])
+@pytest.mark.parametrize("setting", OTHER_UNITS)
+def test_a_value_in_what_looks_like_another_unit_is_told(setting: str, command: Command) -> None:
+    subject, told = "sounding" if "profile" in setting else "cone_penetration", OTHER_UNITS[setting]
+    lines = command("plan", subject, "--set", setting).err.splitlines()
+    assert [it for it in lines if " is meant" in it] == ([f"harness: {told}"] if told else [])
 
 
 SANE = "nearly all cases complete from 0.0001 to 0.1"

@@ -19,11 +19,10 @@ PAGE = Path(__file__).parents[4] / "harness" / "README.md"
 SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_factor=0.5")
 
 
-def commands() -> list[list[str]]:
-    """The commands of the section on the soil, as a reader would copy them."""
+def told(language: str) -> str:
+    """What the section on the soil has in a language, as a reader would copy it."""
     section = PAGE.read_text().partition("\n## Seeing the soil")[2].partition("\n## ")[0]
-    lines = re.findall(r"^```sh\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
-    return [shlex.split(line, comments=True)[1:] for line in "".join(lines).splitlines()]
+    return "".join(re.findall(rf"^```{language}\n(.*?)^```$", section, re.MULTILINE | re.DOTALL))
 
 
 @pytest.fixture(scope="module")
@@ -31,22 +30,18 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the commands of the page were run, on cones of next to no cost."""
     folder = tmp_path_factory.mktemp("seen")
     short = [word for setting in SHORT for word in ("--set", setting)]
+    commands = [shlex.split(line, comments=True)[1:] for line in told("sh").splitlines()]
+    assert [command[0] for command in commands] == ["run", "view", "view"]
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        for command in commands():
+        for command in commands:
             assert main([*command, *(short if command[0] == "run" else [])]) == 0
     return folder
 
 
-def test_the_page_has_the_commands() -> None:
-    assert [command[0] for command in commands()] == ["run", "view", "view"]
-
-
 def test_the_python_of_the_page_runs(seen: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(seen)
-    section = PAGE.read_text().partition("\n## Seeing the soil")[2].partition("\n## ")[0]
-    (block,) = re.findall(r"^```python\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)
-    exec(block, {})
+    exec(told("python"), {})
     assert (seen / "sections.png").stat().st_size > 0
 
 
