@@ -23,10 +23,7 @@ SIGNED_NUMBER = r"[-+]\d+(\.\d+)?(e[-+]\d+)?%?"
 
 
 class ArchiveError(HarnessError):
-    """A result cannot be read, written or removed; the message is one line and names the file.
-
-    Whatever reads or writes files of the archive may raise it.
-    """
+    """A file cannot be read, written or removed, as any may be; one line, which names it."""
 
 
 def prepare(folder: Path) -> None:

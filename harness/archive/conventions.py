@@ -7,10 +7,7 @@ harness, which knows no other names of results than those below. The roles that 
 `mpm_warp.results.ROLES`; without a finite headline no case is `completed`, and no error is derived
 from one that has not settled. The harness adds a ``reference`` of the literature, the result's
 relative ``deviation`` from it, and ``experience``, a band of values from the field over the dim
-`bound`: the least and the greatest.
-
-The attribute ``limit`` is the largest size that a variable may have; beyond it the case is
-`inaccurate`.
+`bound`: the least and the greatest. Beyond the attribute ``limit`` a case is `inaccurate`.
 
 Results that the harness reads by name: `status`, `message` and `case_key` of each case, and of one
 parameter at a time which it is, `changed`; `run_time` [s] and `particle_updates`, which every scene

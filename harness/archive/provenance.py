@@ -45,11 +45,8 @@ def provenance() -> dict[str, str]:
 
 def provenance_of_collector() -> dict[str, str]:
     """Attributes for a dataset of cases, which may all have been computed elsewhere and before."""
-    conventions = "Conventions"  # of the file, whoever computed what is in it
-    return {
-        name if name == conventions else f"collected_{name}": value
-        for name, value in provenance().items()
-    }
+    conventions, *others = provenance().items()  # the first is of the file, whoever computed it
+    return dict([conventions, *((f"collected_{name}", value) for name, value in others)])
 
 
 @functools.cache

@@ -74,7 +74,6 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
 
 
 def _parsed(parser: argparse.ArgumentParser, given: Sequence[str]) -> argparse.Namespace:
-    """The command and its options."""
     if (problem := mistake_in(given)) is not None:
         raise HarnessError(problem)
     options, unknown = parser.parse_known_args(given)

@@ -144,7 +144,6 @@ def make_parser() -> Parser:
 
 
 def _as_argument(option: Option) -> dict[str, Any]:
-    """What `argparse` has to know of an option."""
     if not option.value and option.key not in VALUES:
         return {"action": "store_true", "help": option.meaning}
     argument: dict[str, Any] = {"help": option.meaning.replace("%", "%%") or None}

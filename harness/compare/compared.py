@@ -25,10 +25,7 @@ from mpm_warp.parameters import did_you_mean
 
 
 class NothingToCompareError(HarnessError):
-    """The dataset lacks what a comparison needs; the message is one line.
-
-    Whatever compares results may raise it.
-    """
+    """The dataset lacks what a comparison needs; whatever compares results may raise it."""
 
 
 def conditions_of(dataset: xr.Dataset) -> Conditions:

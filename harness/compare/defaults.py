@@ -67,5 +67,4 @@ def defaults_of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
 
 
 def _same(value: Value, default: Value | None) -> bool:
-    """Whether a value is a default, to rounding."""
     return bool(np.isclose(value, default)) if isinstance(default, float) else value == default

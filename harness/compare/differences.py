@@ -270,6 +270,5 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
 
 
 def _headlines(dataset: xr.Dataset) -> list[Known]:
-    """The headline of each case and its half width."""
     half_widths = uncertainty_of(dataset).astype(float)
     return list(zip(headline_values(dataset).tolist(), half_widths.tolist(), strict=True))

@@ -150,7 +150,7 @@ def _text(value: object) -> str:
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: one row a case, and how to read it below."""
+    """The table of cone factors; a `NothingToCompareError` says that there are none."""
     cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [

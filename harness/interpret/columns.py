@@ -243,7 +243,6 @@ def _joined(name: str) -> str:
 
 
 def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
-    """What the unit of a column is in SI units."""
     known, unit = UNITS.get(name, PRESSURES), given or heading.unit
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
     usual = unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2")

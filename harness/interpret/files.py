@@ -2,11 +2,8 @@
 
 What a column holds is told by its name in NAMES of columns.py; the readers only find headings,
 rows, codes for missing values, and what the file says of the cone. Formats, as commonly quoted:
-GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG and SCPT).
-
-Libraries were tried. pygef 0.14.1 sorts rows whose depth goes back, makes negative depths positive,
-fills missing values by interpolation and leaves units aside, all without a word; python-ags4 1.2
-cannot be installed beside pandas 3. A sounding is a small table: the standard library reads it.
+GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG and SCPT). Which
+libraries were tried stands in README.md; a sounding is a small table, so none is needed.
 """
 
 import csv
@@ -99,10 +96,15 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
     named = [number for number, line in lines.items() if len(_words(line)) >= FEWEST_COLUMNS]
-    if not named and (commented := _commented_header(text)):
+    commented = [
+        number
+        for number, line in enumerate(text.splitlines(), start=1)
+        if line.startswith("#") and len(_words(line)) >= FEWEST_COLUMNS
+    ]
+    if commented and not named:
         raise StudyError(
-            f"{path}: has no header: lines that begin with # are left out, line {commented} among "
-            "them; take its # away"
+            f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
+            "among them; take its # away"
         )
     above = [number for number in lines if named and number < named[0]]
     notes = [f"{len(above)} lines above the header left out"] if above else []
@@ -123,18 +125,6 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
             notes.append("numbers have a decimal comma")
     return TestFile(headings=header, rows=rows, notes=tuple(notes))
-
-
-def _commented_header(text: str) -> int:
-    """Number of the last line that begins with # and would be a header without it; 0 for none."""
-    return max(
-        (
-            number
-            for number, line in enumerate(text.splitlines(), start=1)
-            if line.startswith("#") and len(_words(line)) >= FEWEST_COLUMNS
-        ),
-        default=0,
-    )
 
 
 def _delimiter(line: str) -> str:

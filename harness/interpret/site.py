@@ -1,18 +1,6 @@
 """The file of a site: what was measured, and what is known of each layer; data, nothing is run.
 
-    title = "Site A, CPT 3"
-    [test]
-    file = "cpt3.csv"
-    area_ratio = 0.8
-    water_level = 1.0
-    unit_weight = 16.5
-    [[layer]]
-    from = 2.0
-    to = 18.0
-    rigidity_index = { low = 50, high = 300 }
-    adhesion_factor = "sleeve"
-
-What the keys mean is in keys.py.
+What the keys mean is in keys.py, an example in README.md.
 """
 
 import itertools
@@ -273,7 +261,6 @@ def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
 
 
 def _rate(table: Table) -> float:
-    """A strain rate [1/s]."""
     value, allowed = table.values["laboratory_rate"], LAYER_KEYS["laboratory_rate"].allowed
     found = re.fullmatch(keys.RATE, value) if isinstance(value, str) else None
     if found:

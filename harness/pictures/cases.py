@@ -162,7 +162,6 @@ def _histogram(axes: Axes, spread: Spread) -> None:
 
 
 def _bars(axes: Axes, dataset: xr.Dataset, spread: Spread) -> None:
-    """A bar for each share, the largest on top."""
     shares = sorted(spread.shares.items(), key=lambda it: it[1])
     names = [named(dataset, cause) if cause in dataset else cause for cause, _ in shares]
     axes.barh(

@@ -106,7 +106,6 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _draw_exact(axes: Axes, studied: Studied, cases: np.ndarray, x: Floats) -> None:
-    """Draw the exact values of the headline, of scenes that have them."""
     dataset = studied.dataset
     for name in with_role(dataset, Role.EXACT):
         belongs = dataset[name].attrs.get("exact_of") == studied.headline
@@ -204,11 +203,7 @@ def _draw_curves(axes: Axes, studied: Studied, x: Values) -> None:
 
 
 def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
-    """Draw the bands of cone factors that a result is set beside.
-
-    They span the whole width, since the field has no value along the axis, and stand in the legend
-    with their bounds.
-    """
+    """Draw the bands of cone factors that a result is set beside, over the whole width."""
     entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
     for entry, hatch in zip(entries, itertools.cycle(HATCHES), strict=False):
         axes.axhspan(

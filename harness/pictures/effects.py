@@ -196,7 +196,6 @@ class _Bar(NamedTuple):
 
 
 def _bars(studied: Studied) -> list[_Bar]:
-    """A bar for each parameter, the widest first."""
     ran = over_cases(studied.dataset, "status") != MISSING
     varied = list(studied.varied.values())
     found = []

@@ -114,7 +114,6 @@ MEASURED = {
     "sleeve_friction": "$f_{\\mathrm{s}}$",
     "pore_pressure": "$u_2$",
 }
-"""Symbols of what is measured."""
 TALL = 6.0
 """Height of the pictures of tests [inch]."""
 SHADES_MEAN = "Grey: no strength, the table says why; brown: feels another layer."

@@ -361,7 +361,6 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _draw_scale(figure: Figure, bottom: float, label: str) -> None:
-    """Draw the colours of the shares of a limit, below the strips."""
     axes = figure.add_axes((LEFT, bottom, RIGHT - LEFT, 0.08 / figure.get_figheight()))
     scale = ScalarMappable(Normalize(0.0, 1.0), SHADES)
     figure.colorbar(scale, cax=axes, orientation="horizontal")

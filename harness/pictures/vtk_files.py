@@ -50,7 +50,6 @@ def write_vtk(fields: xr.Dataset, folder: Path, name: str) -> list[Path]:
 
 
 def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
-    """Points, grid and surface of a snapshot."""
     try:
         import pyvista as pv
     except ModuleNotFoundError as error:
@@ -62,7 +61,6 @@ def _meshes(snapshot: xr.Dataset) -> tuple[Any, Any, Any]:
     }
 
     def mesh(kind: Any, cells: np.ndarray, r: Floats, z: Floats, values: dict[str, Any]) -> Any:
-        """Cells between points that carry values; two components of a vector become one array."""
         made = pv.UnstructuredGrid({kind: cells}, _in_space(r, z))
         for vector in VECTORS:
             if f"{vector}_r" in values:

@@ -1,8 +1,7 @@
 """All references and all experience: found by id, and as text for a terminal."""
 
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TypeVar
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from harness.errors import HarnessError
 from harness.references.cone_factors import CONE_FACTORS, ConeFactor
@@ -22,30 +21,25 @@ class UnknownReferenceError(HarnessError, LookupError):
     """No reference has that id; the message is one line and names the nearest one."""
 
 
-REFERENCE_IDS = tuple(reference.id for reference in CONE_FACTORS)
-EXPERIENCE_IDS = tuple(entry.id for entry in EXPERIENCE)
-"""Ids in the order of the registry."""
+_REFERENCES = {reference.id: reference for reference in CONE_FACTORS}
+_BANDS = {entry.id: entry for entry in EXPERIENCE}
+REFERENCE_IDS, EXPERIENCE_IDS = tuple(_REFERENCES), tuple(_BANDS)
 
 
 def cone_factor_reference(reference_id: str) -> ConeFactor:
     """The cone factor of the literature called `reference_id`."""
-    return _entry_of(CONE_FACTORS, reference_id, kind="reference")
+    return _REFERENCES[_known(reference_id, _REFERENCES, "reference")]
 
 
 def experience_entry(entry_id: str) -> Experience:
     """The band called `entry_id`."""
-    return _entry_of(EXPERIENCE, entry_id, kind="band of experience")
+    return _BANDS[_known(entry_id, _BANDS, "band of experience")]
 
 
-Entry = TypeVar("Entry", ConeFactor, Experience, ConeFactor | Experience)
-
-
-def _entry_of(entries: Iterable[Entry], entry_id: str, *, kind: str) -> Entry:
-    """The entry that has an id; `kind` says what the entries are, in the words of a message."""
-    by_id = {entry.id: entry for entry in entries}
-    if entry_id not in by_id:
-        raise UnknownReferenceError(f"unknown {kind} {entry_id!r}{nearest_name(entry_id, by_id)}")
-    return by_id[entry_id]
+def _known(entry_id: str, ids: Collection[str], kind: str) -> str:
+    if entry_id not in ids:
+        raise UnknownReferenceError(f"unknown {kind} {entry_id!r}{nearest_name(entry_id, ids)}")
+    return entry_id
 
 
 def all_entries() -> str:
@@ -93,8 +87,8 @@ def all_entries() -> str:
 
 def one_entry(entry_id: str) -> str:
     """One reference, or one band of experience, with all that is known of it."""
-    entries: list[ConeFactor | Experience] = [*CONE_FACTORS, *EXPERIENCE]
-    entry = _entry_of(entries, entry_id, kind="reference")
+    entries: dict[str, ConeFactor | Experience] = {**_REFERENCES, **_BANDS}
+    entry = entries[_known(entry_id, entries, "reference")]
     said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
     width = max(map(len, said)) + 2
     lines = [entry.id]

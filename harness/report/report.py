@@ -44,7 +44,6 @@ TEMPLATES = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
-"""Of all pages."""
 
 
 @dataclass(frozen=True)

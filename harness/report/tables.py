@@ -166,11 +166,16 @@ def _comparison(scene: str, group: list[Studied]) -> dict[str, Any]:
     varied = [name for key in shared[:1] for name, _ in key if counts[name] > 1]
     first = group[0]
     unit = words.unit(first.dataset, first.headline)
+    parameters = dict.fromkeys(name for it in group for name in parameter_names(it.dataset))
+    differing = [
+        [name.replace("_", " "), *(_values(it.dataset, name) for it in group)]
+        for name in parameters
+    ]
     return {
         "scene": scene,
         "headline": f"{words.title(first.dataset, first.headline)} {unit}".rstrip(),
         "studies": [str(studied.dataset.attrs["study"]) for studied in group],
-        "differing": _differing(group),
+        "differing": [row for row in differing if len(set(row[1:])) > 1],
         "varied": [name.replace("_", " ") for name in varied],
         "shared": [_row(key, varied, soils) for key in shared],
     }
@@ -205,17 +210,7 @@ def _by_soil(studied: Studied) -> dict[Key, float]:
     return found
 
 
-def _differing(group: list[Studied]) -> list[list[str]]:
-    names = dict.fromkeys(name for studied in group for name in parameter_names(studied.dataset))
-    rows = [
-        [name.replace("_", " "), *(_values(studied.dataset, name) for studied in group)]
-        for name in names
-    ]
-    return [row for row in rows if len(set(row[1:])) > 1]
-
-
 def _values(dataset: xr.Dataset, name: str) -> str:
-    """The value of a parameter in a study, or its values."""
     stored = parameter_names(dataset).get(name)
     if stored is None:
         return words.MISSING

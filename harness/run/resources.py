@@ -215,7 +215,7 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
 
 def _reset_peak_memory() -> bool:
-    """Have the kernel count the peak from now on; False where it cannot, as outside of Linux."""
+    """Let the peak count from now on; False where that cannot be, as outside of Linux."""
     try:
         _RESET.write_text("5")
     except OSError:

@@ -162,7 +162,6 @@ def verify(check: Check) -> Verified:
 LONGEST_LABEL = 44
 ROW = "{:44}  {:20}  {:10}  {:8}  {:6}  {:10}  {}"
 HEADING = ROW.format("scene", "resolution", "error", "bound", "order", "run time", "").rstrip()
-"""The first line of the table."""
 
 
 def table_rows(verified: Verified) -> str:

@@ -29,7 +29,6 @@ ERROR_FINEST = "error_finest"
 """Result with the error against the case known best, of scenes without an exact solution."""
 REFERENCE_STUDY = "reference_study"
 OWN_REFERENCES = "references"
-"""Key of the table."""
 OWN_LABEL = "label"
 """Key that every reference of a study's own has, in the study and in the file of a result."""
 REFERENCE_NAME = "[a-z][a-z0-9_]*"
@@ -222,7 +221,6 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
 
 
 def _span(ranges: Table, name: str) -> tuple[float, float]:
-    """Least and greatest value of a range."""
     ends = ranges.list(name)
     if len(ends) != 2 or not all(map(is_number, ends)) or ends[0] > ends[1]:
         raise ranges.refuse(name, "must be two numbers, the least and the greatest")

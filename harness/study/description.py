@@ -127,7 +127,6 @@ OWN_GROUND = """\
 #"K0 [1]" = [1, 0.6, 0.6, 0.6]
 #"ground_water [m]" = [1, 1, 1, 1]
 """
-"""What a new study says of the ground of a sounding."""
 OWN_REFERENCE = """\
 # A reference of your own: a formula of parameters, or of Ir, alpha_c, alpha_s, Delta.
 #[references.our_laboratory]
@@ -136,7 +135,6 @@ OWN_REFERENCE = """\
 #source = "calibration chamber, unpublished"
 #range = { Ir = [80, 120] }
 """
-"""What a new study says of references of its own."""
 
 
 def study_text(name: str, scene_name: str) -> str:
@@ -272,7 +270,6 @@ USUAL_BY_DEPTH = {
     "strength": USUAL["undrained_shear_strength"],
     "unit_weight": Usual(1e4, 3e4, {"kN/m3": 1e3}),
 }
-"""Columns of a profile."""
 USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
 """Any stress or stiffness, of a law of another package."""
 MOST_NAMED = 8

@@ -1,17 +1,8 @@
 """Inputs that are not known exactly: a number, a range, or a distribution, and samples of them.
 
-In the file of a site, and under [vary] of a study, each is written as one of ::
-
-    rigidity_index = 150
-    rigidity_index = { low = 50, high = 300 }
-    rate_factor    = { mean = 0.1, deviation = 0.03 }
-    ductility      = { mean = 20, deviation = 8, shape = "lognormal" }
-    K0             = { low = 0.5, mode = 0.6, high = 0.7 }
-    rigidity_index = { p10 = 60, p50 = 120, p90 = 260 }
-
-A range is uniform, on a logarithmic scale where it spans more than a factor of three; with a mode
-it is a triangle. A mean with a deviation is normal. Percentiles are joined by straight lines, and
-the lines of the two outermost pairs go on to 0 and 100 %.
+In the file of a site, and under [vary] of a study, each is written as harness/interpret/README.md
+says. Percentiles are joined by straight lines, and the lines of the two outermost pairs go on to 0
+and 100 %.
 
 SciPy takes half a second to load; what has no distributions does not wait for it.
 """

@@ -1,8 +1,7 @@
 """Small arithmetic in study definitions: for derived parameters and for exclusions.
 
 An expression is read into Python's syntax tree and worked out here, node by node; nothing is
-executed. It has numbers, texts, names of parameters, ``+ - * / **``, comparisons, ``and``, ``or``,
-``not`` and a few functions. Numbers are floats, so that no power grows without bound.
+executed. It has what `ALLOWED` says. Numbers are floats, so that no power grows without bound.
 """
 
 import ast

@@ -160,7 +160,6 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
 
 
 def _scenes(document: Table) -> dict[str, Scene]:
-    """The classes of the scenes, by name."""
     given = document.values.get("scene")
     if isinstance(given, list) and given:
         names = given

@@ -20,10 +20,7 @@ LONGEST_TEXT = 1000
 
 
 class StudyError(HarnessError):
-    """A study file is wrong; the message is one printable line of bounded length.
-
-    Whatever reads a study or a setting may raise it.
-    """
+    """What is read of a study or a setting is wrong; one printable line of bounded length."""
 
     def __init__(self, message: str) -> None:
         super().__init__(shortened(printable(message), LONGEST_MESSAGE))

@@ -48,7 +48,6 @@ causes."""
 TABLE = ",".join([*COLUMNS][:9])
 """Beginning of every such table, by which it is known as one of the harness."""
 LABORATORY = ("depth [m]", "strength [kPa]")
-"""Columns of a file of strengths."""
 ENDING, CHECK_ENDING = "_interpretation", "_check"
 TOGETHER = "soundings"
 """Name of what is written of several tests together."""
