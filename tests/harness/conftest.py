@@ -86,6 +86,13 @@ def keep(study: Study, out: Path, *results: xr.Dataset) -> Path:
 
 
 @pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder, which a command is run in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
 def small_file(tmp_path: Path) -> Path:
     """The definition of three cases of next to no cost."""
     path = tmp_path / "small.toml"

@@ -132,12 +132,9 @@ MISTAKES |= {
 
 
 @pytest.mark.parametrize("line", MISTAKES)
-def test_a_mistake_is_answered_by_what_to_do(
-    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_mistake_is_answered_by_what_to_do(line: str, here: Path, refusal: Refusal) -> None:
     for name, text in FILES.items():
         Path(name).write_text(text)
     Path("folder.toml").mkdir()
     assert MISTAKES[line] in refusal(shlex.split(line))
-    assert set(tmp_path.iterdir()) == {tmp_path / name for name in (*FILES, "folder.toml")}
+    assert set(here.iterdir()) == {here / name for name in (*FILES, "folder.toml")}

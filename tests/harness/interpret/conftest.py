@@ -59,6 +59,13 @@ def folder(tmp_path: Path) -> Path:
     return write_site(tmp_path)
 
 
+@pytest.fixture
+def here(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """That folder, which a command is run in."""
+    monkeypatch.chdir(folder)
+    return folder
+
+
 def changed(folder: Path, *changes: tuple[str, str], file: str = "site.toml") -> Path:
     """The site file, after changes of a text of a file."""
     text = (folder / file).read_text()

@@ -141,12 +141,11 @@ def test_a_damaged_file_is_one_line(folder: Path, damage: str, refusal: Refusal)
 
 @pytest.mark.parametrize("damage", ["no file", "empty", "binary", "GEF cut in its header", "AGS 3"])
 def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
-    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+    here: Path, damage: str, refusal: Refusal
 ) -> None:
-    monkeypatch.chdir(folder)
     kind, harm, problem = DAMAGED.get(damage, ("gef", None, "cannot be read: No such file"))
     if harm is not None:
-        site_of(folder, kind, WRITERS[kind](rows_of(folder)))
+        site_of(here, kind, WRITERS[kind](rows_of(here)))
         Path(f"test.{kind}").write_bytes(harm(Path(f"test.{kind}").read_bytes()))
     line = refusal(["new", "mine", "--interpret", f"test.{kind}"])
     assert line.startswith(f"harness: test.{kind}: ")
@@ -156,10 +155,9 @@ def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
 
 @pytest.mark.parametrize("damage", ["no column", "twice", "unknown unit", "AGS of two tests"])
 def test_a_new_site_file_is_told_what_it_has_to_name(
-    folder: Path, damage: str, monkeypatch: pytest.MonkeyPatch, command: Command
+    here: Path, damage: str, command: Command
 ) -> None:
-    monkeypatch.chdir(folder)
     kind, harm, problem = DAMAGED[damage]
-    Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(folder)).encode()))
+    Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(here)).encode()))
     assert problem in command("new", "mine", "--interpret", f"test.{kind}").err.splitlines()[0]
     assert Path("mine.toml").exists()

@@ -57,10 +57,9 @@ def test_a_cone_area_that_says_nothing_is_the_usual_one(folder: Path, said: str)
 
 @pytest.mark.parametrize("kind", WRITERS)
 def test_a_file_of_each_kind_is_interpreted_in_one_command(
-    folder: Path, kind: str, monkeypatch: pytest.MonkeyPatch, command: Command
+    here: Path, kind: str, command: Command
 ) -> None:
-    monkeypatch.chdir(folder)
-    site_of(folder, kind, WRITERS[kind](rows_of(folder)))
+    site_of(here, kind, WRITERS[kind](rows_of(here)))
     said = command("interpret", "site.toml").out
     assert said.startswith("2 to 10 m: su (isotropic, at 0.36 %/h)")
     found = xr.load_dataset("results/site_interpretation.nc")
@@ -73,7 +72,7 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     np.testing.assert_allclose(strength.values[used], 1.0, rtol=2e-4)
     assert command("status", code=2).err.startswith("harness: results: has no results")
     command("new", "mine", "--interpret", f"test.{kind}")
-    assert ("\narea_ratio = 0.8" in (folder / "mine.toml").read_text()) == (kind != "csv")
+    assert ("\narea_ratio = 0.8" in (here / "mine.toml").read_text()) == (kind != "csv")
 
 
 @pytest.mark.parametrize(

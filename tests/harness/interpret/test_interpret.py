@@ -174,23 +174,20 @@ def test_values_that_cannot_be_clay_are_left_out(folder: Path) -> None:
     assert set(reasons[70:85]) == {"filter_not_saturated"}
 
 
-def test_a_site_is_interpreted_from_the_command_line(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
+def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Command) -> None:
     """From the test alone: a site file is written, completed by hand, and interpreted."""
-    monkeypatch.chdir(folder)
-    (folder / "triaxial.csv").write_text("depth [m],strength [kPa]\n5,15.5\n")
+    (here / "triaxial.csv").write_text("depth [m],strength [kPa]\n5,15.5\n")
     command("new", "mine", "--interpret", "test.csv")
     assert "area_ratio: is missing" in command("interpret", "mine.toml", code=2).err
-    text = (folder / "mine.toml").read_text()
-    (folder / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
+    text = (here / "mine.toml").read_text()
+    (here / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
     told = command("interpret", "mine.toml", "--laboratory", "triaxial.csv")
     assert told.out.startswith("2 to 10 m: su (isotropic")
     assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
-    written = sorted(it.name for it in (folder / "results").iterdir())
+    written = sorted(it.name for it in (here / "results").iterdir())
     assert written == [f"mine_interpretation.{it}" for it in ("csv", "html", "nc", "png", "svg")]
-    header, row, *_ = (folder / "results/mine_interpretation.csv").read_text().splitlines()
+    header, row, *_ = (here / "results/mine_interpretation.csv").read_text().splitlines()
     assert header.startswith("depth [m],qc [kPa],fs [kPa],u2 [kPa],qt [kPa],error of qt [kPa],")
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
     assert header.endswith(",share of together [1],reason")
@@ -198,22 +195,20 @@ def test_a_site_is_interpreted_from_the_command_line(
 
 
 def test_another_site_of_the_same_name_is_not_replaced_silently(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+    here: Path, command: Command
 ) -> None:
-    monkeypatch.chdir(folder)
     told = 'site_interpretation.nc: was of a site with another title, "A site", and is replaced'
     for _ in range(2):
         assert told not in command("interpret", "site.toml").err
-    changed(folder, ("A site", "Another site"))
+    changed(here, ("A site", "Another site"))
     assert told in command("interpret", "site.toml").err
 
 
 @pytest.mark.parametrize("ending", ["nc", "csv", "png", "svg", "html", "a result"])
 def test_a_file_of_another_program_is_not_replaced(
-    ending: str, folder: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+    ending: str, here: Path, refusal: Refusal
 ) -> None:
     """Nothing is written then, a table with the columns of a test and a result of a study too."""
-    monkeypatch.chdir(folder)
     path = Path(f"results/site_interpretation.{'nc' if ending == 'a result' else ending}")
     path.parent.mkdir()
     path.write_text("depth [m],qc [kPa],fs [kPa],u2 [kPa]\n1,2,3,4\n")
@@ -228,11 +223,10 @@ def test_a_file_of_another_program_is_not_replaced(
 
 
 def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+    here: Path, command: Command
 ) -> None:
-    monkeypatch.chdir(folder)
-    rows = (folder / "test.csv").read_text().splitlines()
-    (folder / "test.csv").write_text("\n".join([rows[0], rows[50]]))
+    rows = (here / "test.csv").read_text().splitlines()
+    (here / "test.csv").write_text("\n".join([rows[0], rows[50]]))
     *_, line = command("interpret", "site.toml", "--check", code=2).err.splitlines()
     assert line.startswith("harness: site: the simulated sounding refused: to_depth = ")
 
@@ -249,9 +243,8 @@ def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
     ids=["titles", "below 0", "no number", "no value", "long"],
 )
 def test_strengths_of_a_laboratory_that_cannot_be_are_one_line(
-    text: str, told: str, folder: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
+    text: str, told: str, here: Path, refusal: Refusal
 ) -> None:
-    monkeypatch.chdir(folder)
     Path("lab.csv").write_text(text)
     assert f"lab.csv: {told}" in refusal(["interpret", "site.toml", "--laboratory", "lab.csv"])
 

@@ -16,12 +16,7 @@ from mpm_warp.scenes import catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import HEAD, Command, study_in
 
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder to work in."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("here")
 
 
 @pytest.mark.slow
