@@ -91,7 +91,7 @@ def axis_label(dataset: xr.Dataset, name: Hashable) -> str:
     """Name, symbol and unit of a variable; a text has no unit."""
     is_number = dataset[name].dtype.kind in "biuf"
     unit = unit_of(dataset, name)
-    return f"{named(dataset, name)} [{plain(unit) or '-'}]" if is_number else (named(dataset, name))
+    return f"{named(dataset, name)} [{plain(unit) or '-'}]" if is_number else named(dataset, name)
 
 
 def number(value: float) -> str:
