@@ -23,7 +23,7 @@ SIGNED_NUMBER = r"[-+]\d+(\.\d+)?(e[-+]\d+)?%?"
 
 
 class ArchiveError(HarnessError):
-    """A file cannot be read, written or removed, as any may be; one line, which names it."""
+    """A file of the archive cannot be read, written or removed; one line, which names it."""
 
 
 def prepare(folder: Path) -> None:
