@@ -77,7 +77,7 @@ class ConePenetration(ConeTestByDefault):
             raise ParameterError(
                 "speed_ratio",
                 f"speed_ratio = {self.speed_ratio:g} is not allowed with rigidity_index = "
-                f"{self.rigidity_index:g}: {self._thrown_off(REFUSED_INERTIA)}",
+                f"{self.rigidity_index:g}: {self.thrown_off(REFUSED_INERTIA)}",
             )
         if self.uncertainty == "measured":
             self.further_tests()  # all are allowed
@@ -91,7 +91,7 @@ class ConePenetration(ConeTestByDefault):
         """The same, its speeds times a scale: that of a scene whose speed is over other waves."""
         if self.inertia > GREATEST_INERTIA and self.cells_per_radius < CELLS_AT_SPEED:
             remedy = f"or {CELLS_AT_SPEED:g} cells_per_radius or more"
-            return f"{self._thrown_off(GREATEST_INERTIA, scale)}, {remedy}"
+            return f"{self.thrown_off(GREATEST_INERTIA, scale)}, {remedy}"
         rows, clay = self._grid.row_count, self.clay
         of_approach = math.sqrt(self.approach_inertia / self.rigidity_index)
         fastest = max(self.speed_ratio, of_approach)
@@ -109,7 +109,7 @@ class ConePenetration(ConeTestByDefault):
             f"or time_step_fraction = {math.floor(10.0 * small_step) / 10.0:g}"
         )
 
-    def _thrown_off(self, limit: float, scale: float = 1.0) -> str:
+    def thrown_off(self, limit: float, scale: float = 1.0) -> str:
         """Why a cone above a limit of rho V^2 / su is too fast, and the speed to take instead."""
         speed_ratio = scale * math.sqrt(SANE_INERTIA / self.rigidity_index)
         return (

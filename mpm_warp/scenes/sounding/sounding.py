@@ -16,7 +16,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.cone_penetration import SANE_INERTIA, ConePenetration
 from mpm_warp.scenes.cone.defaults import INCOMPRESSIBLE
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
@@ -39,6 +39,9 @@ STEADY_TOLERANCE = 0.003
 TIME_STEP_FRACTION = 0.7
 """Greatest time step over the critical one: cells near the surface have no mass-matrix correction,
 without which 0.76 is stable."""
+CELLS_AT_SURFACE = 1.5
+"""Cells per radius below which 41 of 70 random soundings from the surface did not complete; with
+more 8 of 46."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +75,16 @@ class Sounding(SoundingTest):
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: that of a cone in the strongest soil, where most of the work is."""
-        return self._test.failure_told(self.speed_ratio / self._test.speed_ratio)
+        test = self._test
+        scale = self.speed_ratio / test.speed_ratio
+        if test.inertia > SANE_INERTIA:
+            return f"of the strongest soil {test.thrown_off(SANE_INERTIA, scale)}"
+        if self.starts_at_surface and self.cells_per_radius < CELLS_AT_SURFACE:
+            return (
+                f"from the surface on fewer than {CELLS_AT_SURFACE:g} cells a radius half of the "
+                f"cases are inaccurate; try cells_per_radius = {CELLS_AT_SURFACE:g} or more"
+            )
+        return test.failure_told(scale)
 
     @property
     def _test(self) -> ConePenetration:

@@ -108,6 +108,10 @@ ANGLE = "nearly all cases complete from 30 to 120"
 LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
 OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
 CELLS = "cells_per_radius or more"
+OF_STRONGEST = (
+    "of the strongest soil rho V^2 is 18.2 su, and above 5 su soil is thrown off; try speed_ratio "
+    "= 0.24 or less"
+)
 BRITTLE = (
     "the clay is brittle, and shears in layers thinner than the cells; no choice of the method is "
     "known to help below a ductility of 5 with a remoulded_strength_ratio below 0.15"
@@ -138,7 +142,7 @@ LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soi
         (
             "sounding",
             "speed_ratio=[0.1,0.45] rigidity_index=90 cells_per_radius=1.5",
-            [f"{LIKELY}0.45: {OF_SU.replace('20', '18.2').replace('0.1', '0.24')}1.8 {CELLS}"],
+            [f"{LIKELY}0.45: {OF_STRONGEST}"],
         ),
         (
             "ball_penetration",

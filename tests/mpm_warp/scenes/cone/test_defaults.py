@@ -153,6 +153,24 @@ def test_a_remedy_is_told_in_the_speed_of_the_scene() -> None:
     assert f"try speed_ratio = {scaled:.2g} or less" in fast.likely_failure
 
 
+def test_what_a_sounding_is_likely_to_fail_by_is_told() -> None:
+    """Speed, by the strongest soil, and wide cells, where it begins at the surface."""
+    rows = "0, 20, 100; 9, 20, 100"
+    sound = Sounding(
+        profile=f"depth [m], strength [kPa], rigidity_index [1]; {rows}",
+        speed_ratio=0.22,
+        cells_per_radius=1.4,
+        from_depth=3.0,
+        to_depth=5.0,
+    )
+    assert sound.likely_failure == ""
+    fast = dataclasses.replace(sound, speed_ratio=0.23)
+    assert fast.likely_failure.startswith("of the strongest soil rho V^2 is 5.29 su")
+    wide = dataclasses.replace(sound, from_depth=0.0)
+    assert "try cells_per_radius = 1.5 or more" in wide.likely_failure
+    assert dataclasses.replace(wide, cells_per_radius=1.5).likely_failure == ""
+
+
 def test_a_cone_too_fast_for_any_result_is_refused() -> None:
     """Half the speed of shear waves is rho V^2 = Ir su / 4; the remedy is a speed that is sane."""
     coarse, fine = (
