@@ -15,13 +15,14 @@ pressure evens out over such a distance while a cone passes by. With s, the radi
 of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), w (1 - w) (D_b - D_l), 0.04, 0.6 i, W
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.12 (D_b - D_l), 0.08, 0.6 i, W
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
 the shaft; D_l is the deviator in it, close to what yield allows, D_b that of the soil beside it,
-and w is the share of the 0.06 radii that the layer takes. A mesh makes the layer about half a row
-thicker, so w is known from ever finer meshes. On fewer than five rows F - s is read far from the
+and w is the share of the 0.06 radii that the layer takes, known to 0.12; no more of it is left open
+than there is. A mesh makes the layer half a row thicker, so w is drawn on from meshes of up to 80
+rows beside the face. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
 indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and
@@ -68,15 +69,15 @@ STIFFEST_OF_WIDE = {"face": 500.0, "shoulder": 300.0}
 """Rigidity indices up to which cells of three rows tell u1 and u2: above, quick tests had 3 to 7 %
 too little of u1, and 18 to 24 % of u2."""
 LAYER_SHARE = (
-    (1.0, 1.0, 1.0, 1.0),
-    (1.0, 1.0, 1.0, 1.0),
-    (0.5, 0.85, 1.0, 1.0),
-    (0.0, 0.1, 0.3, 1.0),
-    (0.0, 0.0, 0.0, 0.75),
+    (0.65, 0.8, 0.85, 1.0),
+    (0.65, 0.8, 0.85, 1.0),
+    (0.43, 0.6, 0.72, 1.0),
+    (0.0, 0.05, 0.3, 0.6),
+    (0.0, 0.0, 0.0, 0.6),
     (0.0, 0.0, 0.0, 0.5),
 )
 """w at the same."""
-IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.59))
+IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.52))
 """D_l over the adhesion factor, at any rigidity index."""
 BESIDE_LAYER = ((30.0, 100.0, 300.0, 600.0), (-0.6, 0.0, 0.45, 0.62))
 """D_b over the rigidity index, at any adhesion factor."""
@@ -91,8 +92,8 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-SHOULDER, READ_IN_CELLS, SHOULDER_LEFT, NEAR_SHAFT = 0.15, 0.07, 0.005, 0.04
-"""Half widths of u2: over the error of its mesh, over h (F - s), over F - s, and of D."""
+SHOULDER, READ_IN_CELLS, SHOULDER_LEFT, NEAR_SHAFT, LAYER_LEFT = 0.15, 0.07, 0.005, 0.08, 0.12
+"""Half widths of u2: over the error of its mesh, over h (F - s), over F - s, of D, and of w."""
 READ_IN_WIDE_CELLS = 0.6
 """Half width of u2 over F - s and over what h is above WIDE."""
 SETTLING = 0.5
@@ -164,7 +165,7 @@ def shoulder_error(
         READ_IN_CELLS * cell_size * radial,
         READ_IN_WIDE_CELLS * max(0.0, cell_size - WIDE) * radial,
         SHOULDER_LEFT * radial,
-        strength_ratio * share * (1.0 - share) * (beside - in_layer),
+        strength_ratio * np.minimum(share, LAYER_LEFT) * (beside - in_layer),
         NEAR_SHAFT,
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,

@@ -15,7 +15,7 @@ from mpm_warp.uncertainty.pore_pressure import (
     BOUND,
     BOUND_EFFECT,
     IN_LAYER,
-    LAYER_SHARE,
+    LAYER_LEFT,
     NEAR_SHAFT,
     NOISE,
     SETTLING,
@@ -25,6 +25,8 @@ from mpm_warp.uncertainty.pore_pressure import (
     SHOULDER_POWER,
     WIDEST,
     Value,
+    _layer,
+    deviator_near_shaft,
     face_error,
     shoulder_error,
     stated_pressures,
@@ -34,8 +36,8 @@ from mpm_warp.uncertainty.pore_pressure import (
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
 MEASURED = Path(__file__).parents[3] / "studies" / "mesh_error_u2.csv"
-LAYER_ROWS, FEWEST_ROWS = 28, 5
-"""Rows whose cells are 0.06 radii wide, and the fewest that the law is fitted to."""
+FEWEST_ROWS = 5
+"""The fewest that the law is fitted to."""
 
 
 def measured_u2(quantity: str) -> dict[tuple[float, float], Series]:
@@ -123,18 +125,32 @@ def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
             assert slope == pytest.approx(found, abs=0.1)
 
 
-def test_the_layer_beside_the_shaft_is_that_of_cells_as_thick() -> None:
-    """Where a mesh resolves it, the first of its columns has its deviator."""
-    measured = measured_u2("radial_deviator_factor")
-    resolved = [
-        (adhesion, measured[index, adhesion][LAYER_ROWS])
-        for index, shares in zip(SHOULDER_INDICES, LAYER_SHARE, strict=True)
-        for adhesion, share in zip(SHOULDER_ADHESION, shares, strict=True)
-        if share == 1.0 and LAYER_ROWS in measured.get((index, adhesion), {})
-    ]
-    assert len(resolved) >= 8
-    for adhesion, deviator in resolved:
-        assert deviator == pytest.approx(np.interp(adhesion, *IN_LAYER), abs=NEAR_SHAFT)
+NEAR_SHAFT_ON_FINE_ROWS: dict[tuple[float, float], Series] = {
+    (20, 0.0): {40: -1.18, 56: -1.18, 80: -1.13},
+    (20, 1.0): {40: -0.60, 56: -0.58},
+    (100, 0.0): {40: -0.90, 56: -0.79, 80: -0.70},
+    (100, 0.25): {56: -1.02, 80: -0.93},
+    (100, 0.5): {80: -0.99},
+    (100, 1.0): {40: -0.58, 56: -0.54},
+    (300, 0.25): {40: -0.10},
+    (300, 0.5): {40: -0.54},
+    (300, 1.0): {40: -0.48},
+}
+"""Mean deviator within 0.06 radii of the shaft at the height of the filter, over su: 80 rows by
+`tests/shaft_layer.py`, others by cells of one shape (40 and 56 rows, on a GPU)."""
+
+
+@pytest.mark.parametrize("case", NEAR_SHAFT_ON_FINE_ROWS)
+def test_the_layer_beside_the_shaft_is_that_of_the_finest_rows(case: tuple[float, float]) -> None:
+    """Less what rows are told to make it thicker, by 0.76 radii over their number."""
+    index, adhesion = case
+    at = {"rigidity_index": index, "adhesion_factor": adhesion}
+    share, in_layer, beside = map(float, _layer(**at))
+    assert deviator_near_shaft(**at) == pytest.approx(share * in_layer + (1 - share) * beside)
+    left = math.hypot(NEAR_SHAFT, LAYER_LEFT * (beside - in_layer))
+    for rows, deviator in NEAR_SHAFT_ON_FINE_ROWS[case].items():
+        on_rows = min(1.0, share + 0.76 / rows / 0.06)
+        assert on_rows * in_layer + (1.0 - on_rows) * beside == pytest.approx(deviator, abs=left)
 
 
 def test_without_a_layer_the_first_column_is_as_the_soil_beside_it() -> None:
@@ -167,21 +183,23 @@ def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
     (whole, _), (half, _) = (
         shoulder_error(4.2, -1.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
     )
-    assert half - whole == pytest.approx(-0.5 * np.interp(0.5, *IN_LAYER))
+    assert half - whole == pytest.approx(-0.5 * deviator_near_shaft(100.0, 0.5))
 
 
-def test_u2_is_less_certain_where_the_layer_is_thinner_than_cells() -> None:
-    """Beside a smooth shaft at Ir 100 it may take a quarter to three quarters of 0.06 radii."""
-    of_smooth, of_rough = (
-        radial_error(5.4, cell_size=0.06, adhesion_factor=adhesion, rigidity_index=100.0)[1]
-        for adhesion in (0.0, 1.0)
+def test_how_thick_the_layer_is_leaves_u2_open() -> None:
+    """By an eighth of 0.06 radii; where there is no layer nothing is open."""
+    at = {"cell_size": 0.06, "adhesion_factor": 0.0}
+    _, of_layer = radial_error(5.4, rigidity_index=100.0, **at)
+    _, without = radial_error(5.4, rigidity_index=300.0, **at)
+    beside, in_layer = BESIDE_LAYER[1][1], IN_LAYER[1][0]
+    assert of_layer == pytest.approx(
+        math.hypot(without, LAYER_LEFT * (beside - in_layer)), rel=0.05
     )
-    assert of_smooth > math.hypot(of_rough, 0.2 * IN_LAYER[1][0])
 
 
 @pytest.mark.parametrize(
     ("adhesion_factor", "shares"),
-    [(0.0, (0.08, 0.07)), (0.25, (0.06, 0.045)), (1.0, (0.045, 0.03))],
+    [(0.0, (0.05, 0.04)), (0.25, (0.06, 0.045)), (1.0, (0.06, 0.035))],
 )
 def test_half_width_by_default_and_fine(
     adhesion_factor: float, shares: tuple[float, float]
