@@ -139,30 +139,23 @@ def test_waves_that_grow_on_many_rows_are_told_before_the_run() -> None:
         assert dataclasses.replace(fine, **sound).likely_failure == ""
 
 
+def sounding(rows: str, **given: float) -> Sounding:
+    """From 3 to 5 m through ground of rows of depth [m], strength [kPa] and rigidity index."""
+    profile = f"depth [m], strength [kPa], rigidity_index [1]; {rows}"
+    return Sounding(profile=profile, from_depth=3.0, to_depth=5.0, **given)
+
+
 def test_a_remedy_is_told_in_the_speed_of_the_scene() -> None:
     """That of a sounding is over the waves of the softest soil, here half as stiff."""
     rows = "0, 20, 100; 4, 20, 100; 4, 20, 200; 9, 20, 200"
-    fast = Sounding(
-        profile=f"depth [m], strength [kPa], rigidity_index [1]; {rows}",
-        speed_ratio=0.45,
-        cells_per_radius=1.5,
-        from_depth=3.0,
-        to_depth=5.0,
-    )
+    fast = sounding(rows, speed_ratio=0.45, cells_per_radius=1.5)
     scaled = math.sqrt(2.0) * math.sqrt(5.0 / 200.0)
     assert f"try speed_ratio = {scaled:.2g} or less" in fast.likely_failure
 
 
 def test_what_a_sounding_is_likely_to_fail_by_is_told() -> None:
     """Speed, by the strongest soil, and wide cells, where it begins at the surface."""
-    rows = "0, 20, 100; 9, 20, 100"
-    sound = Sounding(
-        profile=f"depth [m], strength [kPa], rigidity_index [1]; {rows}",
-        speed_ratio=0.22,
-        cells_per_radius=1.4,
-        from_depth=3.0,
-        to_depth=5.0,
-    )
+    sound = sounding("0, 20, 100; 9, 20, 100", speed_ratio=0.22, cells_per_radius=1.4)
     assert sound.likely_failure == ""
     fast = dataclasses.replace(sound, speed_ratio=0.23)
     assert fast.likely_failure.startswith("of the strongest soil rho V^2 is 5.29 su")
