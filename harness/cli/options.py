@@ -6,6 +6,7 @@ A reader of a value raises `argparse.ArgumentTypeError`, which says what is not 
 import argparse
 import math
 import re
+import sys
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from importlib import metadata
@@ -22,9 +23,9 @@ BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
 
 
 def number(
-    meaning: str, units: Mapping[str, float] | None = None, *, or_zero: bool = False
+    meaning: str, units: Mapping[str, float] | None = None, *, least: float = sys.float_info.min
 ) -> Callable[[str], float]:
-    """What reads a finite number > 0, described in words; a unit may stand behind it."""
+    """What reads a finite number, > 0 or from `least` on, as described; a unit may stand behind."""
     sizes = units or {}
 
     def read(text: str) -> float:
@@ -33,7 +34,7 @@ def number(
             value = float(text.upper().removesuffix(unit)) * sizes.get(unit, 1.0)
         except ValueError:
             value = math.nan
-        if not (0.0 < value < math.inf or (or_zero and value == 0.0)):
+        if not least <= value < math.inf:
             raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
         return value
 
@@ -78,13 +79,13 @@ VALUES: dict[str, dict[str, Any]] = {
     "new --scene": {"default": "cone_penetration"},
     "run --workers": {"type": positive_count},
     "run --case-timeout": {"type": number("a number > 0"), "default": math.inf},
-    "run --memory-limit": {"type": number("> 0, as 8e9 or 8GB", BYTES)},
+    "run --memory-limit": {"type": number("100MB at least, as 8e9 or 8GB", BYTES, least=100e6)},
     "schema of": {"choices": ("study", "site"), "default": "study"},
     "verify --scene": {"action": "extend", "default": []},
     "interpret --check": {"nargs": "?", "const": "quick", "choices": ("quick", "standard")},
     "benchmark action": {"choices": ("run", "score")},
     "benchmark --accuracy": {"choices": ("quick", "standard", "fine")},
-    "compare --tolerance": {"type": number("a number >= 0", or_zero=True)},
+    "compare --tolerance": {"type": number("a number >= 0", least=0.0)},
     "plot --format": {"choices": ("png", "pdf", "svg"), "default": ["png"]},
     "report --out": {"type": html_file, "default": Path("report.html")},
     "recommend --error": {"type": share, "required": True},

@@ -110,7 +110,8 @@ def tell_of_likely_failures(cases: Sequence[Case]) -> None:
     likely = {label: reason for label, reason in reasons.items() if reason}
     if likely:
         label, reason = next(iter(likely.items()))
-        tell(f"{len(likely)} of {len(cases)} cases are likely to fail; {label}: {reason}")
+        are = "is" if len(likely) == 1 else "are"
+        tell(f"{len(likely)} of {len(cases)} cases {are} likely to fail; {label}: {reason}")
 
 
 def likely_failure(case: Case) -> str:

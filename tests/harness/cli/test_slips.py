@@ -117,8 +117,8 @@ WRONG = {
         ("0", "-1", "soon", "nan", "inf"),
     ),
     "run mesh_size --memory-limit": (
-        "must be > 0, as 8e9 or 8GB",
-        ("0", "-1GB", "much", "GB", "inf", "nan"),
+        "must be 100MB at least, as 8e9 or 8GB",
+        ("0", "8", "-1GB", "much", "GB", "inf", "nan"),
     ),
 }
 """Options, what is told of them, and values that are wrong."""

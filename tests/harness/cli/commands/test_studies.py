@@ -105,7 +105,7 @@ def test_a_value_in_what_looks_like_another_unit_is_told(setting: str, command: 
 
 SANE = "nearly all cases complete from 0.0001 to 0.1"
 ANGLE = "nearly all cases complete from 30 to 120"
-LIKELY = "1 of 2 cases are likely to fail; speed_ratio="
+LIKELY = "1 of 2 cases is likely to fail; speed_ratio="
 OF_SU = "rho V^2 is 20 su, and above 10 su soil is thrown off; try speed_ratio = 0.1 or less, or "
 CELLS = "cells_per_radius or more"
 OF_STRONGEST = (
