@@ -108,10 +108,11 @@ class RecordedSteps:
         return capture.graph
 
 
-LEAST_STEPS = 16
-"""Steps of a replay from which on its time counts for the choice of the number of threads."""
-PAUSE = 300
-"""Steps on one thread before several threads are tried again."""
+FEWEST, MOST_TOGETHER = 16, 64
+"""Steps from which on the time of a replay counts for the choice of the number of threads, and the
+most that several threads take until it is made again."""
+COST_OF_TRIALS = 0.05
+"""Share of the time of one thread that trials of several may take where they are slower."""
 WEIGHT = 0.25
 """Weight of the last replay in the mean time of a step: a single replay may be late by chance."""
 
@@ -194,7 +195,14 @@ class DeviceRun:
             self._seen.clear()
             self._replay_one_by_one(steps)
             return
-        threads = self._choice.choose(min(threads, self.plan.share_count))
+        wanted = min(threads, self.plan.share_count)
+        while steps:
+            threads, count = self._choice.choose(wanted, len(steps))
+            self._replay_together(steps[:count], threads)
+            steps = steps[count:]
+
+    def _replay_together(self, steps: range, threads: int) -> None:
+        """Take steps on so many threads, and note how long that takes."""
         if threads not in self._recorded:
             self._recorded[threads] = RecordedSteps(self.plan, self._command, threads, self._device)
         start = time.perf_counter()
@@ -234,26 +242,32 @@ class ThreadChoice:
     """Chooses between one thread and as many as are wanted, by the measured time of a step.
 
     Threads wait for each other several times in a step, so one that loses its core to another
-    process delays all. The number of threads does not change a result: the clock may choose it.
+    process delays all, by up to a hundred times. So they are tried for a few steps, and after a
+    trial that was slower not again before one thread has worked for so long that all trials take a
+    small part of the time. The number of threads does not change a result: the clock may choose it.
     """
 
     def __init__(self) -> None:
         self._step_time: dict[int, float] = {}  # mean time of a step [s], by number of threads
-        self._pause = 0
+        self._pause = 0.0  # time for which one thread is to work alone [s]
 
-    def choose(self, wanted: int) -> int:
-        """Number of threads of the next replay: `wanted`, or 1."""
-        return 1 if 1 not in self._step_time or self._pause > 0 else wanted
+    def choose(self, wanted: int, step_count: int) -> tuple[int, int]:
+        """Threads of the next replay, `wanted` or 1, and how many of so many steps it takes."""
+        if wanted == 1:
+            return 1, step_count
+        if 1 not in self._step_time or self._pause > 0.0:
+            return 1, min(step_count, MOST_TOGETHER)
+        return wanted, min(step_count, MOST_TOGETHER if wanted in self._step_time else FEWEST)
 
     def note(self, threads: int, step_count: int, seconds: float) -> None:
         """Note the wall-clock time of a replay [s], by so many threads, of so many steps."""
         if threads == 1:
-            self._pause = max(0, self._pause - step_count)
-        if step_count < LEAST_STEPS:
+            self._pause = max(0.0, self._pause - seconds)
+        if step_count < FEWEST:
             return
         last = seconds / step_count
         mean = self._step_time.get(threads, last)
         self._step_time[threads] = mean + WEIGHT * (last - mean)
         if threads > 1 and self._step_time[threads] > self._step_time[1]:
-            self._pause = PAUSE
+            self._pause = (seconds - step_count * self._step_time[1]) / COST_OF_TRIALS
             del self._step_time[threads]  # measured afresh after the pause

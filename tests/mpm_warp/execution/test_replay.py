@@ -13,7 +13,13 @@ import warp as wp
 
 import mpm_warp.execution.replay
 from mpm_warp import Execution, Simulation
-from mpm_warp.execution.replay import LEAST_STEPS, PAUSE, DeviceRun, ThreadChoice
+from mpm_warp.execution.replay import (
+    COST_OF_TRIALS,
+    FEWEST,
+    MOST_TOGETHER,
+    DeviceRun,
+    ThreadChoice,
+)
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
@@ -153,21 +159,21 @@ def test_a_fork_goes_on_with_threads_of_its_own() -> None:
 
 def test_threads_that_are_slower_than_one_pause_and_are_tried_again() -> None:
     choice = ThreadChoice()
-    assert choice.choose(2) == 1  # to know what one thread takes
+    assert choice.choose(1, 1000) == (1, 1000)
+    assert choice.choose(2, 1000) == (1, MOST_TOGETHER)  # to know what one thread takes
     choice.note(1, step_count=100, seconds=1.0)
-    assert choice.choose(2) == 2
+    assert choice.choose(2, 1000) == (2, FEWEST)
     choice.note(2, step_count=100, seconds=0.6)
-    assert choice.choose(2) == 2
+    assert choice.choose(2, 1000) == (2, MOST_TOGETHER)
     choice.note(2, step_count=100, seconds=2.0)  # late by chance
-    assert choice.choose(2) == 2
-    choice.note(2, step_count=100, seconds=2.0)
-    for _ in range(PAUSE):
-        assert choice.choose(2) == 1
-        choice.note(1, step_count=1, seconds=0.01)
-    assert choice.choose(2) == 2
-    choice.note(2, step_count=LEAST_STEPS - 1, seconds=9.0)  # too short to tell
-    assert choice.choose(2) == 2
-    assert choice.choose(1) == 1
+    assert choice.choose(2, 10) == (2, 10)
+    choice.note(2, step_count=100, seconds=2.0)  # a second more than one thread takes
+    for _ in range(round(1.0 / COST_OF_TRIALS)):
+        assert choice.choose(2, 1000) == (1, MOST_TOGETHER)
+        choice.note(1, step_count=100, seconds=1.0)
+    assert choice.choose(2, 1000) == (2, FEWEST)
+    choice.note(2, step_count=FEWEST - 1, seconds=9.0)  # too short to tell
+    assert choice.choose(2, 1000) == (2, FEWEST)
 
 
 @pytest.mark.usefixtures("all_take_part")
