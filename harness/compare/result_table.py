@@ -44,7 +44,7 @@ from harness.references.cone_factors import (
 MISSING = "-"
 """In the place of a number that there is not."""
 MOST_CASES = 3
-"""Cases that a note names at most."""
+"""Cases that a note names at most; more are counted."""
 RESOLUTION = "cells_per_radius"
 """The parameter that refines the mesh: its finest two values give the discretisation's share."""
 BY_MODE = {
@@ -244,8 +244,8 @@ def _told(dataset: xr.Dataset, reasons: list[str], what: str = "") -> list[str]:
     labels, notes = labels_of(dataset), []
     for reason in dict.fromkeys(filter(None, reasons)):
         cases = [label for label, own in zip(labels, reasons, strict=True) if own == reason]
-        further = f" and {len(cases) - MOST_CASES} more" if len(cases) > MOST_CASES else ""
-        of_cases = f" of {', '.join(cases[:MOST_CASES])}{further}"
+        counted = f"{len(cases)} of {len(reasons)} cases"
+        of_cases = f" of {', '.join(cases) if len(cases) <= MOST_CASES else counted}"
         every = len(cases) == len(reasons)
         notes.append(f"no uncertainty{what}{'' if every else of_cases}: {reason}")
     return notes

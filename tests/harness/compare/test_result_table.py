@@ -13,7 +13,7 @@ from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError
 from harness.compare.differences import difference, ratio, slope
 from harness.compare.least_squares import fit, least_squares_table
-from harness.compare.result_table import result_table
+from harness.compare.result_table import MOST_CASES, reason_notes, result_table
 from harness.compare.spread import NUMERICAL, TOGETHER, first_order, spread_rows, spreads_of
 from harness.study.files import studies_folder
 from mpm_warp.results import labelled
@@ -117,6 +117,10 @@ def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
         told = both.assign(why_no_uncertainty=("adhesion_factor", reasons, {"role": "reason"}))
         assert line in result_table(told).splitlines()
     assert "no uncertainty" not in result_table(both)
+    many = xr.concat([told] * MOST_CASES, "cell_count").stack(case=[...], create_index=False)
+    few = many.why_no_uncertainty.where(np.arange(many.sizes["case"]) > 0, "")
+    line = f"no uncertainty of {2 * MOST_CASES - 1} of {2 * MOST_CASES} cases: {reason}"
+    assert line in reason_notes(many.assign(why_no_uncertainty=few))
     of_u2 = ("adhesion_factor", [reason, reason])
     told = told.assign(pore_pressure_factor_shoulder_why_no_uncertainty=of_u2)
     assert "of u2" not in result_table(told)  # for the reason of all
