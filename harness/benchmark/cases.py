@@ -104,12 +104,14 @@ def benchmark_cases() -> tuple[BenchmarkCase, ...]:
 def read_submissions(folder: Path) -> list[Submission]:
     """The submissions of a folder, by name; or the one that the folder itself is.
 
+    A hidden folder, as .git, is none.
+
     Raises:
         StudyError: there is none, or one is malformed.
     """
     if (folder / "meta.toml").exists() or (folder / "results.csv").exists():
         return [read_submission(folder)]
-    found = [path for path in sorted(folder.glob("*")) if path.is_dir()]
+    found = [path for path in sorted(folder.glob("[!.]*")) if path.is_dir()]
     if not found:
         raise StudyError(f"{folder}: has no submission: a folder with meta.toml and results.csv")
     return [read_submission(path) for path in found]

@@ -8,6 +8,7 @@ its own U: a yardstick, not the truth. d <= 1: the two agree within what they st
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,8 +24,8 @@ from mpm_warp.parameters import nearest_name
 class Score:
     """One result of a submission beside its yardstick.
 
-    The error is E over the yardstick, not a number where there is none; the distance is d, not a
-    number where the submission states no uncertainty.
+    The error is E over the size of the yardstick, not a number where there is none or it is 0; the
+    distance is d, not a number where one of the two states no uncertainty.
     """
 
     submission: str
@@ -39,9 +40,14 @@ def scores(
 ) -> list[Score]:
     """All results of all submissions beside the yardsticks of their cases, case by case.
 
-    Where no exact value is known, the submission called `against` is the yardstick; a `StudyError`
-    says that there is none.
+    Where no exact value is known, the submission called `against` is the yardstick.
+
+    Raises:
+        StudyError: it is not there, or two have one name, so that their results would be one's.
     """
+    twice = [name for name, count in Counter(it.name for it in submissions).items() if count > 1]
+    if twice:
+        raise StudyError(f"two submissions are called {twice[0]}: rename the folder of one")
     by_name = {submission.name: submission for submission in submissions}
     if against not in by_name:
         near = nearest_name(against, by_name)
@@ -64,7 +70,7 @@ def _score(submission: Submission, case: BenchmarkCase, yardstick: Submission) -
     error = distance = math.nan
     if beside is not None:
         difference = result.value - beside.value
-        error = difference / beside.value
+        error = difference / abs(beside.value) if beside.value else math.nan
         distance = abs(difference) / math.hypot(result.uncertainty, beside.uncertainty)
     return Score(submission.name, case, result, error, distance)
 

@@ -59,6 +59,31 @@ def test_a_wrong_case_is_found():
     assert (inside["right"], inside["wrong"]) == ("10 of 10", "23 of 25")
 
 
+@pytest.mark.parametrize(("value", "error"), [(0.0, math.nan), (-5.0, 3.0)])
+def test_a_yardstick_may_be_zero_or_below(value, error):
+    """A submission may state any number, and any may be the yardstick."""
+    stated = {"one": value, "other": 10.0}
+    given = [
+        Submission(name, META, {"cone_rate": Result(number, math.nan, math.nan)})
+        for name, number in stated.items()
+    ]
+    found = {it.submission: it.error for it in scores(benchmark_cases(), given, "one")}
+    assert found["other"] == pytest.approx(error, nan_ok=True)
+
+
+def test_two_submissions_of_one_name_are_told(tmp_path, refusal):
+    """Their results would be counted as those of one: a folder has the name of a formula here."""
+    folder = written(tmp_path / "lu_2004")
+    line = refusal(["benchmark", "score", str(folder), "--out", str(tmp_path)])
+    assert line == "harness: two submissions are called lu_2004: rename the folder of one"
+
+
+def test_a_hidden_folder_is_no_submission(tmp_path):
+    written(tmp_path / "theirs")
+    (tmp_path / ".git").mkdir()
+    assert [it.name for it in benchmark.read_submissions(tmp_path)] == ["theirs"]
+
+
 def test_formulas_stand_where_they_hold_and_state_no_uncertainty():
     found = {it.name: it.results for it in formulas(benchmark_cases())}
     lu = found["lu_2004"]
