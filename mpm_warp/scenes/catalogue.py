@@ -248,8 +248,11 @@ def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]
         yield progress
         return
     check_known("progress", progress, (True, False, None))
+    if not progress:  # a bar, hidden too, has a semaphore, which a worker that is ended leaves
+        yield lambda fraction: None
+        return
     layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
-    with tqdm(desc=name, total=1.0, disable=not progress, bar_format=layout) as bar:
+    with tqdm(desc=name, total=1.0, bar_format=layout) as bar:
 
         def show(fraction: float) -> None:
             bar.update(fraction - bar.n)

@@ -121,6 +121,13 @@ def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
     assert "Warp" not in shown
 
 
+def test_without_a_bar_none_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hidden one too has a semaphore; a worker that is ended leaves it, which Python tells of."""
+    monkeypatch.setattr(catalogue, "tqdm", None)
+    for progress in (None, False):
+        assert "error" in GravityColumn(cell_count=2).run(progress=progress)
+
+
 @dataclass(frozen=True, kw_only=True)
 class HalfColumn(CatalogueScene):
     """A column that is not in this package."""
