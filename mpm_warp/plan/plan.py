@@ -199,6 +199,10 @@ def check_time_step(*, time_step: float, longest: float) -> None:
         raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
 
 
+SMALLER_STEP = "try a smaller time_step_fraction"
+"""What may help where a run diverges, by default."""
+
+
 @dataclass(kw_only=True, eq=False)
 class Plan:
     """All arrays and launches of a run."""
@@ -213,7 +217,7 @@ class Plan:
     # into how many shares launches may be split: so many sums does a step add up, in one order,
     # whether the shares run one after the other or at the same time
     share_count: int = 1
-    remedy: str = "try a smaller time_step_fraction"  # what may help where a run diverges
+    remedy: str = SMALLER_STEP  # what may help where a run diverges
     particle_count: int = 0  # particles at the start
     # what kernels are given by name beside arrays: numbers of the grid, properties of the soil
     given: dict[str, Any] = field(default_factory=dict)

@@ -32,8 +32,8 @@ from tqdm import tqdm
 from mpm_warp.arguments import check_kind, check_known
 from mpm_warp.errors import SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parameters import Value, check_names, check_parameters, nearest_name
-from mpm_warp.plan.plan import Plan
+from mpm_warp.parameters import Value, check_names, check_parameters, nearest_name, parameters_of
+from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
@@ -227,8 +227,19 @@ class CatalogueScene(ABC):
         with 0 once all is compiled.
         """
         simulation = Simulation(self.build(), execution)
+        plan, instead = simulation.plan, self._instead_of_smaller_steps
+        plan.remedy = plan.remedy.replace(SMALLER_STEP, instead)
         progress(0.0)  # set up and compiled: from here on it computes
         return self.record(simulation, progress)
+
+    @property
+    def _instead_of_smaller_steps(self) -> str:
+        """What to try where a run diverges: smaller steps, or what the scene has in their place."""
+        known = parameters_of(type(self))
+        numbers = [name for name in self.method if known[name].kind is not str]
+        if "time_step_fraction" in known or not numbers:
+            return SMALLER_STEP
+        return f"try another {' or '.join(numbers)}"
 
     def compute_with_snapshots(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots

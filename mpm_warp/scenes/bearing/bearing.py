@@ -35,6 +35,9 @@ PLATEAU_CHANGE = 0.01
 """What its linear fit may change there by, over its mean."""
 LEAST_SAMPLES = 3
 """Samples that make a plateau, at least."""
+LARGEST_MOTION = 1.0
+"""Of the body, in its narrowest cells: up to 0.96 of them footings, cones and cylinders complete,
+from 1.2 on they lose contact or have no plateau, but for one."""
 
 Exact = tuple[float, str]
 """A limit load over area and su, where it comes from, and how exact it is."""
@@ -81,6 +84,27 @@ class Bearing(CatalogueScene):
         # Forces are those on half a body in plane strain, or on a radian.
         area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
         return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
+
+    @property
+    def cell_size(self) -> float:
+        """Width of the narrowest cells below the body [m]."""
+        return RADIUS / self.cells_per_radius
+
+    @property
+    def likely_failure(self) -> str:
+        """See `CatalogueScene`: soil leaves the cells at the body, which stay where they are."""
+        cells = self.final_displacement / self.cell_size
+        if cells <= LARGEST_MOTION:
+            return ""
+        index, way = (
+            self.rigidity_index * cells / LARGEST_MOTION,
+            self.displacement * LARGEST_MOTION / cells,
+        )
+        return (
+            f"the body moves by {cells:.2g} cells, and soil leaves those beside it; try "
+            f"rigidity_index = {math.ceil(index):g} or more, or displacement = "
+            f"{math.floor(10.0 * way) / 10.0:g} or less"
+        )
 
     @property
     def final_displacement(self) -> float:

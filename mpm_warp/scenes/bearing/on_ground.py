@@ -225,6 +225,11 @@ class ConeBearing(OnGround):
         return lines if lines.face_psi >= -UPWARD else None
 
     @property
+    def cell_size(self) -> float:
+        """See `Bearing`: those at the rim."""
+        return RIM * super().cell_size
+
+    @property
     def final_displacement(self) -> float:
         """How far the cone is pressed [m]."""
         ratio = math.sin(math.radians(30.0)) / math.sin(0.5 * self._penetrometer.apex_angle)
@@ -241,7 +246,7 @@ class ConeBearing(OnGround):
         Rows beside a blunt face are flat, so that its nodes are as near to each other as columns.
         """
         size, height = RADIUS / self.cells_per_radius, self.surface_height
-        edge = RIM * size
+        edge = self.cell_size
         growth = 1.0 + GROWTH * edge / RADIUS
         face = graded(edge * min(1.0, height / RADIUS), height, growth)
         below = graded(min(size, face[-1] - face[-2]), 2.0 * RADIUS, growth)

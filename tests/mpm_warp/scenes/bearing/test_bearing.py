@@ -1,11 +1,12 @@
 """Limit loads at the surface of the ground against exact ones."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from mpm_warp.errors import UnfinishedRun
+from mpm_warp.errors import SimulationDiverged, UnfinishedRun
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.bearing.bearing import RADIUS, STRENGTH
 from mpm_warp.scenes.bearing.on_ground import (
@@ -30,6 +31,22 @@ def test_cone_at_the_surface(apex_angle: float, adhesion_factor: float) -> None:
     assert order >= 1
     # Where the rim is, is known to half a cell, and those at the rim are a quarter as wide.
     assert error <= (1 + 1 / 32) ** 2 - 1
+
+
+def test_a_body_that_leaves_its_cells_is_told_with_what_to_change() -> None:
+    """Before it runs, and where it ends: by parameters that the scene has."""
+    soft = CircularFooting(rigidity_index=100.0)
+    told = "the body moves by 2.4 cells, and soil leaves those beside it; try rigidity_index = 240"
+    assert soft.likely_failure.startswith(told)
+    for sound in ({"rigidity_index": 240.0}, {"displacement": 12.5}):
+        assert dataclasses.replace(soft, **sound).likely_failure == ""
+    # Cells at the rim of a cone are a quarter as wide.
+    assert ConeBearing(rigidity_index=959.0).likely_failure
+    assert ConeBearing(rigidity_index=960.0).likely_failure == ""
+    with pytest.raises(SimulationDiverged) as end:
+        soft.run()
+    parameters = "cells_per_radius or rigidity_index or displacement or speed_ratio"
+    assert str(end.value).endswith(f"; try another {parameters}")
 
 
 def test_a_blunt_face_has_as_many_nodes_as_the_soil_beside_it() -> None:
