@@ -27,7 +27,9 @@ filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
 indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and
 0.6 i are the most that it was found to do. A window that is smaller than by default leaves open as
-much of both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How
+much of both as of the cone factor, W. Where the horizontal stress in the ground is the larger, the
+top of the window takes some off u2, at A radii above the shoulder up to T sqrt(-Delta Ir) / A; it
+is one more part of the half width of u2. Nor is anything known where cells grow by more than 0.5. How
 all of it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
@@ -109,6 +111,10 @@ SHOULDER_INERTIA = 0.6
 """The same of u2: 0.6 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
+SHOULDER_TOP = ((30.0, 50.0), (0.2, 1.0))
+"""T over the rigidity index: what three or four times the extent above adds to u2 at Delta -0.25 to
+-0.9, over sqrt(-Delta Ir) / A, is 0.0 to 0.2 at Ir 25 and 30, 1.0 at 50, 0.4 to 0.9 at 100 and
+250."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
@@ -140,6 +146,8 @@ def shoulder_error(
     inertia: Value,
     strength_ratio: Value = 1.0,
     extent_ratio: float = 1.0,
+    stress_anisotropy: Value = 0.0,
+    above: float = math.inf,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
 
@@ -152,6 +160,8 @@ def shoulder_error(
         inertia: rho V^2 / su, shape [...].
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
         extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
+        stress_anisotropy: Delta, shape [...].
+        above: extent of the window above the shoulder over the radius.
     """
     slope = _of_table(
         SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
@@ -170,6 +180,9 @@ def shoulder_error(
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,
         window_uncertainty(extent_ratio),
+        np.interp(np.log(rigidity_index), *_over_logarithm(SHOULDER_TOP))
+        * np.sqrt(np.maximum(0.0, -stress_anisotropy) * rigidity_index)
+        / above,
     )
     return near_shaft - deviator - error, half_width
 
@@ -198,13 +211,15 @@ def stated_pressures(
     strength: float,
     bounded: float,
     why_none: str,
+    stress_anisotropy: float,
+    above: float,
     **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the arguments of `face_error`. Where these laws do not hold there is no
+    `of_cone` are the arguments of `face_error`, Delta and `above` further ones of `shoulder_error`. Where these laws do not hold there is no
     correction, the uncertainties are not numbers, and `why_none` says why.
     """
     stated = {}
@@ -219,7 +234,8 @@ def stated_pressures(
                 off, of_laws = face_error(factor, **of_cone)
             else:
                 deviator = float(recorded["radial_deviator_factor_shoulder"])
-                off, of_laws = shoulder_error(factor, deviator, **of_cone)
+                of_top = {"stress_anisotropy": stress_anisotropy, "above": above}
+                off, of_laws = shoulder_error(factor, deviator, **of_top, **of_cone)
                 curve = curve - recorded["radial_deviator_shoulder"].values / strength
             correction = float(off) + BOUND_EFFECT[place] * bounded
             to_come = SETTLING * last_change(curve)

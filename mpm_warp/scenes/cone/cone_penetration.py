@@ -67,7 +67,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 29
+    version = 30
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

@@ -292,6 +292,48 @@ def test_a_small_window_is_a_part_of_the_half_widths_of_u1_and_u2() -> None:
                 assert error(other, extent_ratio=0.5, **of_cone) == error(other, **of_cone)
 
 
+BELOW_TWO_TOPS = (
+    (25.0, -0.9, 0.0, 3, (9.75, 3.432, 0.311), (39.0, 3.517, 0.317)),
+    (50.0, -0.7, 0.0, 3, (9.75, 3.847, 0.349), (39.0, 4.451, 0.380)),
+    (100.0, -0.7, 0.0, 3, (9.75, 4.087, 0.782), (39.0, 5.549, 0.971)),
+    (30.0, -0.5, 0.0, 6, (13.0, 3.632, 0.166), (39.0, 3.661, 0.167)),
+    (50.0, -0.7, 0.0, 6, (13.0, 4.207, 0.192), (52.0, 4.680, 0.199)),
+    (100.0, -0.25, 0.0, 5, (13.0, 4.903, 0.237), (26.0, 5.271, 0.244)),
+    (100.0, -0.5, 0.0, 5, (13.0, 4.863, 0.237), (52.0, 5.372, 0.248)),
+    (100.0, -0.5, 0.7, 5, (13.0, 4.370, 0.244), (52.0, 4.593, 0.298)),
+    (250.0, -0.3, 0.3, 5, (20.55, 6.354, 0.321), (82.22, 6.607, 0.311)),
+)
+"""Ir, Delta, adhesion factor, rows beside the face; extent above, u2 and the half width that it has
+without the part of the top: quick or by default, and in a window that is taller."""
+
+
+@pytest.mark.parametrize("case", BELOW_TWO_TOPS)
+def test_where_the_horizontal_stress_is_the_larger_the_top_is_a_part_of_u2(case: Any) -> None:
+    """With it the two agree; where the vertical one is, it is none."""
+    index, anisotropy, adhesion, rows, *both = case
+    half_widths = []
+    for above, factor, without in both:
+        of_top: list[float] = []
+        for given in (anisotropy, 0.0):
+            _, half_width = shoulder_error(
+                factor,
+                0.0,
+                cell_size=math.sqrt(3.0) / rows,
+                adhesion_factor=adhesion,
+                rigidity_index=index,
+                inertia=0.0,
+                stress_anisotropy=given,
+                above=above,
+            )
+            of_top.append(float(half_width))
+        assert of_top[0] > of_top[1]
+        half_widths.append(math.hypot(without, math.sqrt(of_top[0] ** 2 - of_top[1] ** 2)))
+    (_, low, _), (_, high, _) = both
+    assert abs(high - low) <= math.hypot(*half_widths)
+    if index <= 100.0 and rows > 3:  # alone, too
+        assert abs(high - low) <= half_widths[0]
+
+
 @pytest.mark.parametrize(("place", "stiffest"), [("shoulder", 300.0), ("face", 500.0)])
 def test_in_very_stiff_clay_three_rows_tell_nothing(place: str, stiffest: float) -> None:
     for index, rows, word in ((0.9, 3, ""), (1.1, 3, "mesh"), (1.1, 4, "")):
@@ -337,6 +379,7 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
         | {"radial_deviator_factor_shoulder": -0.4}
     )
     given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
+    given |= {"stress_anisotropy": 0.0, "above": 13.0}
     return stated_pressures(
         recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
     )
