@@ -60,6 +60,7 @@ class ConeFactor:
     in_envelope: bool = False
     how_known: str = QUOTED  # where the coefficients were taken from
     rigidity_index_range: tuple[float, float] = (50.0, 500.0)  # that it is meant for
+    largest_anisotropy: float = math.inf  # size of Delta up to which it is meant
 
     @property
     def has_adhesion_term(self) -> bool:
@@ -71,9 +72,11 @@ class ConeFactor:
         """The conditions that the formula is meant for, in words."""
         low, high = self.rigidity_index_range
         smooth = "" if self.has_adhesion_term else ", smooth face"
+        largest = self.largest_anisotropy
+        anisotropy = f", |Delta| up to {largest:g}" if math.isfinite(largest) else ""
         return (
             "60 degree cone, no friction, no softening or rate effect, one su in all tests, "
-            f"rigidity index {low:g} to {high:g}{smooth}"
+            f"rigidity index {low:g} to {high:g}{anisotropy}{smooth}"
         )
 
     def applies(self, conditions: Conditions) -> Quantity:
@@ -87,6 +90,7 @@ class ConeFactor:
             & (conditions.rigidity_index <= high)
             & (conditions.apex_angle == 60.0)
             & (conditions.friction == 0.0)
+            & (abs(conditions.stress_anisotropy) <= self.largest_anisotropy)
             & conditions.strength_stays
         )
         return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)
@@ -194,12 +198,13 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
             + 0.10 * c.shaft_adhesion
             - 2.03 * c.stress_anisotropy
         ),
-        criterion="Tresca, su in pure shear, |Delta| up to 0.5",
+        criterion="Tresca, su in pure shear",
         method="material point method; least squares over 200 cases",
         source="studies/cone_factor_table.csv of this project",
         how_known="95 % of the cases are within 0.11 of it, all within 0.16; their own U is 0.06 "
         "to 0.16",
         rigidity_index_range=(20.0, 1000.0),
+        largest_anisotropy=0.5,
     ),
 )
 
