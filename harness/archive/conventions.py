@@ -23,6 +23,7 @@ from enum import StrEnum
 import numpy as np
 import xarray as xr
 
+from harness.study.compared import ERROR
 from mpm_warp.parameters import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
 
@@ -115,8 +116,12 @@ def headlines_of(dataset: xr.Dataset) -> list[str]:
 
 
 def headline_values(dataset: xr.Dataset) -> np.ndarray:
-    """The headline of each case, whatever its scene; not a number where there is none."""
-    return _first_known(dataset, headlines_of(dataset))
+    """The headline of each case, whatever its scene; not a number where there is none.
+
+    Of several scenes one may be run for its error, which others have beside their headline.
+    """
+    names = headlines_of(dataset)
+    return _first_known(dataset, sorted(names, key=lambda name: name == ERROR))
 
 
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:

@@ -24,6 +24,7 @@ from harness.archive.conventions import (
     Role,
     case_dims,
     headline_values,
+    headlines_of,
     is_there,
     labels_of,
     over_cases,
@@ -40,6 +41,7 @@ from harness.archive.conventions import (
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import NothingToCompareError
 from harness.study.cases import completed
+from harness.study.compared import ERROR
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -219,8 +221,11 @@ def slope(places: np.ndarray, values: np.ndarray) -> Known:
 
 
 def ratio_notes(dataset: xr.Dataset) -> list[str]:
-    """Each ratio of two scenes in one soil, with its half width; none of one scene."""
-    values, reasons = _headlines(dataset), reasons_of(dataset)
+    """Each ratio of two scenes in one soil, with its half width; none of one scene.
+
+    It is of results of one unit: errors of two scenes have no ratio that says anything.
+    """
+    values, reasons, units = _headlines(dataset), reasons_of(dataset), _units_of_results(dataset)
     scenes, stored, within = scenes_of(dataset), parameter_names(dataset), varied_within(dataset)
     known = [scene_class(scene) for scene in {*scenes} & {*scene_names()}]
     method = {stored.get(name, name) for scene in known for name in scene.method}
@@ -239,7 +244,8 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
     notes = []
     for label, cases in soils.items():
         for (one, first), (other, second) in itertools.combinations(cases.items(), 2):
-            if np.isfinite([values[first][0], values[second][0]]).all() and values[second][0]:
+            are_alike = units[first] is not None and units[first] == units[second]
+            if are_alike and values[second][0]:
                 reason = "; ".join(filter(None, (reasons[first], reasons[second])))
                 told = stated(*ratio(values[first], values[second]), reason)
                 names = ", ".join(filter(None, [f"{spoken(one)} over {spoken(other)}", label]))
@@ -267,6 +273,17 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
     told += [f"ratio {stated(*ratio(greatest, least))}"] if least[0] else []
     told += [f"slope of the straight line {stated(*slope(places, values))}"]
     return [f"{name} from {places.min():g} to {places.max():g}: {', '.join(told)}"]
+
+
+def _units_of_results(dataset: xr.Dataset) -> list[str | None]:
+    """The unit of the headline of each case; None where it has none, or an error alone."""
+    units: list[str | None] = [None] * dataset["status"].size
+    for name in headlines_of(dataset):
+        if name != ERROR:
+            unit = str(dataset[name].attrs.get("units", "1"))
+            known = np.isfinite(over_cases(dataset, name))
+            units = [unit if it else had for it, had in zip(known, units, strict=True)]
+    return units
 
 
 def _headlines(dataset: xr.Dataset) -> list[Known]:

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from scipy.stats.qmc import LatinHypercube
 
-from harness.archive.conventions import COMPLETED, DISTRIBUTION, uncertainty_of
+from harness.archive.conventions import COMPLETED, DISTRIBUTION, headline_values, uncertainty_of
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError
 from harness.compare.differences import difference, ratio, slope
@@ -177,6 +177,18 @@ def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
     )
     assert said in result_table(own_meshes).splitlines()
     assert not any(" over t bar" in it for it in result_table(footings(["completed"] * 2)))
+
+
+def test_errors_and_results_of_other_units_have_no_ratio() -> None:
+    """A scene may be run for its error, which others have beside their headline."""
+    errors = xr.Dataset({"error": ("case", [0.01, 0.02, 0.03], {"role": "headline"})})
+    by_error = errors.merge(cone_and_bar())
+    assert headline_values(by_error).tolist() == headline_values(cone_and_bar()).tolist()
+    assert " over t bar" in result_table(by_error)
+    assert " over t bar" not in result_table(by_error.drop_vars(["cone_factor"]))
+    in_pascal = cone_and_bar()
+    in_pascal["resistance_factor"].attrs["units"] = "Pa"
+    assert " over t bar" not in result_table(in_pascal)
 
 
 def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
