@@ -26,8 +26,7 @@ from harness.archive.conventions import COMPLETED
 from harness.run.resources import UPDATE_RATE, predicted_memory
 from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
-from mpm_warp.simulation import Simulation
+from mpm_warp import CatalogueScene, Simulation, scene_class, scene_names
 
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40
 """Memory of a case at most, and from where on no larger one is looked for [byte]; draws at most."""

@@ -21,10 +21,9 @@ from harness.archive.conventions import COMPLETED, Role, with_role
 from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp import CatalogueScene, ParameterError, SceneError, StepCost, scene_class, scene_names
 from mpm_warp.parameters import parameters_of
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
-from mpm_warp.scenes.step_cost import LEAST_STEPS, StepCost
+from mpm_warp.scenes.step_cost import LEAST_STEPS
 from tests.harness.run.test_random_cases import NAMED, drawn, random_scene
 
 SECONDS, STEPS = 1.0, 30_000

@@ -7,8 +7,7 @@ import sys
 import pytest
 
 import mpm_warp
-from mpm_warp import public_names
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp import public_names, scene_class, scene_names
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp import ParameterError, parameter
+from mpm_warp import ParameterError, parameter, scene_class, scene_names
 from mpm_warp.parameters import (
     Derived,
     check_parameters,
@@ -14,7 +14,6 @@ from mpm_warp.parameters import (
     nearest_name,
     parameters_of,
 )
-from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 

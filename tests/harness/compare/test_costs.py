@@ -100,10 +100,7 @@ CELLS = [5.0, 10.0, np.nan, np.nan]
 def two_scenes() -> xr.Dataset:
     """Two cases of each scene; the other scene's cells are not this one's."""
     made = xr.Dataset(
-        {
-            "error": ("case", [0.05, 0.01, 0.5, 0.3]),
-            "run_time": ("case", [1.0, 2.0, 0.1, 0.2]),
-        },
+        {"error": ("case", [0.05, 0.01, 0.5, 0.3]), "run_time": ("case", [1.0, 2.0, 0.1, 0.2])},
         coords={
             "case": range(4),
             "scene": ("case", ["thick_cylinder"] * 2 + ["sliding_block"] * 2),

@@ -245,10 +245,7 @@ def cases() -> xr.Dataset:
     ]
     simulated = table["cone_factor_simulated"]
     made = xr.Dataset(
-        {
-            "cone_factor_simulated": ("case", simulated),
-            "cone_factor": ("case", simulated - errors),
-        },
+        {"cone_factor_simulated": ("case", simulated), "cone_factor": ("case", simulated - errors)},
         coords={"case": np.arange(len(table))} | {name: ("case", table[name]) for name in names},
     )
     return as_collected(made, "case", ["completed"] * len(table))

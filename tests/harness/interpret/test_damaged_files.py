@@ -9,11 +9,7 @@ import pytest
 
 from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import changed
-from tests.harness.interpret.written_tests import (
-    WRITERS,
-    rows_of,
-    site_of,
-)
+from tests.harness.interpret.written_tests import WRITERS, rows_of, site_of
 
 
 def replaced(old: str, new: str, count: int = 1) -> Callable[[bytes], bytes]:
@@ -59,16 +55,8 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "back": ("csv", replaced("\n1.5,", "\n1.3,"), "line 7: depth goes back from 1.4 to 1.3 m"),
     "no depth": ("csv", replaced("\n1.5,", "\n,"), "line 7: depth is missing"),
     "code": ("csv", replaced("\n1.5,", "\n1.5,-9.99,0,0\n1.51,"), "belongs under `missing`"),
-    "infinite": (
-        "csv",
-        replaced("\n1.5,", "\n1.5,inf,0,0\n1.51,"),
-        "leave the cell empty",
-    ),
-    "header in a comment": (
-        "csv",
-        lambda it: b"# " + it,
-        "line 1 among them; take its #",
-    ),
+    "infinite": ("csv", replaced("\n1.5,", "\n1.5,inf,0,0\n1.51,"), "leave the cell empty"),
+    "header in a comment": ("csv", lambda it: b"# " + it, "line 1 among them; take its #"),
     "too large": ("csv", lambda it: it + b" " * 20_000_000, "a test has at most 20000000"),
     "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),
     "one long cell": ("csv", lambda it: it + b'"' + b"x" * 200_000, "is no table: field larger"),

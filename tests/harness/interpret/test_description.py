@@ -68,11 +68,7 @@ REFUSED = {
     "two points": ("= 1e-6", '= "1.2.3 %/h"', 'must be a text as "5 %/h"'),
     "rate too high": ("= 1e-6", "= 1", "must be >= 1e-06"),
     "no layer": ("[[layer]]", "[other]", "unknown key"),
-    "a column of another name": (
-        "[test]",
-        '[test]\ncolumns = { tip = "cone" }',
-        "unknown key",
-    ),
+    "a column of another name": ("[test]", '[test]\ncolumns = { tip = "cone" }', "unknown key"),
     "area ratio": ("area_ratio = 0.8", "area_ratio = 1.8", "> 0 and <= 1"),
     "heavy": ("= 17", "= 17000", "must be a number >= 10 and <= 30"),
     "buoyant": ("= 17", "= 9", "must be a number >= 10 and <= 30"),

@@ -21,18 +21,11 @@ from harness.cli.main import main
 from harness.compare.compared import with_experience
 from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import captioned, fixed
-from harness.pictures.drawing.plot_parts import (
-    MOST_LABELS,
-    SHADES,
-    NotOwnFileError,
-    image,
-    panels,
-)
+from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image, panels
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
-from mpm_warp import ConePenetration, Sounding
+from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
-from mpm_warp.scenes.catalogue import CatalogueScene
 
 from .conftest import MADE, caption_of, drawn, figures, random_cases, result, texts
 

@@ -12,14 +12,7 @@ from harness.pictures.sounding import (
     sounding_figure,
     soundings_figure,
 )
-from tests.harness.pictures.conftest import (
-    IN_A_ROW,
-    caption_of,
-    collected,
-    figures,
-    legend,
-    texts,
-)
+from tests.harness.pictures.conftest import IN_A_ROW, caption_of, collected, figures, legend, texts
 
 DEPTH = np.arange(1.0, 7.0)
 

@@ -225,11 +225,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("options", REFUSED)
 def test_what_no_cluster_can_do_is_one_line(
-    options: str,
-    twenty: Study,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    refusal: Refusal,
+    options: str, twenty: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, refusal: Refusal
 ) -> None:
     monkeypatch.setattr(cluster_module, "PATIENCE", 0.5)
     run = ["run", str(twenty.source), f"--out={tmp_path / 'out'}", *options.split()]

@@ -43,11 +43,7 @@ def one(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
 
 @pytest.mark.parametrize(
     ("workers", "options"),
-    [
-        (2, RunOptions()),
-        (1, RunOptions(threads=1)),
-        (1, RunOptions(threads=2)),
-    ],
+    [(2, RunOptions()), (1, RunOptions(threads=1)), (1, RunOptions(threads=2))],
 )
 def test_every_case_is_run_once_and_has_the_same_bits(
     workers: int, options: RunOptions, one: xr.Dataset, tmp_path: Path, small: Study

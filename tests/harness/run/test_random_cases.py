@@ -18,9 +18,8 @@ from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp import CatalogueScene, ParameterError, SceneError, scene_class, scene_names
 from mpm_warp.parameters import Parameter, Value, parameters_of
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 from tests.harness.conftest import Depth
 
 from .conftest import Record

@@ -19,8 +19,7 @@ from harness.run.verify import (
     verified_in_turn,
     verify,
 )
-from mpm_warp.scenes import Verification
-from mpm_warp.scenes.elastic.columns import GravityColumn
+from mpm_warp import GravityColumn, Verification
 from tests.harness.conftest import Command
 
 pytestmark = pytest.mark.slow

@@ -19,13 +19,11 @@ from harness.run.run_study import Display
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from mpm_warp.errors import SceneError, SimulationDiverged
+from mpm_warp import GravityColumn, SceneError, SimulationDiverged, scene_class
 from mpm_warp.parameters import Value
 from mpm_warp.planning import make_plan
 from mpm_warp.results import variable
-from mpm_warp.scenes import scene_class
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.columns import GravityColumn
 from tests.harness.conftest import Command
 
 pytestmark = pytest.mark.slow

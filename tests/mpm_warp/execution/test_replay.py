@@ -12,7 +12,7 @@ import pytest
 import warp as wp
 
 import mpm_warp.execution.replay
-from mpm_warp import Execution, Simulation
+from mpm_warp import CatalogueScene, Execution, GravityColumn, Simulation, SlidingBlock
 from mpm_warp.execution.replay import (
     COST_OF_TRIALS,
     FEWEST,
@@ -21,9 +21,6 @@ from mpm_warp.execution.replay import (
     ThreadChoice,
 )
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes import CatalogueScene
-from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.elastic.columns import GravityColumn
 from tests.mpm_warp.conftest import assert_same_bits
 from tests.mpm_warp.execution.conftest import CONE, FEW_ROWS
 

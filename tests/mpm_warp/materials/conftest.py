@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mpm_warp import Material, Simulation
+from mpm_warp import Material, ModifiedCamClay, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 
 STRESS, LAMBDA, KAPPA, V = 50e3, 0.2, 0.04, 2.0

@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 import scipy
 
-from mpm_warp import ElementTest
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp import ElementTest, ModifiedCamClay, ParameterError, SceneError, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI, ModifiedCamClay
+from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI
 from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
 from mpm_warp.scenes.material.material_point import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import greatest_shear, refused
 from tests.mpm_warp.materials.conftest import KAPPA, LAMBDA, SHARE, STRESS, V, cam_clay, points_on
 from tests.mpm_warp.materials.rates import integrated

@@ -5,9 +5,7 @@ from functools import partial
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
-from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.tresca import Tresca
+from mpm_warp import EinavRandolph, ParameterError, Tresca
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
 from tests.mpm_warp.conftest import DIRECTED, refused

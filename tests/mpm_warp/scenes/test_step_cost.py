@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from mpm_warp import SceneError
-from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp import SceneError, StepCost
 
 
 def test_less_physics_has_fewer_stages() -> None:

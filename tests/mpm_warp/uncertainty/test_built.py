@@ -17,12 +17,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.grid.fitted import Grid
+from mpm_warp import Grid, History, Scene, SurfaceContact, Tresca
 from mpm_warp.materials.material import built_name
-from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.history import History
-from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding

@@ -211,11 +211,7 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
             {"apex_angle": 120.0, "speed_ratio": 0.04},
             r"rho V\^2 is above 0.15 su with 2 rows of cells; .* speed_ratio\^2 <= 0.15$",
         ),
-        (
-            ConePenetration,
-            {"cell_growth": 1.5},
-            "run with more growth, where cell_growth = 3",
-        ),
+        (ConePenetration, {"cell_growth": 1.5}, "run with more growth, where cell_growth = 3"),
         (TBarPenetration, {"domain_extent": 80}, "needs a run with a wider window, where domain_"),
         (TBarPenetration, {"cells_per_radius": 2}, "cells_per_radius = 2 must be >= 3 where"),
         (TBarPenetration, {"cell_growth": 1.1}, "cell_growth = 1.1 must be <= 1 where"),

@@ -8,13 +8,7 @@ import pytest
 from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.laws import (
-    BOTTOM_ERROR,
-    DOMAIN,
-    MESH,
-    NEAREST_BOTTOM,
-    growth_uncertainty,
-)
+from mpm_warp.uncertainty.laws import BOTTOM_ERROR, DOMAIN, MESH, NEAREST_BOTTOM, growth_uncertainty
 from mpm_warp.uncertainty.samples import NOISE_OF_INFLOW, SAMPLE_NOISE
 
 FACTOR = 10.0

@@ -6,16 +6,16 @@ import math
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SimulationDiverged, UnfinishedRun
-from mpm_warp.planning import make_plan
-from mpm_warp.scenes.bearing.bearing import RADIUS, STRENGTH
-from mpm_warp.scenes.bearing.on_ground import (
+from mpm_warp import (
     CircularFooting,
     ConeBearing,
-    Footing,
-    OnGround,
+    SimulationDiverged,
     StripFooting,
+    UnfinishedRun,
 )
+from mpm_warp.planning import make_plan
+from mpm_warp.scenes.bearing.bearing import RADIUS, STRENGTH
+from mpm_warp.scenes.bearing.on_ground import Footing, OnGround
 from tests.mpm_warp.scenes.conftest import order_and_errors
 
 pytestmark = pytest.mark.slow

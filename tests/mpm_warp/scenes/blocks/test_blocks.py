@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from mpm_warp.errors import ParameterError
+from mpm_warp import FlyingBlock, ParameterError, Simulation, SlidingBlock
 from mpm_warp.parameters import Value
 from mpm_warp.scenes.blocks.block_on_base import SlidingMotion
-from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, FlyingBlock, free_flight
-from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.simulation import Simulation
+from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, free_flight
 
 pytestmark = pytest.mark.slow
 

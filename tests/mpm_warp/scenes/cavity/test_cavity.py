@@ -6,10 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.errors import ParameterError
-from mpm_warp.parts.boundaries import RadialMotion
+from mpm_warp import ParameterError, RadialMotion, Simulation
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from mpm_warp import EinavRandolph, Tresca
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.tresca import Tresca
 from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cavity.exact import cavity_pressure, strain_rate
 from mpm_warp.scenes.material.strain_paths import shear_stress

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Floats, Grid
-from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp import Grid, Simulation, SurfaceContact
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.sampling import ContactForces
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
@@ -19,7 +19,6 @@ from mpm_warp.scenes.cone.penetrometer import (
     PenetrometerContact,
     sleeve_mean,
 )
-from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, is_steady
 
 ROUNDING = 1e-12

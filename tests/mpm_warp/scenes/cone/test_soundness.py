@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import InaccurateRun, UnfinishedRun
-from mpm_warp.materials.tresca import Tresca
+from mpm_warp import InaccurateRun, Tresca, UnfinishedRun
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.soundness import (
     LARGEST_RESIDUAL,

@@ -6,9 +6,8 @@ from typing import Any
 
 import pytest
 
-from mpm_warp.scenes.elastic.column_wave import PERIOD, ElasticColumnWave
-from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
+from mpm_warp import ElasticColumnWave, GravityColumn, ThickCylinder
+from mpm_warp.scenes.elastic.column_wave import PERIOD
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from tests.mpm_warp.scenes.conftest import order_and_errors
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from mpm_warp.scene import Scene
-from mpm_warp.scenes.elastic.column_wave import PERIOD, ElasticColumnWave
+from mpm_warp import ElasticColumnWave, Scene, Simulation
+from mpm_warp.scenes.elastic.column_wave import PERIOD
 from mpm_warp.scenes.elastic.wave_decay import step_matrix, wave_factor
-from mpm_warp.simulation import Simulation
 
 CELLS = 5
 SMALL = 1e-9

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError, SimulationDiverged
+from mpm_warp import EnclosedSoil, ParameterError, Simulation, SimulationDiverged
 from mpm_warp.parameters import parameters_of
-from mpm_warp.parts.enclosed_soil import EnclosedSoil
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
     CyclicPenetration,
@@ -21,7 +20,6 @@ from mpm_warp.scenes.full_flow.penetration import (
     FullFlowPenetration,
     TBarPenetration,
 )
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 

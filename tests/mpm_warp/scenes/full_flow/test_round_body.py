@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from mpm_warp.grid.fitted import Grid
-from mpm_warp.parts.contact import SurfaceContact
+from mpm_warp import Grid, SurfaceContact
 from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.full_flow.cyclic import CyclicTBar
 from mpm_warp.scenes.full_flow.penetrometer import RoundBody

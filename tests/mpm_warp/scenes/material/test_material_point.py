@@ -5,10 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from mpm_warp.errors import SimulationDiverged
+from mpm_warp import Simulation, SimulationDiverged
 from mpm_warp.scenes.material.material_point import CHANGING, MaterialPoint
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, known_paths
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.scenes.conftest import order_and_errors
 
 pytestmark = pytest.mark.slow

@@ -3,14 +3,11 @@
 import numpy as np
 import pytest
 
-from mpm_warp.errors import ParameterError
+from mpm_warp import ParameterError, Simulation, SurfaceContact, SurroundingGround
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parts.contact import SurfaceContact
-from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
-from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.sounding.conftest import changed
 

@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mpm_warp.errors import ParameterError
-from mpm_warp.materials.anisotropic import Anisotropic
-from mpm_warp.scenes.sounding.profile import Profile
+from mpm_warp import Anisotropic, ParameterError, Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.conftest import scene
