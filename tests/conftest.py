@@ -1,7 +1,13 @@
-"""What all tests have in common: how deep the hostile ones go, and signal handlers put back."""
+"""What all tests have in common: how deep the hostile ones go, processes, and pages."""
 
+import os
+import re
 import signal
-from collections.abc import Callable, Iterator
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -46,3 +52,27 @@ def signal_handlers_are_put_back() -> Iterator[None]:
     yield
     for number, handler in zip(numbers, before, strict=True):
         signal.signal(number, handler)
+
+
+def finished(command: Sequence[str], **given: Any) -> subprocess.CompletedProcess[str]:
+    """A process of its own that has ended, however it did, and what it has said."""
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=600, **given
+    )
+
+
+def blocks(page: str, language: str = "python") -> list[str]:
+    """What a page has in a language, as a reader would copy it."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+
+
+def said_by_commands(commands: str, folder: Path) -> str:
+    """What commands of a page say in a folder, by the program and the Python of these tests."""
+    program = (
+        f'set -eo pipefail; harness() {{ "{sys.executable}" -m harness "$@"; }}\n'
+        f'python() {{ "{sys.executable}" "$@"; }}\n{commands}'
+    )
+    root = {"PYTHONPATH": str(Path(__file__).parents[1])}
+    done = finished(["bash", "-c", program], cwd=folder, env=os.environ | root)
+    assert done.returncode == 0, done.stderr
+    return done.stdout

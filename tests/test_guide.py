@@ -1,15 +1,13 @@
 """The guide: its commands run as they stand, in an empty folder, and give what it says."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
-GUIDE = ROOT / "studies" / "guide.md"
+from tests.conftest import said_by_commands
+
+GUIDE = Path(__file__).parents[1] / "studies" / "guide.md"
 STEPS = dict(re.findall(r"^## (\d)\. .*?\n(.*?)(?=^## |\Z)", GUIDE.read_text(), re.M | re.S))
 SLOW = ("3", "4", "7")
 NEEDED = {"7": "2"}
@@ -35,23 +33,11 @@ def commands(step: str) -> str:
 )
 def test_a_step_runs_in_an_empty_folder(step: str, tmp_path: Path) -> None:
     steps = [NEEDED[step], step] if step in NEEDED else [step]
-    program = (
-        f'set -eo pipefail; harness() {{ "{sys.executable}" -m harness "$@"; }}\n'
-        f'python() {{ "{sys.executable}" "$@"; }}\n'
-    ) + "".join(commands(it) for it in steps)
-    done = subprocess.run(
-        ["bash", "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    told = said_by_commands("".join(commands(it) for it in steps), tmp_path)
     for picture in re.findall(r"`(results/[^`]+)`", STEPS[step]):
         assert (tmp_path / picture).stat().st_size > 0
     said = re.findall(r"[\d.]+ ± [\d.]+\d", STEPS[step])
-    assert {*said} <= {*re.findall(r"[\d.]+ ± [\d.]+\d", done.stdout.replace("+-", "±"))}
+    assert {*said} <= {*re.findall(r"[\d.]+ ± [\d.]+\d", told.replace("+-", "±"))}
 
 
 def test_the_contents_lead_to_every_step() -> None:

@@ -4,7 +4,6 @@ import argparse
 import os
 import re
 import shlex
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +15,7 @@ from harness.cli.options import make_parser, mistake_in, options_of
 from harness.interpret.description import is_site_file
 from harness.study.study import is_scene, load_study
 from mpm_warp.scenes import scene_class
+from tests.conftest import blocks, finished
 
 ROOT = Path(__file__).parents[1]
 README, OF_HARNESS = ROOT / "README.md", ROOT / "harness" / "README.md"
@@ -28,24 +28,12 @@ SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
 SET_SHORT = [f"--set={setting}" for setting in SHORT]
 
 
-def blocks(page: Path, language: str = "python") -> list[str]:
-    """What a page has in a language, as a reader would copy it."""
-    pattern = rf"^```{language}\n(.*?)^```$"
-    return re.findall(pattern, page.read_text(), re.MULTILINE | re.DOTALL)
-
-
 def run(script: str, folder: Path) -> str:
     """What a script prints in a Python process of its own, in a folder and without a screen."""
     file = folder / "script.py"
     file.write_text(script)
-    done = subprocess.run(
-        [sys.executable, file.name],
-        cwd=folder,
-        env={**os.environ, "MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    without_screen = os.environ | {"MPLBACKEND": "Agg", "PYTHONPATH": str(ROOT)}
+    done = finished([sys.executable, file.name], cwd=folder, env=without_screen)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -60,7 +48,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_the_front_doors_python_runs(folder: Path) -> None:
-    from_python, from_file = (run(block, folder) for block in blocks(README))
+    from_python, from_file = (run(block, folder) for block in blocks(README.read_text()))
     assert f"`{from_python.strip()}`" in README.read_text()
     assert (folder / "resistance.png").stat().st_size > 0
     assert from_file.count("completed") == 5
@@ -72,7 +60,7 @@ def test_a_study_of_ones_own_is_made_and_read(
 ) -> None:
     monkeypatch.chdir(folder)
     page = OF_HARNESS.read_text().partition("## A study of your own")[2].partition("\n## ")[0]
-    (block,) = re.findall(r"^```sh\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (block,) = blocks(page, "sh")
     for line in block.splitlines():
         words = shlex.split(line, comments=True)[1:]
         assert main(words) == 0, line
@@ -84,14 +72,14 @@ def test_a_study_of_ones_own_is_made_and_read(
             edited = definition.read_text().replace(before, after)
             definition.write_text(edited.replace("[fixed]\n", f"[fixed]\n{short}"))
     assert "<html" in Path("my_study.html").read_text()
-    assert run(blocks(OF_HARNESS)[0], folder).count("completed") == 3
+    assert run(blocks(OF_HARNESS.read_text())[0], folder).count("completed") == 3
     assert "penetration" in Path("resistance.csv").read_text()
     capsys.readouterr()
 
 
 @pytest.mark.slow
 def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None:
-    for block in blocks(OF_HARNESS)[1:]:
+    for block in blocks(OF_HARNESS.read_text())[1:]:
         if ".fields.nc" not in block:  # which needs snapshots: see test_view.py
             run(block, folder)
 
@@ -100,7 +88,7 @@ def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
     if page not in (README, OF_HARNESS, EXECUTED):
-        for block in blocks(page):
+        for block in blocks(page.read_text()):
             for name in re.findall(r'"results/(\w+)\.nc"', block):
                 assert main(["run", name, *SET_SHORT, f"--out={tmp_path / 'results'}"]) == 0
             run(block, tmp_path)
@@ -108,7 +96,7 @@ def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
 
 def commands(page: Path) -> Iterator[str]:
     """The commands of `harness` on a page: those in blocks, and those within the text."""
-    for block in blocks(page, "sh"):
+    for block in blocks(page.read_text(), "sh"):
         yield from re.findall(r"(?:^|bin/)harness (.*)$", block, re.MULTILINE)
     yield from re.findall(r"`harness ([^`]+)`", " ".join(page.read_text().split()))
 

@@ -12,19 +12,7 @@ import pytest
 from harness.references.cone_factors import Conditions
 from harness.references.registry import cone_factor_reference
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.laws import (
-    CURVATURE_POWER,
-    CURVATURES,
-    GROWTH_ERROR,
-    GROWTH_OF_MESHES,
-    LIMIT,
-    MESH,
-    NOISE,
-    RIGIDITY_INDICES,
-    SLOPES,
-    growth_measure,
-    mesh_error,
-)
+from mpm_warp.uncertainty import laws
 
 STUDIES = Path(__file__).parent.parent / "studies"
 HELD_OUT, HELD_OUT_MESHES = 24, 12
@@ -47,11 +35,11 @@ def cell_size(cells_per_radius: float) -> float:
 def mesh_error_of(case: Mapping[str, float]) -> float:
     """By the law of the mesh."""
     return float(
-        mesh_error(
+        laws.mesh_error(
             rigidity_index=case["rigidity_index"],
             adhesion_factor=case["adhesion_factor"],
             cell_size=cell_size(case["cells_per_radius"]),
-            cell_growth=GROWTH_OF_MESHES,
+            cell_growth=laws.GROWTH_OF_MESHES,
         )
     )
 
@@ -68,7 +56,7 @@ def limits_by_meshes(
         the limit N0 of each case; B and Q of smooth and rough cones, shape [2, n].
     """
     clays = sorted({(it["rigidity_index"], it["adhesion_factor"]) for it in cases})
-    count = len(RIGIDITY_INDICES)
+    count = len(laws.RIGIDITY_INDICES)
     unknowns = np.arange(len(clays) + 3 * count + 2)
     limit, slope, curvature = np.split(unknowns, [-3 * count - 2, -count - 2])
     system = np.zeros((len(cases), len(unknowns)))
@@ -76,12 +64,12 @@ def limits_by_meshes(
     limit_of = [clays.index((it["rigidity_index"], it["adhesion_factor"])) for it in cases]
     for row, (it, clay) in enumerate(zip(cases, limit_of, strict=True)):
         size, rough = cell_size(it["cells_per_radius"]), it["adhesion_factor"] ** 2
-        index = RIGIDITY_INDICES.index(it["rigidity_index"])
+        index = laws.RIGIDITY_INDICES.index(it["rigidity_index"])
         share = np.array([1.0 - rough, rough])
         system[row, limit[clay]] = 1.0
         system[row, slope[[index, index + count]]] = share * size
         system[row, curvature[[min(index, 1), index + 2]]] = share * size**power
-        of_growth = GROWTH_ERROR * growth_measure(size, GROWTH_OF_MESHES)
+        of_growth = laws.GROWTH_ERROR * laws.growth_measure(size, laws.GROWTH_OF_MESHES)
         factors[row] = it["cone_factor_simulated"] - of_growth
     found = np.asarray(np.linalg.lstsq(system, factors, rcond=None)[0], dtype=np.float64)
     softest, smooth, *rough_ones = found[curvature]
@@ -91,11 +79,11 @@ def limits_by_meshes(
 
 def test_the_law_of_the_mesh_is_that_of_the_meshes_measured() -> None:
     """B and Q by least squares as they stand in the code, which has two decimals."""
-    _, *found = limits_by_meshes(CURVATURE_POWER, table("mesh_error"))
-    np.testing.assert_allclose([SLOPES, CURVATURES], found, rtol=0, atol=0.0051)
+    _, *found = limits_by_meshes(laws.CURVATURE_POWER, table("mesh_error"))
+    np.testing.assert_allclose([laws.SLOPES, laws.CURVATURES], found, rtol=0, atol=0.0051)
 
 
-@pytest.mark.parametrize("power", [1.5, CURVATURE_POWER, 2.0])
+@pytest.mark.parametrize("power", [1.5, laws.CURVATURE_POWER, 2.0])
 def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     """By other powers of h too, fitted to all meshes of five rows beside the face and more."""
     cases = [
@@ -103,9 +91,11 @@ def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     ]
     sizes = np.array([cell_size(it["cells_per_radius"]) for it in cases])
     corrected = [it["cone_factor_simulated"] - mesh_error_of(it) for it in cases]
-    of_limit = np.interp(np.log([it["rigidity_index"] for it in cases]), np.log(LIMIT[0]), LIMIT[1])
+    of_limit = np.interp(
+        np.log([it["rigidity_index"] for it in cases]), np.log(laws.LIMIT[0]), laws.LIMIT[1]
+    )
     limits, *_ = limits_by_meshes(power, cases)
-    inside = np.abs(corrected - limits) <= np.hypot(of_limit, MESH * sizes)
+    inside = np.abs(corrected - limits) <= np.hypot(of_limit, laws.MESH * sizes)
     assert inside.mean() >= CONFIDENCE
 
 
@@ -136,21 +126,12 @@ def test_the_law_of_the_mesh_holds_between_the_clays_that_it_was_fitted_to() -> 
     """All meshes have one limit, within the half widths of B, of the limit and of the noise."""
     for (index, adhesion), readings in BETWEEN.items():
         sizes = np.array([math.sqrt(3.0) / rows for rows in readings])
-        errors = [
-            float(
-                mesh_error(
-                    rigidity_index=index,
-                    adhesion_factor=adhesion,
-                    cell_size=size,
-                    cell_growth=GROWTH_OF_MESHES,
-                )
-            )
-            for size in sizes
-        ]
+        clay = {"rigidity_index": index, "adhesion_factor": adhesion}
+        errors = [mesh_error_of(clay | {"cells_per_radius": 1.0 / size}) for size in sizes]
         limits = np.array(list(readings.values())) - errors
-        of_limit = float(np.interp(math.log(index), np.log(LIMIT[0]), LIMIT[1]))
-        noise = NOISE * np.hypot(sizes, sizes[-1])
-        left = np.hypot(np.hypot(MESH * (sizes - sizes[-1]), noise), of_limit)
+        of_limit = float(np.interp(math.log(index), np.log(laws.LIMIT[0]), laws.LIMIT[1]))
+        noise = laws.NOISE * np.hypot(sizes, sizes[-1])
+        left = np.hypot(np.hypot(laws.MESH * (sizes - sizes[-1]), noise), of_limit)
         assert np.all(np.abs(limits - limits[-1]) <= left)
 
 
@@ -164,7 +145,7 @@ def test_the_law_of_the_mesh_holds_for_cases_that_were_not_used_for_it() -> None
     inside = []
     for coarse, fine in zip(*by_rows.values(), strict=True):
         limits = [it["cone_factor_simulated"] - mesh_error_of(it) for it in (coarse, fine)]
-        half_widths = [MESH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)]
+        half_widths = [laws.MESH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)]
         inside.append(abs(limits[0] - limits[1]) <= math.hypot(*half_widths))
     assert len(inside) == HELD_OUT_MESHES
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))

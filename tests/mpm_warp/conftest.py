@@ -1,7 +1,6 @@
 """Small scenes to take apart."""
 
 import dataclasses
-import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -29,6 +28,7 @@ from mpm_warp.sampling import soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.simulation import Simulation
+from tests.conftest import finished
 
 vec6 = vector(6)
 SMALL_WINDOW: dict[str, Any] = {"domain_radius": 8, "domain_above": 3, "domain_below": 3}
@@ -257,13 +257,7 @@ def crash(request: pytest.FixtureRequest) -> str:
 
     No other test shares its end; "" where nothing ends it.
     """
-    tried = subprocess.run(
-        [sys.executable, "-X", "faulthandler", str(request.path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    tried = finished([sys.executable, "-X", "faulthandler", str(request.path)])
     last = tried.stdout.splitlines()[-1:]
     return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
 

@@ -8,14 +8,13 @@ import pytest
 
 import mpm_warp
 from mpm_warp import public_names, scene_class, scene_names
+from tests.conftest import finished
 
 pytestmark = pytest.mark.slow
 
 
 def run(code: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120
-    )
+    return finished([sys.executable, "-c", code])
 
 
 def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:

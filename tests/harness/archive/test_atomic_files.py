@@ -18,6 +18,7 @@ from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from tests.conftest import finished
 from tests.harness.conftest import written
 
 KILLED_AS_IT_WRITES = """
@@ -104,14 +105,8 @@ def harness(
         if file_size:
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
 
-    result = subprocess.run(
-        [*(before or []), sys.executable, "-m", "harness", *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=bound,
-        timeout=LIMIT,
-    )
+    command = [*(before or []), sys.executable, "-m", "harness", *arguments]
+    result = finished(command, preexec_fn=bound)
     assert "Traceback" not in result.stderr
     return result.returncode, result.stderr.splitlines()
 

@@ -8,17 +8,8 @@ from typing import NamedTuple
 import pytest
 import xarray as xr
 
+from harness.archive import case_files
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import (
-    case_file,
-    case_folder,
-    discard,
-    fields_file,
-    find_fields,
-    has_fields,
-    is_complete,
-    read_fields,
-)
 from harness.archive.netcdf_files import write_netcdf
 from harness.run.collect_and_clean import collect_and_write, outcomes, stray_files
 from harness.run.worker import run_case
@@ -49,8 +40,8 @@ class Ran(NamedTuple):
 
     @classmethod
     def in_(cls, out: Path, study: Study) -> "Ran":
-        folder, (case,) = case_folder(out, study), study.cases
-        return cls(study, case, out, folder, fields_file(folder, case))
+        folder, (case,) = case_files.case_folder(out, study), study.cases
+        return cls(study, case, out, folder, case_files.fields_file(folder, case))
 
     def statuses(self, study: Study) -> list[str]:
         return [it.status for it in outcomes(study, self.out)]
@@ -73,20 +64,20 @@ def own(ran: Ran, tmp_path: Path) -> Ran:
 
 
 def test_a_case_has_its_snapshots_beside_it_and_nothing_of_them_in_it(ran: Ran) -> None:
-    fields = read_fields(ran.fields)
+    fields = case_files.read_fields(ran.fields)
     assert fields.penetration.values.tolist() == [0.5, 1.0]
     assert fields.attrs["case_key"] == ran.case.key
-    for file in (case_file(ran.folder, ran.case), ran.out / "one.nc"):
+    for file in (case_files.case_file(ran.folder, ran.case), ran.out / "one.nc"):
         with xr.open_dataset(file) as result:
             assert "point" not in result.dims
-    assert is_complete(ran.folder, ran.case)
+    assert case_files.is_complete(ran.folder, ran.case)
     assert stray_files(ran.study, ran.out) == []
 
 
 def test_snapshots_are_no_part_of_a_case(ran: Ran) -> None:
     other = with_snapshots(ran.study, "0.7")
     assert other.cases[0].key == ran.case.key
-    assert not has_fields(ran.folder, other.cases[0])
+    assert not case_files.has_fields(ran.folder, other.cases[0])
     assert ran.statuses(other) == ["no_fields"]
     assert ran.statuses(with_snapshots(ran.study, "3")) == ["completed"]
 
@@ -96,7 +87,7 @@ def test_damage_shows(own: Ran) -> None:
     content[len(content) // 2] ^= 1
     own.fields.write_bytes(content)
     with pytest.raises(ArchiveError, match="was damaged or changed"):
-        read_fields(own.fields)
+        case_files.read_fields(own.fields)
     (found,) = stray_files(own.study, own.out)
     assert found.path == own.fields
     assert "was damaged" in found.what
@@ -105,18 +96,18 @@ def test_damage_shows(own: Ran) -> None:
 
 @pytest.mark.parametrize("taken", ["[[0.5], [3.0]]", "3", "{", '{"0.5": 1}', "[0.5]"])
 def test_moments_that_another_program_wrote_are_no_error(own: Ran, taken: str) -> None:
-    write_netcdf(read_fields(own.fields).assign_attrs(snapshots=taken), own.fields)
-    assert not has_fields(own.folder, own.case)
+    write_netcdf(case_files.read_fields(own.fields).assign_attrs(snapshots=taken), own.fields)
+    assert not case_files.has_fields(own.folder, own.case)
 
 
 def test_a_case_without_its_snapshots_is_not_done(own: Ran) -> None:
     own.fields.unlink()
-    assert not is_complete(own.folder, own.case)
-    assert is_complete(own.folder, replace(own.case, snapshots=()))
+    assert not case_files.is_complete(own.folder, own.case)
+    assert case_files.is_complete(own.folder, replace(own.case, snapshots=()))
 
 
 def test_they_go_with_their_case(own: Ran) -> None:
-    discard(own.folder, [own.case])
+    case_files.discard(own.folder, [own.case])
     assert list(own.folder.iterdir()) == []
 
 
@@ -128,9 +119,9 @@ def test_a_run_without_snapshots_leaves_none_of_an_earlier_one(own: Ran) -> None
 def test_they_are_found_from_any_file_of_the_study(ran: Ran) -> None:
     collected, key = ran.out / "one.nc", ran.case.key
     for file, of in ((collected, None), (collected, key), (ran.fields, None)):
-        assert find_fields(file, of) == ran.fields
-    assert find_fields(case_file(ran.folder, ran.case), None) == ran.fields
+        assert case_files.find_fields(file, of) == ran.fields
+    assert case_files.find_fields(case_files.case_file(ran.folder, ran.case), None) == ran.fields
     with pytest.raises(ArchiveError, match=f"did you mean '{key}'"):
-        find_fields(collected, f"{key}0")
+        case_files.find_fields(collected, f"{key}0")
     with pytest.raises(ArchiveError, match="there are those of"):
-        find_fields(collected, "x")
+        case_files.find_fields(collected, "x")

@@ -18,6 +18,7 @@ from harness.cli.help import HELP
 from harness.cli.options import make_parser
 from harness.cli.process import DEFECT
 from harness.run import pool
+from tests.conftest import finished
 from tests.harness.conftest import Command, Refusal
 
 EXAMPLES = [example for told in HELP.values() for example in told.examples]
@@ -57,10 +58,7 @@ def test_help_loads_nothing_that_computes() -> None:
         "import sys, harness.cli.main as cli; cli.make_parser().format_help()\n"
         "sys.exit(str({'numpy', 'xarray', 'warp', 'matplotlib', 'scipy'} & sys.modules.keys()))"
     )
-    result = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
-    )
-    assert result.stderr.strip() == "set()"
+    assert finished([sys.executable, "-c", script]).stderr.strip() == "set()"
 
 
 def broken(options: argparse.Namespace) -> int:

@@ -1,6 +1,5 @@
 """Standard streams: what a file holds is safe to print; a stream that is full is no traceback."""
 
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +12,7 @@ from harness.cli.main import main
 from harness.cli.process import safe_output
 from harness.errors import CODES, GREEN, LONGEST_LINE
 from harness.study.study import Study
+from tests.conftest import finished
 from tests.harness.conftest import Command, Refusal
 
 pytestmark = pytest.mark.slow
@@ -70,9 +70,7 @@ def test_a_stream_that_is_closed_or_full_is_no_error(
     streams: str, small_file: Path, tmp_path: Path
 ) -> None:
     command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {ONE} {streams}"
-    end = subprocess.run(
-        ["sh", "-c", command], capture_output=True, text=True, check=False, timeout=300
-    )
+    end = finished(["sh", "-c", command])
     assert end.returncode == 0
     assert (tmp_path / "small.nc").exists()
     assert (str(tmp_path / "small.nc") in end.stdout) == (">&- " not in streams)

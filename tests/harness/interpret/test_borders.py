@@ -7,15 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.interpret.borders import (
-    FAR,
-    LEFT,
-    NEAR,
-    averaging,
-    near_border,
-    share_below,
-    sharpened,
-)
+from harness.interpret import borders
+from harness.interpret.borders import sharpened
 from harness.interpret.measured import REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
@@ -33,19 +26,19 @@ NET = {"above": 200e3, "below": 400e3}
 
 def felt(ratio: float, factor_ratio: float) -> tuple[Floats, Floats]:
     """Net resistance of two uniform layers as a cone feels it, and of each layer alone."""
-    logarithm = np.log(ratio) * share_below(WAY, NEAR)
-    logarithm += np.log(factor_ratio) * share_below(WAY, FAR)
+    logarithm = np.log(ratio) * borders.share_below(WAY, borders.NEAR)
+    logarithm += np.log(factor_ratio) * borders.share_below(WAY, borders.FAR)
     own = np.where(WAY < 0.0, 1.0, ratio * factor_ratio)
     return NET["above"] * np.exp(logarithm), NET["above"] * own
 
 
-@pytest.mark.parametrize("kernel", [NEAR, FAR])
+@pytest.mark.parametrize("kernel", [borders.NEAR, borders.FAR])
 def test_the_shares_of_the_soil_are_all_of_the_weight(kernel: tuple[float, float]) -> None:
     edges = np.linspace(-100.0, 100.0, 101)
-    shares = averaging(WAY, edges, kernel)
+    shares = borders.averaging(WAY, edges, kernel)
     np.testing.assert_allclose(shares.sum(axis=1), 1.0, rtol=0.0, atol=1e-14)
     below = shares @ (edges[:-1] >= 0.0)
-    np.testing.assert_allclose(below, share_below(WAY, kernel), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(below, borders.share_below(WAY, kernel), rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("told", [-5.0, 0.0, 5.0])
@@ -83,7 +76,7 @@ def test_a_border_is_felt_farther_in_the_stronger_layer(
     ratio: float, before: float, behind: float
 ) -> None:
     net, _ = felt(ratio, 1.0)
-    marked = WAY[near_border(DEPTH, net, [1.0, BORDER, 9.0], RADIUS)]
+    marked = WAY[borders.near_border(DEPTH, net, [1.0, BORDER, 9.0], RADIUS)]
     spacing = 0.02 / RADIUS
     assert -before < marked[0] < -before + spacing
     assert behind - spacing < marked[-1] < behind
@@ -140,7 +133,7 @@ def test_a_site_of_two_layers_is_sharpened(folder: Path) -> None:
     np.testing.assert_allclose(sharp.strength.sel(percentile=50.0), own, rtol=5e-4)
     effect = np.abs(sharp.sharpened_resistance - sharp.net_resistance).values
     widest = int(effect.argmax())
-    half = LEFT * effect[widest] / sharp.sharpened_resistance.values[widest]
+    half = borders.LEFT * effect[widest] / sharp.sharpened_resistance.values[widest]
     low, middle, high = sharp.strength.values[widest]
     assert (high - low) / 2.0 / middle > half * 1.645 / 1.96
     assert 0 < int(sharp.near_border.sum()) == int(blurred.near_border.sum())

@@ -1,8 +1,6 @@
 """The page that reports results: what is in it, and the commands that write it."""
 
 import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,6 +13,7 @@ from harness.cli.main import main
 from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
+from tests.conftest import blocks, said_by_commands
 from tests.harness.conftest import Refusal
 
 LARGEST_PAGE = 5_000_000
@@ -167,17 +166,12 @@ README = Path(__file__).parents[3] / "harness" / "README.md"
 @pytest.mark.parametrize("section", ["Pictures", "The report"])
 def test_its_commands_run(section: str, results: list[xr.Dataset], tmp_path: Path) -> None:
     (text,) = re.findall(rf"^## {section}\n(.*?)^## ", README.read_text(), re.MULTILINE | re.DOTALL)
-    (commands,) = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    (commands,) = blocks(text, "sh")
     (tmp_path / "results").mkdir()
     for name, dataset in zip(("adhesion_factor", "rigidity_index"), results, strict=True):
         write_study(tmp_path / "results" / f"{name}.nc", dataset.assign_attrs(study=name))
-    program = f'set -e; harness() {{ "{sys.executable}" -m harness "$@"; }}\n{commands}'
-    done = subprocess.run(
-        ["bash", "-c", program], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    for line in done.stdout.splitlines():
-        assert (tmp_path / line).stat().st_size > 0
-    names = {Path(line).name for line in done.stdout.splitlines()}
+    paths = [Path(line) for line in said_by_commands(commands, tmp_path).splitlines()]
+    assert all((tmp_path / path).stat().st_size > 0 for path in paths)
+    names = {path.name for path in paths}
     expected = {f"adhesion_factor_curve.{form}" for form in ("png", "pdf", "svg")}
     assert names == (expected if section == "Pictures" else {"report.html"})

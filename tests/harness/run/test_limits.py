@@ -10,15 +10,7 @@ from pathlib import Path
 import pytest
 
 from harness.run import resources
-from harness.run.resources import (
-    PROCESS_MEMORY,
-    UPDATE_RATE,
-    TooLarge,
-    check_memory,
-    costliest_first,
-    default_memory_limit,
-    predicted_time,
-)
+from harness.run.resources import TooLarge, check_memory, predicted_time
 from harness.run.run_study import on_this_machine, run_study
 from harness.run.worker import compute
 from harness.study.cases import Case
@@ -237,10 +229,10 @@ def test_the_default_is_most_of_a_container(
     told = tmp_path / "memory.max"
     monkeypatch.setattr(resources, "CONTAINER_LIMITS", (told, tmp_path / "none"))
     told.write_text("max\n")
-    whole = default_memory_limit()
-    assert whole > PROCESS_MEMORY
+    whole = resources.default_memory_limit()
+    assert whole > resources.PROCESS_MEMORY
     told.write_text("400000000\n")
-    assert default_memory_limit() == 0.9 * 400e6 < whole
+    assert resources.default_memory_limit() == 0.9 * 400e6 < whole
 
 
 def test_a_case_of_days_is_told_of_in_one_line(
@@ -266,19 +258,21 @@ def mixed(small_file: Path) -> Study:
 def test_the_costliest_case_is_first_and_equal_ones_stay_in_their_order(mixed: Study) -> None:
     assert sorted(values(mixed, *LENGTHS)) == [(1, 0), (1, 1), (3, 0), (3, 1)]
     assert len({predicted_time(case) for case in mixed.cases}) == 2
-    ordered = costliest_first(mixed.cases)
+    ordered = resources.costliest_first(mixed.cases)
     lengths = [tuple(case.parameters[name] for name in LENGTHS) for case in ordered]
     assert lengths == [(3, 0), (3, 1), (1, 0), (1, 1)]
     # A predicted time is that of points times steps, at the speed that is told of everywhere.
     size = mixed.parts[0].scene(**ordered[0].parameters).run_size()
-    assert predicted_time(ordered[0]) == size.particle_count * size.step_count / UPDATE_RATE
+    assert (
+        predicted_time(ordered[0]) == size.particle_count * size.step_count / resources.UPDATE_RATE
+    )
 
 
 def test_a_case_of_unknown_time_is_last(small_file: Path) -> None:
     refused, sound = load_study(str(small_file), ["adhesion_factor=[0, 1]"]).cases
     refused = replace(refused, parameters={**refused.parameters, "penetration": -1.0})
     assert predicted_time(refused) == 0.0
-    assert costliest_first([refused, sound]) == [sound, refused]
+    assert resources.costliest_first([refused, sound]) == [sound, refused]
 
 
 @pytest.mark.parametrize(("workers", "first"), [(1, 1), (2, 3)])

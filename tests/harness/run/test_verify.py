@@ -8,17 +8,8 @@ import pytest
 import xarray as xr
 
 from harness.cli.main import main
-from harness.run.verify import (
-    QUICK_TIME,
-    Check,
-    Verified,
-    as_dataset,
-    checks_of,
-    quick,
-    table_rows,
-    verified_in_turn,
-    verify,
-)
+from harness.run import verify
+from harness.run.verify import Check
 from mpm_warp import GravityColumn, Verification
 from tests.harness.conftest import Command
 
@@ -32,16 +23,16 @@ CHECK = Check(
 )
 
 
-def verified(*errors: float, messages: tuple[str, ...] = ("", "")) -> Verified:
+def verified(*errors: float, messages: tuple[str, ...] = ("", "")) -> verify.Verified:
     results = tuple(xr.Dataset({"error": error, "run_time": 1.0}) for error in errors)
-    return Verified(check=CHECK, results=results, messages=messages)
+    return verify.Verified(check=CHECK, results=results, messages=messages)
 
 
 def test_passes_within_bound_and_order_and_falls_short_elsewhere() -> None:
     result = verified(0.02, 0.005)
     assert result.order == pytest.approx(2)
     assert result.shortfalls == ()
-    assert table_rows(result).splitlines()[-1].endswith("pass")
+    assert verify.table_rows(result).splitlines()[-1].endswith("pass")
     assert verified(0.08, 0.02).shortfalls == ("error 0.02 > 0.01",)
     assert verified(0.008, 0.007).shortfalls == ("order 0.19 < 1",)
     assert len(verified(0.02, np.nan).shortfalls) == 2
@@ -51,9 +42,9 @@ def test_a_failed_run_is_a_row_with_a_message() -> None:
     check = dataclasses.replace(
         CHECK, verification=dataclasses.replace(CHECK.verification, settings={"cell_count": 1})
     )
-    result = Verified(check=check, results=(None, None), messages=("", "Diverged: at once"))
-    assert "Diverged: at once" in table_rows(result)
-    assert np.isnan(as_dataset([result])["error"]).all()
+    result = verify.Verified(check=check, results=(None, None), messages=("", "Diverged: at once"))
+    assert "Diverged: at once" in verify.table_rows(result)
+    assert np.isnan(verify.as_dataset([result])["error"]).all()
 
 
 @pytest.mark.parametrize(
@@ -65,20 +56,20 @@ def test_a_failed_run_is_a_row_with_a_message() -> None:
 )
 def test_every_scene_with_a_solution_is_checked(extreme: bool, some: set[str]) -> None:
     """By the extreme checks when asked for, and by no others then."""
-    checks = checks_of(extreme=extreme)
+    checks = verify.checks_of(extreme=extreme)
     assert some <= {check.scene for check in checks}
     assert {check.verification.extreme for check in checks} == {extreme}
     assert "cone_penetration" not in {check.scene for check in checks}
 
 
 def test_quick_checks_are_the_cheapest_of_their_scenes_and_short() -> None:
-    everything = checks_of()
-    chosen = quick(everything)
+    everything = verify.checks_of()
+    chosen = verify.quick(everything)
     assert len({it.scene for it in chosen}) == len(chosen)
     assert {"cavity_sphere", "cone_bearing", "material_point"} <= {it.scene for it in chosen}
     for check in chosen:
         alike = [it.predicted_time for it in everything if it.scene == check.scene]
-        assert check.predicted_time == min(alike) < QUICK_TIME
+        assert check.predicted_time == min(alike) < verify.QUICK_TIME
 
 
 def test_checks_side_by_side_give_the_results_of_each_alone_in_their_order(
@@ -86,18 +77,18 @@ def test_checks_side_by_side_give_the_results_of_each_alone_in_their_order(
 ) -> None:
     monkeypatch.setattr("harness.run.verify.QUICK_TIME", 0.0)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
-    checks = [*checks_of(["gravity_column"]), *checks_of(["element_test"])[:1]]
-    for found in zip(verified_in_turn(checks), map(verify, checks), strict=True):
+    checks = [*verify.checks_of(["gravity_column"]), *verify.checks_of(["element_test"])[:1]]
+    for found in zip(verify.verified_in_turn(checks), map(verify.verify, checks), strict=True):
         one, other = (it.values("error") for it in found)
         assert one == other
 
 
 def test_a_check_of_one_resolution_has_no_order() -> None:
     once = dataclasses.replace(CHECK.verification, resolutions=(2,), least_order=None)
-    result = verify(Check(scene="gravity_column", verification=once))
+    result = verify.verify(Check(scene="gravity_column", verification=once))
     assert len(result.results) == 1
     assert np.isnan(result.order)
-    assert table_rows(result).endswith("pass")
+    assert verify.table_rows(result).endswith("pass")
 
 
 def test_command_writes_dataset_table_and_picture(tmp_path: Path) -> None:

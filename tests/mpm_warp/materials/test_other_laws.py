@@ -16,6 +16,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import other_laws
+from tests.conftest import finished
 from tests.mpm_warp.conftest import layers
 from tests.mpm_warp.materials import bonded_clay
 from tests.mpm_warp.materials.bonded_clay import BondedClay
@@ -65,15 +66,8 @@ def offered(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     """The command `harness` where the packages of a folder are installed."""
     paths = os.pathsep.join([str(folder), str(Path(bonded_clay.__file__).parents[3])])
-    return subprocess.run(
-        [sys.executable, "-m", "harness", *words],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": paths, "COLUMNS": "100"},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
+    environment = os.environ | {"PYTHONPATH": paths, "COLUMNS": "100"}
+    return finished([sys.executable, "-m", "harness", *words], cwd=folder, env=environment)
 
 
 @pytest.mark.parametrize("names", [["tresca"], ["anisotropic"], ["mine", "mine"]])

@@ -5,7 +5,6 @@ would have an uncertainty if their parameters were asked.
 """
 
 import importlib.util
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -25,6 +24,7 @@ from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured
 from mpm_warp.uncertainty.samples import why_not_known
+from tests.conftest import blocks
 from tests.mpm_warp.conftest import DIRECTED, MEASURABLE
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
@@ -110,8 +110,7 @@ class ConeOnUprightColumns(ConePenetration):
 @pytest.fixture(scope="module")
 def of_the_page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The page's own example of a law with memory, as a reader's module."""
-    scripts = re.findall(r"^```python\n(.*?)^```$", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
-    script = next(it for it in scripts if "ConeInHardeningClay" in it)
+    script = next(it for it in blocks(GUIDE.read_text()) if "ConeInHardeningClay" in it)
     file = tmp_path_factory.mktemp("reader") / "hardening_of_a_reader.py"
     file.write_text(script)
     specification = importlib.util.spec_from_file_location(file.stem, file)

@@ -10,22 +10,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty import cone
-from mpm_warp.uncertainty.laws import (
-    BOUND_ERROR,
-    CURVATURE_POWER,
-    CURVATURES,
-    GROWTH,
-    GROWTH_ERROR,
-    GROWTH_OF_MESHES,
-    GROWTH_SHARE,
-    NOISE,
-    SLOPES,
-    growth_measure,
-    growth_uncertainty,
-    mesh_error,
-    top_error,
-)
+from mpm_warp.uncertainty import cone, laws
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
 TEST = ConePenetration()
@@ -78,7 +63,9 @@ def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) 
 
 def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
     known = known_error(TEST)
-    mesh = mesh_error(rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4)
+    mesh = laws.mesh_error(
+        rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4
+    )
     speed = 0.07 * 100.0 * TEST.speed_ratio**2
     bottom = -0.09 * 100.0 / 14.0**2
     assert TEST.penetration == 24.0  # 4 radii beyond those of a test that is steady at once
@@ -111,25 +98,26 @@ def test_the_noise_of_a_run_goes_with_the_width_of_its_cells() -> None:
     for rows in (5, 10):
         test = dataclasses.replace(TEST, cells_per_radius=rows / math.sqrt(3.0))
         noise = float(known_error(test).cone_factor_uncertainty_noise)
-        assert noise == pytest.approx(NOISE * math.sqrt(3.0) / rows)
+        assert noise == pytest.approx(laws.NOISE * math.sqrt(3.0) / rows)
 
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
     bounded = dataclasses.replace(TEST, poissons_ratio_bound=TEST.poissons_ratio - 0.01)
     own, given_back = (known_error(test) for test in (TEST, bounded))
     difference = float(given_back.cone_factor - own.cone_factor)
-    assert difference == pytest.approx(0.01 * BOUND_ERROR, rel=1e-9)
+    assert difference == pytest.approx(0.01 * laws.BOUND_ERROR, rel=1e-9)
 
 
 def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
     sizes = np.array([0.1, 0.2])
-    powers = np.stack([sizes, sizes**CURVATURE_POWER], axis=1)
-    tables = np.array([SLOPES, CURVATURES])  # of B and Q, smooth and rough, rigidity index
+    powers = np.stack([sizes, sizes**laws.CURVATURE_POWER], axis=1)
+    # Of B and Q, smooth and rough, rigidity index.
+    tables = np.array([laws.SLOPES, laws.CURVATURES])
 
     def found(rigidity_index: float, adhesion_factor: float) -> Floats:
         """B and Q, by two meshes."""
         errors = [
-            mesh_error(
+            laws.mesh_error(
                 rigidity_index=rigidity_index,
                 adhesion_factor=adhesion_factor,
                 cell_size=size,
@@ -190,10 +178,10 @@ def test_in_soft_clay_the_window_leaves_less_open() -> None:
 def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, float, float]) -> None:
     growths = (0.14, 0.2, 0.3, 0.4)
     corrected = [
-        simulated - GROWTH_ERROR * growth_measure(CELL, growth)
+        simulated - laws.GROWTH_ERROR * laws.growth_measure(CELL, growth)
         for growth, simulated in zip(growths, GROWN[case], strict=True)
     ]
-    half_widths = [growth_uncertainty(CELL, growth) for growth in growths]
+    half_widths = [laws.growth_uncertainty(CELL, growth) for growth in growths]
     for value, half_width in zip(corrected[1:], half_widths[1:], strict=True):
         assert abs(value - corrected[0]) <= math.hypot(half_width, half_widths[0])
 
@@ -247,18 +235,18 @@ def test_beyond_what_was_tested_the_laws_go_on_and_are_less_certain(
 def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_meshes_measured() -> (
     None
 ):
-    assert growth_uncertainty(CELL, GROWTH_OF_MESHES) == 0.0
+    assert laws.growth_uncertainty(CELL, laws.GROWTH_OF_MESHES) == 0.0
     small = 0.5 * CELL
-    quarter_and_third = GROWTH / GROWTH_ERROR + GROWTH_SHARE
+    quarter_and_third = laws.GROWTH / laws.GROWTH_ERROR + laws.GROWTH_SHARE
     for growth in (0.2, 0.5):
-        other = growth_measure(small, growth) - growth_measure(small, GROWTH_OF_MESHES)
-        left = quarter_and_third * GROWTH_ERROR * abs(other)
-        assert growth_uncertainty(small, growth) == pytest.approx(left)
+        measures = (laws.growth_measure(small, it) for it in (growth, laws.GROWTH_OF_MESHES))
+        left = quarter_and_third * laws.GROWTH_ERROR * abs(np.subtract(*measures))
+        assert laws.growth_uncertainty(small, growth) == pytest.approx(left)
 
 
 def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
     of_way = [
-        float(top_error(rigidity_index=100.0, above=13.0, below=14.0, way=way))
+        float(laws.top_error(rigidity_index=100.0, above=13.0, below=14.0, way=way))
         for way in (19.5, 20.0, 150.0, 1e4)
     ]
     assert of_way[:2] == [0.0, 0.0]

@@ -10,31 +10,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.uncertainty.pore_pressure import (
-    BESIDE_LAYER,
-    BOUND,
-    BOUND_EFFECT,
-    IN_LAYER,
-    LAYER_LEFT,
-    NEAR_SHAFT,
-    NOISE,
-    SETTLING,
-    SHOULDER_ADHESION,
-    SHOULDER_ERROR,
-    SHOULDER_INDICES,
-    SHOULDER_POWER,
-    WIDEST,
-    Value,
-    _layer,
-    deviator_near_shaft,
-    face_error,
-    shoulder_error,
-    stated_pressures,
-    stated_sleeve,
-)
+from mpm_warp.uncertainty import pore_pressure as law
+from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, face_error, shoulder_error
 
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
+ErrorLaw = Callable[..., tuple[law.Value, law.Value]]
+"""Gives the correction of a value, and its half width."""
 MEASURED = Path(__file__).parents[3] / "studies" / "mesh_error_u2.csv"
 FEWEST_ROWS = 5
 """The fewest that the law is fitted to."""
@@ -77,7 +59,7 @@ First of the pressure of the first column: Ir 28 to 800, all adhesion factors, 3
 
 
 def over_half_width(
-    error: Callable[..., tuple[Value, Value]], index: float, adhesion: float, readings: Series
+    error: ErrorLaw, index: float, adhesion: float, readings: Series
 ) -> list[float]:
     """Differences of corrected values from that of the finest mesh, over both half widths."""
     stated = []
@@ -94,7 +76,7 @@ def over_half_width(
     return [abs(value - best) / math.hypot(half_width, of_best) for value, half_width in stated]
 
 
-def radial_error(factor: Value, **of_cone: Any) -> tuple[Value, Value]:
+def radial_error(factor: law.Value, **of_cone: Any) -> tuple[law.Value, law.Value]:
     """Correction of a radial stress, which makes it u2; of a slow cone, where nothing is said."""
     return shoulder_error(factor, 0.0, **{"inertia": 0.0} | of_cone)
 
@@ -113,14 +95,14 @@ def test_u2_of_all_meshes_is_one_value() -> None:
 def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
     """S by least squares; the code has one decimal."""
     measured = measured_u2("radial_stress_factor")
-    for index, slopes in zip(SHOULDER_INDICES, SHOULDER_ERROR, strict=True):
-        for adhesion, slope in zip(SHOULDER_ADHESION, slopes, strict=True):
+    for index, slopes in zip(law.SHOULDER_INDICES, law.SHOULDER_ERROR, strict=True):
+        for adhesion, slope in zip(law.SHOULDER_ADHESION, slopes, strict=True):
             readings = {
                 rows: reading
                 for rows, reading in measured[index, adhesion].items()
                 if rows >= FEWEST_ROWS
             }
-            size = (math.sqrt(3.0) / np.array(list(readings))) ** SHOULDER_POWER
+            size = (math.sqrt(3.0) / np.array(list(readings))) ** law.SHOULDER_POWER
             found, _ = np.polyfit(size, list(readings.values()), 1)
             assert slope == pytest.approx(found, abs=0.1)
 
@@ -145,9 +127,9 @@ def test_the_layer_beside_the_shaft_is_that_of_the_finest_rows(case: tuple[float
     """Less what rows are told to make it thicker, by 0.76 radii over their number."""
     index, adhesion = case
     at = {"rigidity_index": index, "adhesion_factor": adhesion}
-    share, in_layer, beside = map(float, _layer(**at))
+    share, in_layer, beside = map(float, law._layer(**at))
     assert deviator_near_shaft(**at) == pytest.approx(share * in_layer + (1 - share) * beside)
-    left = math.hypot(NEAR_SHAFT, LAYER_LEFT * (beside - in_layer))
+    left = math.hypot(law.NEAR_SHAFT, law.LAYER_LEFT * (beside - in_layer))
     for rows, deviator in NEAR_SHAFT_ON_FINE_ROWS[case].items():
         on_rows = min(1.0, share + 0.76 / rows / 0.06)
         assert on_rows * in_layer + (1.0 - on_rows) * beside == pytest.approx(deviator, abs=left)
@@ -158,8 +140,8 @@ def test_without_a_layer_the_first_column_is_as_the_soil_beside_it() -> None:
     measured = measured_u2("radial_deviator_factor")
     for index in (300.0, 600.0):
         finest = measured[index, 0.0][max(measured[index, 0.0])]
-        expected = np.interp(math.log(index), np.log(BESIDE_LAYER[0]), BESIDE_LAYER[1])
-        assert finest == pytest.approx(expected, abs=NEAR_SHAFT)
+        expected = np.interp(math.log(index), np.log(law.BESIDE_LAYER[0]), law.BESIDE_LAYER[1])
+        assert finest == pytest.approx(expected, abs=law.NEAR_SHAFT)
 
 
 def test_u2_depends_on_no_deviator_but_that_near_the_shaft() -> None:
@@ -191,9 +173,9 @@ def test_how_thick_the_layer_is_leaves_u2_open() -> None:
     at = {"cell_size": 0.06, "adhesion_factor": 0.0}
     _, of_layer = radial_error(5.4, rigidity_index=100.0, **at)
     _, without = radial_error(5.4, rigidity_index=300.0, **at)
-    beside, in_layer = BESIDE_LAYER[1][1], IN_LAYER[1][0]
+    beside, in_layer = law.BESIDE_LAYER[1][1], law.IN_LAYER[1][0]
     assert of_layer == pytest.approx(
-        math.hypot(without, LAYER_LEFT * (beside - in_layer)), rel=0.05
+        math.hypot(without, law.LAYER_LEFT * (beside - in_layer)), rel=0.05
     )
 
 
@@ -218,7 +200,7 @@ def test_half_width_by_default_and_fine(
 def test_the_error_of_wide_cells_does_not_grow_and_its_half_width_does() -> None:
     (at_widest, of_widest), (beyond, of_beyond) = (
         radial_error(5.3, cell_size=size, adhesion_factor=0.25, rigidity_index=100.0)
-        for size in (WIDEST, 0.58)
+        for size in (law.WIDEST, 0.58)
     )
     assert beyond == at_widest
     assert of_beyond > of_widest
@@ -355,15 +337,15 @@ def test_stated_pressures(is_known: bool) -> None:
     stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
     errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at)
     for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
-        off = of_mesh + 0.02 * BOUND_EFFECT[place]
+        off = of_mesh + 0.02 * law.BOUND_EFFECT[place]
         name = f"pore_pressure_factor_{place}"
         value, correction, half_width = (
             float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
         )
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
-        of_mean = math.hypot(SETTLING * 0.2, 5.0 * NOISE[place])
-        expected = math.hypot(of_laws, of_mean, 0.02 * BOUND[place]) if is_known else math.nan
+        of_mean = math.hypot(law.SETTLING * 0.2, 5.0 * law.NOISE[place])
+        expected = math.hypot(of_laws, of_mean, 0.02 * law.BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
         why = str(stated[f"{name}_why_no_uncertainty"].values)
         assert why == ("" if is_known else "law: of one's own")
@@ -380,7 +362,7 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
     )
     given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
     given |= {"stress_anisotropy": 0.0, "above": 13.0}
-    return stated_pressures(
+    return law.stated_pressures(
         recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
     )
 
@@ -388,11 +370,11 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
 def test_what_still_comes_of_u2_is_within_its_half_width() -> None:
     """With 95 %, in runs that were not used to set it."""
     change, came = (np.array(them.split(), dtype=float) for them in (LAST_CHANGE, STILL_CAME))
-    within = np.abs(came) <= np.hypot(SETTLING * change, 100.0 * NOISE["shoulder"])
+    within = np.abs(came) <= np.hypot(law.SETTLING * change, 100.0 * law.NOISE["shoulder"])
     assert within.mean() >= 0.95
 
 
 def test_the_sleeve_friction_may_be_as_low_as_beside_remoulded_clay() -> None:
     recorded = xr.Dataset({"sleeve_friction_factor": 0.3})
-    stated = stated_sleeve(recorded, remoulded=0.2 * 0.5)
+    stated = law.stated_sleeve(recorded, remoulded=0.2 * 0.5)
     assert float(stated["sleeve_friction_factor_uncertainty"].values) == pytest.approx(0.2)

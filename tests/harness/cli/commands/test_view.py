@@ -1,6 +1,5 @@
 """`harness view`: the commands of its page, its pictures, and VTK files in another reader."""
 
-import re
 import shlex
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import xarray as xr
 from PIL import Image
 
 from harness.cli.main import main
+from tests.conftest import blocks
 from tests.harness.conftest import Refusal
 
 pytestmark = pytest.mark.slow
@@ -22,7 +22,7 @@ SHORT = ("penetration=1", "steady_tolerance=0", "cells_per_radius=1", "adhesion_
 def told(language: str) -> str:
     """What the section on the soil has in a language, as a reader would copy it."""
     section = PAGE.read_text().partition("\n## Seeing the soil")[2].partition("\n## ")[0]
-    return "".join(re.findall(rf"^```{language}\n(.*?)^```$", section, re.MULTILINE | re.DOTALL))
+    return "".join(blocks(section, language))
 
 
 @pytest.fixture(scope="module")
