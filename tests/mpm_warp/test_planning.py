@@ -2,21 +2,16 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 from mpm_warp.errors import SceneError
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.parts.boundaries import FarField
-from mpm_warp.parts.energy import EnergyAudit
-from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
-from mpm_warp.parts.interpolation import ConservativeInterpolation
+from mpm_warp.parts.forces import Damping, Gravity
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes import scene_class, scene_names
-from tests.mpm_warp.conftest import axis_and_ends
 
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 
@@ -34,36 +29,6 @@ def test_soil_alone_has_no_part_that_it_does_not_need(floating: Scene) -> None:
     assert plan.audited_step == []
     assert plan.between_steps == {}
     assert plan.control is None
-
-
-def test_each_part_of_a_scene_adds_its_own_arrays_and_kernels(floating: Scene) -> None:
-    grid, material = floating.grid, floating.material
-    bare = make_plan(floating)
-    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
-    viscous = dataclasses.replace(floating, bulk_viscosity=0.1)
-    for scene, kernel, words in (
-        (floating.with_parts(axis_and_ends(grid)), {"fixed"}, {"fixed.nodes", "fixed.free"}),
-        (
-            floating.with_parts(FarField.around(grid, material)),
-            {"far_field"},
-            {f"far_field.{word}" for word in ("nodes", "spring", "dashpot", "displacement")},
-        ),
-        (viscous, set(), {"cell.viscosity", "cell.dilation_rate"}),
-        (floating.with_parts(load), {"nodal_load"}, {"load.nodes", "load.forces"}),
-        (floating.with_parts(Gravity(9.81)), {"gravity"}, set()),
-        (floating.with_parts(Damping(1.0)), {"damping"}, set()),
-        (floating.with_parts(EnergyAudit()), set(), {"transfer.energy"}),
-        (
-            floating.with_parts(ConservativeInterpolation()),
-            set(),
-            {"cell.interpolation_weights", "cell.internal_flow"},
-        ),
-    ):
-        plan = make_plan(scene)
-        assert set(plan.arrays) - set(bare.arrays) == words
-        assert set(bare.arrays) <= set(plan.arrays)
-        assert set(kernels(plan)) - set(kernels(bare)) == kernel
-        assert len(plan.step) == len(bare.step) + len(kernel)
 
 
 def test_the_stages_of_a_step_stand_in_their_order_and_parts_between_them(cone: Scene) -> None:

@@ -80,7 +80,8 @@ def timed(
     dims: str | tuple[str, ...], error: object, run_time: object, scene: str, **coords: object
 ) -> xr.Dataset:
     """A result of completed cases with errors and run times."""
-    made = xr.Dataset({"error": (dims, error), "run_time": (dims, run_time)}, coords)
+    errors = (dims, error, {"role": "error"})
+    made = xr.Dataset({"error": errors, "run_time": (dims, run_time)}, coords)
     made["status"] = dims, np.full(made["error"].shape, "completed")
     return made.assign_attrs(scene=scene)
 
@@ -138,17 +139,18 @@ def test_each_scene_of_several_has_its_own_front() -> None:
     assert legend(figure) == ["thick cylinder", "cavity sphere"]
 
 
+PARAMETER = {"role": "parameter", "units": "1"}
+
+
 def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene() -> None:
-    parameter = {"role": "parameter", "units": "1"}
     dataset = timed(
         "case",
         [0.2, 0.02, 0.3, 0.03],
         [1.0, 2.0, 1.1, 2.1],
         "material_point",
-        step_count=("case", [10, 100, 10, 100], parameter),
-        ductility=("case", [np.nan, np.nan, 2.0, 2.0], parameter),
+        step_count=("case", [10, 100, 10, 100], PARAMETER),
+        ductility=("case", [np.nan, np.nan, 2.0, 2.0], PARAMETER),
     )
-    dataset["error"].attrs["role"] = "error"
     figure = study_figure(dataset.assign_attrs(design="list"))
     assert len(fronts(figure)) == 2
     assert legend(figure) == [r"$ξ_{\mathrm{95}}$ = derived", r"$ξ_{\mathrm{95}}$ = 2"]
@@ -156,16 +158,14 @@ def test_a_soil_that_gives_a_value_stands_beside_one_that_leaves_it_to_the_scene
 
 def test_the_soil_of_a_single_front_stands_in_the_caption() -> None:
     """In the legend there is no room for all that one at a time varies."""
-    parameter = {"role": "parameter", "units": "1"}
     dataset = timed(
         "case",
         [0.1, 0.02, 0.03],
         [1.0, 2.0, 1.0],
         "cone_penetration",
-        cells_per_radius=("case", [2, 4, 2], parameter),
-        rigidity_index=("case", [50.0, 50.0, 100.0], parameter),
+        cells_per_radius=("case", [2, 4, 2], PARAMETER),
+        rigidity_index=("case", [50.0, 50.0, 100.0], PARAMETER),
     )
-    dataset["error"].attrs["role"] = "error"
     figure = study_figure(dataset.assign_attrs(design="one_at_a_time"))
     assert legend(figure) == ["front: no other is faster and better"]
     told = caption_of(figure).replace("\N{NO-BREAK SPACE}", " ")

@@ -9,32 +9,16 @@ from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from tests.mpm_warp.conftest import assert_same_bits, cells_of
 
-OF_HISTORY = {
-    *(f"{owner}.{it}" for owner in ("particle", "layer") for it in ("origin", "plastic_strain")),
-    "yield.share",  # which a snapshot works out
-}
-OVER = ("nodes", "cells", "points")
-OF_BALANCE = {f"balance.{it}" for it in (*OVER, "by_stress", "by_ground", "specific_volume")}
 
-
-@pytest.mark.parametrize(
-    ("part", "arrays", "launches"),
-    [
-        (History(), OF_HISTORY, ["enter", "enter", "record_plastic_strain", "yield_share"]),
-        (EnergyBalance(), OF_BALANCE, [*2 * ["keep_velocity"], *(f"work_of_{it}" for it in OVER)]),
-    ],
-)
-def test_a_record_adds_its_own_and_changes_no_bit_of_a_run(
-    cone: Scene, part: Part, arrays: set[str], launches: list[str]
-) -> None:
+@pytest.mark.parametrize("part", [History(), EnergyBalance()])
+def test_a_record_changes_no_bit_of_a_run(cone: Scene, part: Part) -> None:
     bare, kept = Simulation(cone), Simulation(cone.with_parts(part))
     for simulation in (bare, kept):
         simulation.advance(700)
     assert kept.travel > 0.2  # soil has entered
     assert_same_bits(bare, kept)
-    assert kept.plan.arrays.keys() - bare.plan.arrays.keys() == arrays
-    names, kept_names = ([it.name for it in run.plan.launches] for run in (bare, kept))
-    assert sorted(kept_names) == sorted([*names, *launches])
+    used = {array for launch in kept.plan.launches for array in launch.arrays}
+    assert set(kept.plan.arrays) == used
     # An ordinary step is the same, kernel by kernel: it has nothing to do for a record.
     assert [it.kernel for it in kept.plan.step] == [it.kernel for it in bare.plan.step]
 

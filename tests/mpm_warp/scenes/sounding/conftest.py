@@ -2,6 +2,11 @@
 
 import dataclasses
 
+import numpy as np
+
+from mpm_warp import Simulation
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.sampling import soil_scene
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.mpm_warp.conftest import SMALL_WINDOW
 
@@ -22,3 +27,17 @@ def changed(**changes: object) -> Sounding:
     What it gives is a curve, but no good cone factor.
     """
     return dataclasses.replace(COARSE, **changes)
+
+
+def after_a_step(sounding: Sounding, stress: float) -> tuple[Simulation, Floats, float]:
+    """A run of one step, and the speeds of its nodes, shape [rows + 1, columns + 1, 2].
+
+    And the speed that a stress [Pa] would give to a node that nothing holds.
+    """
+    simulation = Simulation(sounding.build())
+    scene = soil_scene(simulation)
+    simulation.advance(1)
+    shape = (scene.grid.row_count + 1, scene.grid.column_count + 1, 4)
+    speeds = np.abs(simulation.array("node.velocities")).reshape(shape)[..., :2]
+    density, height = scene.material.density, np.diff(scene.grid.rows).min()
+    return simulation, speeds, float(simulation.plan.time_step * stress / (density * height))
