@@ -17,7 +17,6 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from harness.archive.study_files import write_study
-from harness.cli.main import main
 from harness.compare.compared import with_experience
 from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import captioned, fixed
@@ -26,6 +25,7 @@ from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
+from tests.harness.conftest import Command
 
 from .conftest import MADE, caption_of, drawn, figures, random_cases, result, texts
 
@@ -157,18 +157,17 @@ def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
     assert np.diff(luminance).min() > 0.5 * np.ptp(luminance) / 8
 
 
-def test_formats_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_formats_from_the_command_line(tmp_path: Path, command: Command) -> None:
     file = tmp_path / "demo.nc"
     write_study(file, result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance"))
-    command = ["plot", str(file), "--format", "pdf", "svg"]
-    assert main(command) == 0
-    paths = [Path(line) for line in capsys.readouterr().out.splitlines()]
+    plot = ("plot", file, "--format", "pdf", "svg")
+    paths = [Path(line) for line in command(*plot).out.splitlines()]
     assert [path.name for path in paths] == ["demo_curve.pdf", "demo_curve.svg"]
     first = [path.read_bytes() for path in paths]
     assert first[0].startswith(b"%PDF")
     assert b"<svg" in first[1]
     assert b"href" not in re.sub(rb'xlink:href="#|xmlns:xlink|rdf:resource="http', b"", first[1])
-    assert main(command) == 0  # its own files are written again, with the same bytes
+    command(*plot)  # its own files are written again, with the same bytes
     assert [path.read_bytes() for path in paths] == first
 
 
@@ -259,10 +258,7 @@ def test_a_map_has_the_bands_of_experience_behind_its_curves() -> None:
 
 
 def test_a_picture_that_fails_takes_nothing_from_the_others(
-    two_soils: xr.Dataset,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    two_soils: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def fails(dataset: xr.Dataset) -> Figure:
         raise KeyError("ductility")
@@ -270,14 +266,12 @@ def test_a_picture_that_fails_takes_nothing_from_the_others(
     monkeypatch.setitem(PICTURES, "convergence", fails)
     file = tmp_path / "made.nc"
     write_study(file, two_soils)
-    for command in (["plot", str(file)], ["report", str(file), "-o", str(tmp_path / "page.html")]):
-        assert main(command) == 1
-        (line,) = capsys.readouterr().err.splitlines()
+    for words in (("plot", file), ("report", file, "-o", tmp_path / "page.html")):
+        (line,) = command(*words, code=1).err.splitlines()
         assert "convergence could not be drawn: an error of the program" in line
         assert "KeyError: 'ductility'" in line
     assert (tmp_path / "made_work_precision.png").exists()
-    assert main(["plot", str(file), "--debug"]) == 1
-    assert "Traceback" in capsys.readouterr().err
+    assert "Traceback" in command("plot", file, "--debug", code=1).err
     assert "The picture convergence could not be drawn" in (tmp_path / "page.html").read_text()
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli.main import main
+from tests.harness.conftest import Refusal
 from tests.harness.interpret.conftest import DEPTH, LAYER, SITE, STRENGTH, changed, measured_rows
 
 ASSUMED = """
@@ -83,12 +84,10 @@ def test_nothing_is_fetched_and_nothing_runs(pages: tuple[str, str, list[str]]) 
         assert not re.search(r"https?://|<script|<clay>", page)
 
 
-def test_two_site_files_of_one_name_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_two_site_files_of_one_name_are_refused(tmp_path: Path, refusal: Refusal) -> None:
     for place in ("a", "b"):
         (tmp_path / place).mkdir()
         (tmp_path / place / "site.toml").write_text(SITE + LAYER)
     both = [str(tmp_path / it / "site.toml") for it in ("a", "b")]
-    assert main(["interpret", *both, "--out", str(tmp_path / "out")]) == 2
-    assert "site.toml: another result has this name" in capsys.readouterr().err
+    line = refusal(["interpret", *both, "--out", str(tmp_path / "out")])
+    assert "site.toml: another result has this name" in line

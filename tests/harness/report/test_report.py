@@ -9,12 +9,11 @@ import xarray as xr
 
 from harness.archive.conventions import DISTRIBUTION
 from harness.archive.study_files import write_study
-from harness.cli.main import main
 from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
 from tests.conftest import blocks, said_by_commands
-from tests.harness.conftest import Refusal
+from tests.harness.conftest import Command
 
 LARGEST_PAGE = 5_000_000
 
@@ -120,20 +119,17 @@ def test_main_pictures_of_several_studies_stand_in_the_summary_too(
 
 
 def test_a_page_is_written_again_but_no_other_file(
-    results: list[xr.Dataset],
-    tmp_path: Path,
-    refusal: Refusal,
-    capsys: pytest.CaptureFixture[str],
-    caplog: pytest.LogCaptureFixture,
+    results: list[xr.Dataset], tmp_path: Path, command: Command, caplog: pytest.LogCaptureFixture
 ) -> None:
     file, out = tmp_path / "coarse.nc", tmp_path / "new" / "report.html"
     write_study(file, results[0].assign_attrs(title="\u6f22"))  # no letter of the font
-    command = ["report", str(file), "-o", str(out)]
-    assert main(command) == main(command) == 0
-    assert capsys.readouterr() == (f"{out}\n" * 2, "")
+    report = ("report", file, "-o", out)
+    for _ in range(2):
+        assert command(*report) == (f"{out}\n", "")
     assert caplog.text == ""
     out.write_text("<p>my own page</p>")
-    assert f"{out}: was not written by this program" in refusal(command)
+    (line,) = command(*report, code=2).err.splitlines()
+    assert f"{out}: was not written by this program" in line
     assert out.read_text() == "<p>my own page</p>"
 
 

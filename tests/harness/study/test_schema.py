@@ -6,13 +6,12 @@ import tomllib
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.cli.main import main
 from harness.study.files import studies_folder, study_names
 from harness.study.schema import study_schema, value_schema
 from mpm_warp.arguments import Range
 from mpm_warp.parameters import Parameter
 from mpm_warp.scenes import scene_names
-from tests.harness.conftest import HEAD
+from tests.harness.conftest import HEAD, Command
 
 SCHEMA = Draft202012Validator(study_schema())
 
@@ -95,6 +94,5 @@ def test_every_bound_of_a_parameter_is_there() -> None:
     }
 
 
-def test_the_command_prints_it(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["schema"]) == 0
-    assert json.loads(capsys.readouterr().out) == study_schema()
+def test_the_command_prints_it(command: Command) -> None:
+    assert json.loads(command("schema").out) == study_schema()

@@ -119,53 +119,47 @@ BRITTLE = (
 LEFT = "rho V^2 is 6.25 of the strength that is left in the end, and above 5 soil is "
 
 
-@pytest.mark.parametrize(
-    ("scene", "settings", "lines"),
-    [
-        ("cone_penetration", "speed_ratio=0.1 rigidity_index=900", []),
-        ("cone_penetration", "speed_ratio=[0.1,0.2,0.3]", [f"speed_ratio = 0.2, 0.3; {SANE}"]),
-        (
-            "cone_penetration",
-            "apex_angle=[150,149,148,147,146,145,144,143,142,120,60]",
-            [f"apex_angle = {', '.join(str(142 + it) for it in range(8))} and 1 more; {ANGLE}"],
-        ),
-        (
-            "cone_penetration",
-            "speed_ratio=[0.1,0.2] rigidity_index=500 cells_per_radius=1.5",
-            [f"speed_ratio = 0.2; {SANE}", f"{LIKELY}0.2: {OF_SU}1.8 cells_per_radius or more"],
-        ),
-        (
-            "cyclic_t_bar",
-            "remoulded_strength_ratio=0.04 ductility=10 speed_ratio=[0.01,0.05]",
-            [f"{LIKELY}0.05: {LEFT}thrown off; try speed_ratio = 0.02 or less"],
-        ),
-        (
-            "sounding",
-            "speed_ratio=[0.1,0.45] rigidity_index=90 cells_per_radius=1.5",
-            [f"{LIKELY}0.45: {OF_STRONGEST}"],
-        ),
-        (
-            "ball_penetration",
-            "cells_per_radius=3 rigidity_index=625 speed_ratio=[0.01,0.1]",
-            [f"{LIKELY}0.1: {LEFT}thrown off; try speed_ratio = 0.04 or less, and 4 {CELLS}"],
-        ),
-        (
-            "t_bar_penetration",
-            "remoulded_strength_ratio=0.1 ductility=[4,6]",
-            [f"{LIKELY.replace('speed_ratio', 'ductility')}4.0: {BRITTLE}"],
-        ),
-    ],
-    ids=[
-        "sane",
-        "beyond",
-        "far beyond",
-        "likely to fail",
-        "of remoulded clay",
+UNUSUAL = {
+    "sane": ("cone_penetration", "speed_ratio=0.1 rigidity_index=900", []),
+    "beyond": (
+        "cone_penetration",
+        "speed_ratio=[0.1,0.2,0.3]",
+        [f"speed_ratio = 0.2, 0.3; {SANE}"],
+    ),
+    "far beyond": (
+        "cone_penetration",
+        "apex_angle=[150,149,148,147,146,145,144,143,142,120,60]",
+        [f"apex_angle = {', '.join(str(142 + it) for it in range(8))} and 1 more; {ANGLE}"],
+    ),
+    "likely to fail": (
+        "cone_penetration",
+        "speed_ratio=[0.1,0.2] rigidity_index=500 cells_per_radius=1.5",
+        [f"speed_ratio = 0.2; {SANE}", f"{LIKELY}0.2: {OF_SU}1.8 cells_per_radius or more"],
+    ),
+    "of remoulded clay": (
+        "cyclic_t_bar",
+        "remoulded_strength_ratio=0.04 ductility=10 speed_ratio=[0.01,0.05]",
+        [f"{LIKELY}0.05: {LEFT}thrown off; try speed_ratio = 0.02 or less"],
+    ),
+    "sounding": (
         "sounding",
-        "ball",
-        "brittle",
-    ],
-)
+        "speed_ratio=[0.1,0.45] rigidity_index=90 cells_per_radius=1.5",
+        [f"{LIKELY}0.45: {OF_STRONGEST}"],
+    ),
+    "ball": (
+        "ball_penetration",
+        "cells_per_radius=3 rigidity_index=625 speed_ratio=[0.01,0.1]",
+        [f"{LIKELY}0.1: {LEFT}thrown off; try speed_ratio = 0.04 or less, and 4 {CELLS}"],
+    ),
+    "brittle": (
+        "t_bar_penetration",
+        "remoulded_strength_ratio=0.1 ductility=[4,6]",
+        [f"{LIKELY.replace('speed_ratio', 'ductility')}4.0: {BRITTLE}"],
+    ),
+}
+
+
+@pytest.mark.parametrize(("scene", "settings", "lines"), UNUSUAL.values(), ids=UNUSUAL)
 def test_a_value_that_fewer_cases_complete_with_is_told(
     scene: str, settings: str, lines: list[str], command: Command
 ) -> None:
