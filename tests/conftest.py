@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -52,6 +53,18 @@ def signal_handlers_are_put_back() -> Iterator[None]:
     yield
     for number, handler in zip(numbers, before, strict=True):
         signal.signal(number, handler)
+
+
+LIMIT = 120
+"""Seconds after which what is waited for does not come."""
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Wait until something holds, which must be soon."""
+    deadline = time.monotonic() + LIMIT
+    while not condition():
+        assert time.monotonic() < deadline, "it never came"
+        time.sleep(0.01)
 
 
 def finished(command: Sequence[str], **given: Any) -> subprocess.CompletedProcess[str]:

@@ -18,7 +18,7 @@ from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.conftest import finished
+from tests.conftest import LIMIT, finished
 from tests.harness.conftest import written
 
 KILLED_AS_IT_WRITES = """
@@ -83,10 +83,6 @@ def test_no_cell_of_a_table_is_a_formula_of_a_spreadsheet(tmp_path: Path) -> Non
         rows = list(csv.reader(file))
     escaped = ["a\\n=1", "\\r=1", "\\t=1"]
     assert rows == [numbers, [f"'{it}" for it in formulas], escaped]
-
-
-LIMIT = 120
-"""Seconds after which what is waited for does not come."""
 
 
 def arguments(small_file: Path, out: Path) -> list[str]:

@@ -3,6 +3,7 @@
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from textwrap import dedent
 from typing import NamedTuple
 
 import pytest
@@ -15,18 +16,7 @@ from harness.run.collect_and_clean import collect_and_write, outcomes, stray_fil
 from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, with_snapshots
-from tests.harness.conftest import prepared, study_in
-
-DEFINITION = """
-title = "One cone of next to no cost"
-scene = "cone_penetration"
-snapshots = [0.5, 3]
-
-[fixed]
-penetration = 1
-steady_tolerance = 0
-cells_per_radius = 1
-"""
+from tests.harness.conftest import SMALL, prepared, study_in
 
 
 class Ran(NamedTuple):
@@ -50,7 +40,7 @@ class Ran(NamedTuple):
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
     out = tmp_path_factory.mktemp("results")
-    study = study_in(out, DEFINITION, name="one")
+    study = study_in(out, "snapshots = [0.5, 3]" + dedent(SMALL), "adhesion_factor=0", name="one")
     assert run_case(study.cases[0], prepared(study, out)).status == "completed"
     collect_and_write(study, out)
     return Ran.in_(out, study)

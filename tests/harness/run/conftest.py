@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from textwrap import dedent
@@ -18,17 +17,6 @@ from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import SMALL, prepared, study_in
-
-LIMIT = 120
-"""Seconds after which what is waited for does not come."""
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds, which must be soon."""
-    deadline = time.monotonic() + LIMIT
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 class Record:

@@ -20,9 +20,8 @@ from harness.compare.differences import differing
 from harness.run import cluster as cluster_module
 from harness.run.worker import compute
 from harness.study.study import Study
+from tests.conftest import LIMIT, wait_until
 from tests.harness.conftest import Refusal, study_in, written
-
-from .conftest import LIMIT, wait_until
 
 pytestmark = pytest.mark.slow
 

@@ -18,9 +18,8 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
+from tests.conftest import LIMIT, wait_until
 from tests.harness.conftest import Depth, study_in, written
-
-from .conftest import LIMIT, wait_until
 
 pytestmark = pytest.mark.slow
 

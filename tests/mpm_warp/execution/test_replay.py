@@ -3,9 +3,7 @@
 import gc
 import multiprocessing
 import threading
-import time
 import weakref
-from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -21,18 +19,11 @@ from mpm_warp.execution.replay import (
     ThreadChoice,
 )
 from mpm_warp.grid.fitted import Floats
+from tests.conftest import wait_until
 from tests.mpm_warp.conftest import assert_same_bits
 from tests.mpm_warp.execution.conftest import CONE, FEW_ROWS
 
 pytestmark = pytest.mark.slow
-
-
-def wait_until(happened: Callable[[], bool]) -> None:
-    """Wait for another thread, which is to be soon."""
-    deadline = time.monotonic() + 60
-    while not happened():
-        assert time.monotonic() < deadline, "the other thread never came"
-        time.sleep(0.001)
 
 
 def penetrated(*threads: int) -> Simulation:
