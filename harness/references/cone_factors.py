@@ -90,7 +90,8 @@ class ConeFactor:
             & (conditions.rigidity_index <= high)
             & (conditions.apex_angle == 60.0)
             & (conditions.friction == 0.0)
-            & (abs(conditions.stress_anisotropy) <= self.largest_anisotropy)
+            & (conditions.stress_anisotropy >= -self.largest_anisotropy)
+            & (conditions.stress_anisotropy <= self.largest_anisotropy)
             & conditions.strength_stays
         )
         return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)

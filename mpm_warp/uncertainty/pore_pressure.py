@@ -14,8 +14,8 @@ u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a con
 pressure evens out over such a distance while a cone passes by. With s, the radial deviator over su
 of the cells that F is read in, tension positive,
 
-    u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.12 (D_b - D_l), 0.08, 0.6 i, W
+    u2 = (F - s) - S h^1.5 + D + T,    D = w D_l + (1 - w) D_b,    T = t sqrt(Ir) / A
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.12 (D_b - D_l), 0.08, T', 0.6 i, W
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -27,10 +27,12 @@ filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
 indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and
 0.6 i are the most that it was found to do. A window that is smaller than by default leaves open as
-much of both as of the cone factor, W. Where the horizontal stress in the ground is the larger, the
-top of the window takes some off u2, at A radii above the shoulder up to T sqrt(-Delta Ir) / A; it
-is one more part of the half width of u2. Nor is anything known where cells grow by more than 0.5. How
+much of both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How
 all of it was measured is in `uncertainty/README.md`.
+
+T is what the soil above a window, which ends A radii above the shoulder, adds to u2 alone: it has
+gone round the shoulder too, and presses on. T' is what of it is left open, as much as t' or, where
+the horizontal stress in the ground is the larger, t_h sqrt(-Delta), each over A / sqrt(Ir).
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -74,9 +76,9 @@ LAYER_SHARE = (
     (0.65, 0.8, 0.85, 1.0),
     (0.65, 0.8, 0.85, 1.0),
     (0.43, 0.6, 0.72, 1.0),
-    (0.0, 0.05, 0.3, 0.6),
-    (0.0, 0.0, 0.0, 0.6),
-    (0.0, 0.0, 0.0, 0.5),
+    (0.0, 0.05, 0.3, 0.9),
+    (0.0, 0.0, 0.0, 0.9),
+    (0.0, 0.0, 0.0, 0.9),
 )
 """w at the same."""
 IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.52))
@@ -111,10 +113,11 @@ SHOULDER_INERTIA = 0.6
 """The same of u2: 0.6 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
-SHOULDER_TOP = ((30.0, 50.0), (0.2, 1.0))
-"""T over the rigidity index: what three or four times the extent above adds to u2 at Delta -0.25 to
--0.9, over sqrt(-Delta Ir) / A, is 0.0 to 0.2 at Ir 25 and 30, 1.0 at 50, 0.4 to 0.9 at 100 and
-250."""
+TOP = ((30.0, 60.0, 100.0, 200.0, 400.0, 1000.0), (0.0, 0.13, 0.43, 0.45, 0.25, 0.0))
+TOP_LEFT = ((30.0, 60.0, 100.0), (0.0, 0.13, 0.26))
+"""t over the rigidity index, by windows two and three times as tall, and its half width."""
+TOP_OF_HORIZONTAL = ((30.0, 50.0), (0.2, 1.0))
+"""t_h over the rigidity index, by windows two to four times as tall, at Delta -0.25 to -0.9."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
@@ -131,7 +134,7 @@ def face_error(
     """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
     slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
     beyond = FACE_RANGE * _beyond(FACE_INDICES, rigidity_index)
-    by_inertia = inertia * np.interp(np.log(rigidity_index), *_over_logarithm(FACE_INERTIA))
+    by_inertia = inertia * _by_index(FACE_INERTIA, rigidity_index)
     of_grid = math.hypot(FACE * cell_size, window_uncertainty(extent_ratio))
     return -slope * cell_size, _added(of_grid, FACE_LEFT * factor, beyond, by_inertia)
 
@@ -145,9 +148,9 @@ def shoulder_error(
     rigidity_index: Value,
     inertia: Value,
     strength_ratio: Value = 1.0,
+    stress_anisotropy: Value,
+    above: Value,
     extent_ratio: float = 1.0,
-    stress_anisotropy: Value = 0.0,
-    above: float = math.inf,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
 
@@ -161,7 +164,7 @@ def shoulder_error(
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
         extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
         stress_anisotropy: Delta, shape [...].
-        above: extent of the window above the shoulder over the radius.
+        above: extent of the window above the shoulder over the radius, shape [...].
     """
     slope = _of_table(
         SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
@@ -170,6 +173,9 @@ def shoulder_error(
     near_shaft = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
     error = slope * math.pow(min(cell_size, WIDEST), SHOULDER_POWER)
     radial = factor - deviator
+    over_top = np.sqrt(rigidity_index) / above
+    top = _by_index(TOP, rigidity_index) * over_top
+    from_horizontal = np.sqrt(np.maximum(0.0, -stress_anisotropy)) * over_top
     half_width = _added(
         SHOULDER * error,
         READ_IN_CELLS * cell_size * radial,
@@ -180,11 +186,10 @@ def shoulder_error(
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,
         window_uncertainty(extent_ratio),
-        np.interp(np.log(rigidity_index), *_over_logarithm(SHOULDER_TOP))
-        * np.sqrt(np.maximum(0.0, -stress_anisotropy) * rigidity_index)
-        / above,
+        _by_index(TOP_LEFT, rigidity_index) * over_top,
+        _by_index(TOP_OF_HORIZONTAL, rigidity_index) * from_horizontal,
     )
-    return near_shaft - deviator - error, half_width
+    return near_shaft - deviator - error + top, half_width
 
 
 def deviator_near_shaft(
@@ -201,7 +206,7 @@ def _layer(rigidity_index: Value, adhesion_factor: Value) -> tuple[Value, Value,
         LAYER_SHARE, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
     )
     in_layer = np.interp(adhesion_factor, *IN_LAYER)
-    beside = np.interp(np.log(rigidity_index), *_over_logarithm(BESIDE_LAYER))
+    beside = _by_index(BESIDE_LAYER, rigidity_index)
     return share, in_layer, beside
 
 
@@ -219,8 +224,9 @@ def stated_pressures(
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the arguments of `face_error`, Delta and `above` further ones of `shoulder_error`. Where these laws do not hold there is no
-    correction, the uncertainties are not numbers, and `why_none` says why.
+    `of_cone` are the arguments of `face_error`; Delta and the extent above are further ones of
+    `shoulder_error`. Where these laws do not hold there is no correction, the uncertainties are not
+    numbers, and `why_none` says why.
     """
     stated = {}
     for place in ("face", "shoulder"):
@@ -292,8 +298,9 @@ def _of_table(
     return error
 
 
-def _over_logarithm(table: tuple[Row, Row]) -> tuple[Floats, Row]:
-    return np.log(table[0]), table[1]
+def _by_index(table: tuple[Row, Row], rigidity_index: Value) -> Value:
+    """A table at a rigidity index, straight over its logarithm, shape [...]."""
+    return np.interp(np.log(rigidity_index), np.log(table[0]), table[1])
 
 
 def _beyond(indices: Row, rigidity_index: Value) -> Value:
