@@ -48,6 +48,9 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     called ``<name>_parameter``, whatever became of the cases; a result whose name a scene before
     has used over other dims is called ``<scene>_<name>``.
 
+    Where cases say different things of a result, its name is what they have in common, and up to
+    three descriptions are all there.
+
     Of a case that did not complete the curves are there, as far as they came; each scalar is not a
     number. Its `status` and `message` say why, also where its file is of no use. Where, when and
     with what the cases were computed are attributes where all agree that were computed, otherwise
@@ -231,7 +234,34 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     places = joined.assign_coords({CASE: list(told)})
     of_all = places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
     texts = [name for name, variable in of_all.data_vars.items() if variable.dtype.kind == "O"]
-    return of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
+    gathered = of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
+    for name, variable in gathered.data_vars.items():
+        variable.attrs |= _said_of_all(name, [it[name].attrs for it in own if name in it])
+    return gathered
+
+
+MOST_DESCRIPTIONS = 3
+"""Descriptions that are told of one result."""
+
+
+def _said_of_all(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Long name and description of a result where cases differ in them: what is true of all."""
+    names, descriptions = (
+        list(dict.fromkeys(said.get(word, "") for said in of_cases))
+        for word in ("long_name", "description")
+    )
+    said = {}
+    if len(names) > 1:
+        heads = {long_name.partition(", ")[0] for long_name in names}
+        said["long_name"] = heads.pop() if len(heads) == 1 else spoken(name)
+    if len(descriptions) > 1:
+        few = (
+            [text for text in descriptions if text]
+            if len(descriptions) <= MOST_DESCRIPTIONS
+            else []
+        )
+        said["description"] = " / ".join(few) or "by the scene or law of the case"
+    return said
 
 
 def _curves(result: xr.Dataset) -> xr.Dataset:

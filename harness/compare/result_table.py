@@ -282,9 +282,17 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
 def which_strength(dataset: xr.Dataset) -> str:
     """Which su the cone factors are over."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
-    if f"{COMPARED}_by_compression" in dataset:
-        return f"{named}: by su in that test, as N_ke; beside it by other su"
-    return "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
+    factors, by_test = (
+        over_cases(dataset, name).astype(float) for name in (COMPARED, f"{COMPARED}_by_compression")
+    )
+    has_own = np.isfinite(by_test[np.isfinite(factors)])
+    in_shear = "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
+    if not has_own.any():
+        return in_shear
+    if not has_own.all():
+        return f"{in_shear}; of a law with its own strengths that in the law's test, as of N_ke"
+    in_test = "that test" if ", " in named else "the test of each law"  # one test has a name
+    return f"{named}: by su in {in_test}, as N_ke; beside it by other su"
 
 
 def _exact_table(dataset: xr.Dataset) -> str:

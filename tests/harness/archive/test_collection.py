@@ -93,6 +93,30 @@ def test_results_of_one_name_over_other_dims_are_told_apart(
         assert verdict(before, again) == (True, "bit-identical")
 
 
+@pytest.mark.parametrize(
+    ("told", "expected"),
+    [
+        ([("N", "a"), ("N", "a")], ("N", "a")),
+        ([("N", "by Shield"), ("N, simple shear", "2 + pi")], ("N", "by Shield / 2 + pi")),
+        ([("N", "a"), ("load", "a")], ("cone factor", "a")),
+        ([("N", it) for it in "abcd"], ("N", "by the scene or law of the case")),
+    ],
+)
+def test_what_is_said_of_a_result_is_true_of_all_cases(
+    told: list[tuple[str, str]], expected: tuple[str, str], tmp_path: Path
+) -> None:
+    values = [number / 10.0 for number in range(len(told))]
+    made = study_in(tmp_path, f"{HEAD}[vary]\nadhesion_factor = {values}\n")
+    results = [
+        xr.Dataset(
+            {"cone_factor": DONE["cone_factor"].assign_attrs(long_name=name, description=it)}
+        )
+        for name, it in told
+    ]
+    said = collect(made, keep(made, tmp_path, *results))["cone_factor"].attrs
+    assert (said["long_name"], said["description"]) == expected
+
+
 def results_of(scale: float) -> xr.Dataset:
     """A curve of three samples, and a headline."""
     axis = (np.array([0.1, 0.2, 0.3]), "1", "penetration over radius")

@@ -15,7 +15,7 @@ from harness.compare.compared import (
     with_references,
 )
 from harness.compare.differences import differences
-from harness.compare.result_table import cone_factor_table
+from harness.compare.result_table import cone_factor_table, which_strength
 from harness.references.registry import cone_factor_reference, experience_entry
 from tests.harness.compare.conftest import Two
 
@@ -187,7 +187,7 @@ def test_formulas_do_not_apply_where_su_depends_on_the_test() -> None:
     assert directed.count("[") == 4
     assert "[" not in same_in_all
     assert " 12.0 " in directed
-    assert "computed: cone factor, compression: by su in that test" in text
+    assert "of a law with its own strengths that in the law's test" in text
 
 
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
@@ -249,3 +249,27 @@ def test_bands_are_no_results_that_are_compared(two: Two) -> None:
     assert not lonely
     assert all(it.size == 0.0 for it in found)
     assert not any("experience" in it.name for it in found)
+
+
+@pytest.mark.parametrize(
+    ("long_name", "by_compression", "said"),
+    [
+        ("cone factor", [np.nan, np.nan], "su is the strength in pure shear"),
+        ("cone factor, simple shear", [9.0, 10.0], "cone factor, simple shear: by su in that test"),
+        ("cone factor", [9.0, 10.0], "cone factor: by su in the test of each law, as N_ke"),
+        ("cone factor", [np.nan, 10.0], "of a law with its own strengths that in the law's test"),
+    ],
+)
+def test_which_strength_is_told_of_each_law(
+    long_name: str, by_compression: list[float], said: str
+) -> None:
+    """A case that did not complete tells nothing."""
+    dims = ("case",)
+    made = xr.Dataset(
+        {
+            "cone_factor": (dims, [10.0, 11.0, np.nan], {"long_name": long_name}),
+            "cone_factor_by_compression": (dims, [*by_compression, np.nan]),
+            "status": (dims, ["completed", "completed", "failed"]),
+        }
+    )
+    assert said in which_strength(made)
