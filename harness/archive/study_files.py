@@ -255,11 +255,7 @@ def _said_of_all(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[
         heads = {long_name.partition(", ")[0] for long_name in names}
         said["long_name"] = heads.pop() if len(heads) == 1 else spoken(name)
     if len(descriptions) > 1:
-        few = (
-            [text for text in descriptions if text]
-            if len(descriptions) <= MOST_DESCRIPTIONS
-            else []
-        )
+        few = filter(None, descriptions if len(descriptions) <= MOST_DESCRIPTIONS else [])
         said["description"] = " / ".join(few) or "by the scene or law of the case"
     return said
 
