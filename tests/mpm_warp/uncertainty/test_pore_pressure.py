@@ -121,9 +121,10 @@ NEAR_SHAFT_ON_FINE_ROWS: dict[tuple[float, float], Series] = {
     (300, 0.5): {40: -0.54},
     (300, 0.0): {80: 0.36},
     (300, 1.0): {40: -0.48, 80: -0.45},
+    (600, 1.0): {28: -0.45},
 }
-"""Mean deviator within 0.06 radii of the shaft at the height of the filter, over su: 80 rows by
-`tests/shaft_layer.py`, others by cells of one shape (40 and 56 rows, on a GPU)."""
+"""Mean deviator within 0.06 radii of the shaft at the height of the filter, over su: 28
+and 80 rows by `tests/shaft_layer.py`, others by cells of one shape (40 and 56 rows, on a GPU)."""
 
 
 @pytest.mark.parametrize("case", NEAR_SHAFT_ON_FINE_ROWS)
