@@ -21,7 +21,7 @@ F - s is the radial pressure, the same in the soil that touches the shaft and in
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
 the shaft; D_l is the deviator in it, close to what yield allows, D_b that of the soil beside it,
 and w is the share of the 0.06 radii that the layer takes, known to 0.12; no more of it is left open
-than there is. A mesh makes the layer half a row thicker, so w is drawn on from meshes of up to 80
+than there is. A mesh makes it by up to half a row thicker, so w is drawn on from meshes of up to 80
 rows beside the face. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
@@ -76,7 +76,7 @@ LAYER_SHARE = (
     (0.65, 0.8, 0.85, 1.0),
     (0.65, 0.8, 0.85, 1.0),
     (0.43, 0.6, 0.72, 1.0),
-    (0.0, 0.05, 0.3, 0.9),
+    (0.0, 0.1, 0.4, 0.9),
     (0.0, 0.0, 0.0, 0.9),
     (0.0, 0.0, 0.0, 0.9),
 )
