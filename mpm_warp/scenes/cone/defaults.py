@@ -46,6 +46,9 @@ SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+BLUNT, INERTIA_OF_BLUNT_APPROACH = 90.0, 1.4
+"""Apex angle above which it is less [degrees], and what it is then: soil is thrown off the tip of a
+rough cone of 120 degrees at 6, on four rows of cells beside its face."""
 
 
 class Interface(NamedTuple):
@@ -68,13 +71,16 @@ class ConeTestByDefault(ConeTest):
         above = extents["domain_above"] if self.domain_above is None else self.domain_above
         # Soil that the cone has never passed has then left the window.
         approach = above + 1.0 if self.approach is None else self.approach
-        by_inertia = math.sqrt(INERTIA_OF_APPROACH / self.rigidity_index)
+        is_blunt = self.apex_angle > BLUNT
+        inertia = INERTIA_OF_BLUNT_APPROACH if is_blunt else INERTIA_OF_APPROACH
         method = {
             "cells_per_radius": self._cells_per_radius,
             "speed_ratio": self._speed_ratio,
             "poissons_ratio_bound": self._bound,
             "shaft_adhesion_factor": self.adhesion_factor,
-            "approach_speed_ratio": min(SPEED_RATIO_OF_APPROACH, by_inertia),
+            "approach_speed_ratio": min(
+                SPEED_RATIO_OF_APPROACH, math.sqrt(inertia / self.rigidity_index)
+            ),
             "approach": approach,
             "penetration": approach + steady_penetration(self.rigidity_index) + SPARE,
         }

@@ -23,6 +23,8 @@ SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
     [
         (100.0, {}, "approach_speed_ratio", 0.25),
         (5000.0, {}, "approach_speed_ratio", math.sqrt(7.0 / 5000.0)),
+        (100.0, {"apex_angle": 90.0}, "approach_speed_ratio", 0.25),
+        (100.0, {"apex_angle": 91.0}, "approach_speed_ratio", math.sqrt(1.4 / 100.0)),
         # Ir V^2 over the square of the shear wave's speed is that at Ir 100, 0.09.
         (64.0, {}, "speed_ratio", 0.0375),
         (25.0, {}, "speed_ratio", 0.05),
