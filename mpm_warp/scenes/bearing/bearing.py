@@ -96,10 +96,8 @@ class Bearing(CatalogueScene):
         cells = self.final_displacement / self.cell_size
         if cells <= LARGEST_MOTION:
             return ""
-        index, way = (
-            self.rigidity_index * cells / LARGEST_MOTION,
-            self.displacement * LARGEST_MOTION / cells,
-        )
+        index = self.rigidity_index * cells / LARGEST_MOTION
+        way = self.displacement * LARGEST_MOTION / cells
         return (
             f"the body moves by {cells:.2g} cells, and soil leaves those beside it; try "
             f"rigidity_index = {math.ceil(index):g} or more, or displacement = "

@@ -1,8 +1,8 @@
 """What the top of the window takes off u2, held beside windows of two heights.
 
-Each row of `studies/window_error_u2.csv` is a cone in a window by default, or quick, and in a taller
-one: extents above the shoulder over the radius, u2, and the half width of u2 in the first; u2 and
-its half width are without what is told of the top.
+Each row of `studies/window_error_u2.csv` is a cone in a window by default, or quick, and in one
+that is taller: extents above the shoulder over the radius, u2, and the half width of u2 in the
+first; u2 and its half width are without what is told of the top.
 """
 
 import math
