@@ -1,4 +1,4 @@
-"""The layer of soil beside the shaft, where u2 is measured, on cells as fine as 40 to 80 rows.
+"""The layer of soil beside the shaft, where u2 is measured, on cells as fine as 40 to 112 rows.
 
 Soil that has gone round the shoulder has another radial deviator than the soil beside it, in a
 layer that is thinner than the cells of a whole run. Here rows are as fine as asked for everywhere,
@@ -7,7 +7,7 @@ radii, no farther: the layer is the same then, but not in a smaller window.
 
 ``python tests/shaft_layer.py IR ADHESION ROWS...`` prints for each number of rows beside the face
 the mean deviator over su at the height of the filter, within 0.06 radii of the shaft and cell by
-cell. 28 rows take a minute at Ir 100, 80 rows twelve.
+cell. 28 rows take a minute at Ir 100, 80 rows twelve, 112 twenty-five.
 """
 
 import math

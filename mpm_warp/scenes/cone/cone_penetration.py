@@ -67,7 +67,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 30
+    version = 31
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

@@ -57,7 +57,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 22
+    version = 23
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""

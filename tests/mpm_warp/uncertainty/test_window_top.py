@@ -1,20 +1,24 @@
-"""What the top of the window takes off u2, held beside windows of two heights.
+"""What the top of the window takes off u2, by windows of two heights, and of two kinds of top.
 
 Each row of `studies/window_error_u2.csv` is a cone in a window by default, or quick, and in one
 that is taller: extents above the shoulder over the radius, u2, and the half width of u2 in the
-first; u2 and its half width are without what is told of the top.
+first; u2 and its half width are without what is told of the top. Each of
+`studies/top_error_u2.csv` is one by default, and long with a top that holds the radial motion too
+(`tests/held_top.py`): the radial pressure F - s over su in both. t is fitted to some of these.
 """
 
 import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from mpm_warp.uncertainty import pore_pressure as law
 from tests.mpm_warp.uncertainty.test_pore_pressure import radial_error
 
-MEASURED = Path(__file__).parents[3] / "studies" / "window_error_u2.csv"
-PAIRS = np.loadtxt(MEASURED, delimiter=",", skiprows=1)
+STUDIES = Path(__file__).parents[3] / "studies"
+PAIRS = np.loadtxt(STUDIES / "window_error_u2.csv", delimiter=",", skiprows=1)
+HELD = np.loadtxt(STUDIES / "top_error_u2.csv", delimiter=",", skiprows=1)
 
 
 def of_top(above: float, **of_cone: float) -> tuple[float, float]:
@@ -45,3 +49,34 @@ def test_the_top_of_the_window_counts_by_its_height() -> None:
     at = {"cell_size": 0.2, "adhesion_factor": 0.5, "rigidity_index": 150.0}
     np.testing.assert_allclose(of_top(13.0, **at), 2.0 * np.array(of_top(26.0, **at)))
     assert of_top(13.0, **at)[0] > 0.0
+
+
+def test_u2_is_that_below_a_top_that_holds_the_radial_motion() -> None:
+    """With 95 %, also in the cases that t is not fitted to, and without bias."""
+    is_within, is_fitted, differences = [], [], []
+    for index, adhesion, anisotropy, above, size, factor, held, fitted in HELD:
+        of_cone = {"rigidity_index": index, "stress_anisotropy": anisotropy}
+        known, left = of_top(above, **of_cone, adhesion_factor=adhesion, cell_size=size)
+        of_mean = law.NOISE["shoulder"] * factor
+        differences.append(held - factor - known)
+        is_within.append(abs(differences[-1]) <= math.hypot(left, of_mean))
+        is_fitted.append(bool(fitted))
+    within, of_fit = np.array(is_within), np.array(is_fitted)
+    assert (~of_fit).sum() >= 24
+    assert within[of_fit].mean() >= 0.95
+    assert within[~of_fit].mean() >= 0.95
+    assert abs(np.mean(differences)) <= 3.0 * np.std(differences) / math.sqrt(len(differences))
+
+
+def test_where_the_horizontal_stress_is_larger_the_top_takes_off_more() -> None:
+    """By the cube of sqrt(Ir) / A, and more of it is left open."""
+    at = {"cell_size": 0.35, "adhesion_factor": 0.0, "rigidity_index": 100.0}
+    more = []
+    for above in (13.0, 26.0):
+        (known, left), (known_below, left_below) = (
+            of_top(above, stress_anisotropy=anisotropy, **at) for anisotropy in (0.4, -0.4)
+        )
+        assert left_below > left
+        more.append(known_below - known)
+    assert more[0] == pytest.approx(8.0 * more[1])
+    assert more[1] > 0.0
