@@ -51,7 +51,7 @@ HAND_VALUES = {
     "abu_farsakh_2003": 10.739306,
 }
 SLOPES = {
-    "this_project": (-2.03, 0.1),
+    "this_project": (-2.11, 0.1),
     "lu_2004": (-1.9, 0.0),
     "teh_houlsby_1991": (-1.8, -0.2),
     "yu_2000": (-1.83, 0.0),

@@ -246,6 +246,18 @@ def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_mes
         assert laws.growth_uncertainty(small, growth) == pytest.approx(left)
 
 
+def test_where_the_horizontal_stress_is_larger_the_top_takes_off_nc() -> None:
+    """By (-Delta)^1.5 sqrt(Ir) / A, and half of it is left open; nothing otherwise."""
+    for anisotropy, effect in ((0.4, 0.0), (0.0, 0.0), (-0.36, 0.5 * 0.216 * 15.0 / 30.0)):
+        test = dataclasses.replace(
+            TEST, rigidity_index=225.0, domain_above=30.0, stress_anisotropy=anisotropy
+        )
+        of_test = test.laws(way=0.0)
+        without = dataclasses.replace(of_test, stress_anisotropy=0.0)
+        assert float(of_test.correction - without.correction) == pytest.approx(effect)
+        assert float(of_test.half_widths()["top"]) == pytest.approx(0.5 * effect)
+
+
 def test_the_top_takes_no_part_in_a_test_that_is_steady_at_once() -> None:
     of_way = [
         float(laws.top_error(rigidity_index=100.0, above=13.0, below=14.0, way=way))
