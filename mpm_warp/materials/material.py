@@ -240,6 +240,13 @@ def _make_strength(yield_function: Any) -> Any:
     return strength
 
 
+def principal_stresses(stress: Floats) -> Floats:
+    """Principal stresses [Pa], shape [..., 3], of (rr, zz, rz, tt), [..., 4]; the last is tt."""
+    rr, zz, rz, tt = np.moveaxis(stress, -1, 0)
+    centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
+    return np.stack([centre + radius, centre - radius, tt], axis=-1)
+
+
 _REGISTERED: dict[type, str] = {}
 """Names of laws of other packages, by class."""
 

@@ -6,11 +6,20 @@ from the source, z upward, d = |x|, and V the speed of the body, incompressible 
 
     v = V R^2 / 4 x / d^3                                          velocity
 
-which is harmonic, so that the mean stress stays. On the source's path from infinitely far below the
+which is harmonic, so that the mean stress stays. On the source's path from infinitely far above the
 ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
 
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
+
+Soil bears a shear stress tau of su at most. Where the elastic stress has more its deviator is
+scaled to su, and the pressure is larger by
+
+    su ln(tau / su)                                                pressure
+
+which is that of an expanded cylinder beside the shaft far behind, tau = G R^2 / r^2. With this
+stress the soil in the grid starts, as if the body had come from there: without it soil takes two
+to three heights of the window to forget that it has not.
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
 about that motion, per radian and for each component, A its area and t the growth of the source's
@@ -29,6 +38,7 @@ volume of the body flow out between them, which costs pressure.
 """
 
 import functools
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -40,11 +50,14 @@ from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.material import PORE_PRESSURE, Material, principal_stresses
 from mpm_warp.parts.boundaries import FarField, Fixed, raise_springs
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
+
+ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
+"""(rr, zz, rz, tt) of a stress that is the same in all directions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,8 +84,10 @@ class TravellingSource(Checked):
     def stress_since(self, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
 
-        The soil is at these positions now: off the axis above the source.
+        The soil is at these positions now: off the axis above the source. The travel may be inf.
         """
+        if math.isinf(travel):
+            return self._stress(position)
         return self._stress(position) - self._stress(_place(position, travel))
 
     def traction_rate(self, position: Floats) -> Floats:
@@ -109,12 +124,14 @@ class SurroundingGround(Part):
 
     It is around all of a grid whose inner side is the axis and the body. Along the side it is that
     of an endless cylinder, 2 G / r along r and G / r along z for each area, with the dashpots of a
-    `FarField`. At the top the radial velocity is free: the body is there.
+    `FarField`.
 
     Attributes:
         source: what the body is from afar.
         grid: that of the scene, or one with the same nodes.
         material: soil of a stiffness ratio of 1.
+        strength: undrained shear strength of soil of a strength ratio of 1 [Pa], > 0.
+        way_before: way of the body to where it starts [m], >= 0; 0 at the surface of the ground.
     """
 
     needs = (Window,)
@@ -122,6 +139,8 @@ class SurroundingGround(Part):
     source: TravellingSource
     grid: Grid
     material: Material
+    strength: float = checked(POSITIVE, unit="Pa")
+    way_before: float = math.inf
 
     @cached_property
     def far(self) -> FarField:
@@ -156,7 +175,22 @@ class SurroundingGround(Part):
         """
         own = self._stiffness_ratio(scene, position, travel)[..., None]
         before = scene.stress_at_rest_at(_place(position, travel))
-        return before + own * self.source.stress_since(position, travel)
+        return before + own * self.source.stress_since(position, self.way_before + travel)
+
+    def borne_at_start(self, scene: Scene, position: Floats) -> tuple[Floats, Floats]:
+        """That stress at the start as soil bears it, and how much larger the pressure is.
+
+        Both in Pa, shapes [..., 4] and [...].
+        """
+        strength = self.strength * scene.material.ratio_at(position, "strength_ratio")
+        elastic = self.stress(scene, position, 0.0)
+        shear = 0.5 * np.ptp(principal_stresses(elastic), axis=-1)
+        beyond = np.maximum(1.0, shear / strength)
+        pressure = strength * np.log(beyond)
+        mean = elastic @ ISOTROPIC / 3.0
+        deviator = elastic - mean[..., None] * ISOTROPIC
+        borne = (mean - pressure)[..., None] * ISOTROPIC + deviator / beyond[..., None]
+        return borne, pressure
 
     def entering_spring(self, scene: Scene, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
@@ -181,13 +215,24 @@ class SurroundingGround(Part):
         run.assign("far_field.spring", own * self.spring)
         run.assign("far_field.dashpot", np.sqrt(own) * self.far.dashpot)
 
+    def add_to_points(self, plan: Plan, scene: Scene) -> None:
+        """The soil starts with the stress that the body has left on its way."""
+        if self.way_before == 0.0:
+            return
+        soil = plan.initial("particle.mass") > 0.0
+        stress, pressure = self.borne_at_start(scene, plan.initial("particle.position")[soil])
+        plan.initial("particle.stress")[soil] = stress
+        remembered = scene.material.state
+        if PORE_PRESSURE in remembered:
+            plan.initial("particle.state")[soil, remembered.index(PORE_PRESSURE)] += pressure
+
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add two launches, over the nodes of the side and of the ends."""
         nodes = (scene.grid.node_count,)
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
         own = self._stiffness_ratio(scene, self.side_positions, 0.0)[:, None]
-        before = scene.stress_at_rest_at(self.side_positions)[:, [0, 2]]
+        before = self.borne_at_start(scene, self.side_positions)[0][:, [0, 2]]
         at_rest = -(self.side_areas[:, None] * before) / (own * self.spring)
         plan.add_array("far_field.nodes", "int", self.far.nodes, nodes)
         plan.add_array("far_field.spring", "vec2", own * self.spring)
@@ -198,7 +243,7 @@ class SurroundingGround(Part):
         partly = "cell.full_mass" in plan.arrays
         plan.add_launch(_make_moving_side(partly), len(self.far.nodes))
         # After the side: a spring in a corner must not move what the bottom holds.
-        ends = Fixed.on(self.grid, radial=["bottom"], vertical=["bottom", "top"])
+        ends = Fixed.on(self.grid, radial=["bottom", "top"], vertical=["bottom", "top"])
         flow = self.source.velocity(scene.grid.node_positions[ends.nodes])
         plan.add_array("end.nodes", "int", ends.nodes, nodes)
         plan.add_array("end.free", "vec2", ends.free)

@@ -178,7 +178,7 @@ class ConePenetration(ConeTestByDefault):
             stress_at_rest=self.stress_at_rest,
             parts=(
                 Fixed.on(grid, radial=["axis"]),
-                SurroundingGround(grid=grid, material=material, source=source),
+                SurroundingGround(grid=grid, material=material, source=source, strength=strength),
                 PenetrometerContact.of(
                     self.penetrometer,
                     grid,

@@ -235,7 +235,7 @@ class FullFlowPenetrometer(FieldClayScene):
             # around the window rests. From afar the shaft that follows is a travelling source.
             shaft, stiffness = self.body.shaft_radius, clay.ground_shear_modulus
             source = TravellingSource(radius=shaft, height=0.0, shear_modulus=stiffness)
-            around = [SurroundingGround(grid=grid, material=clay, source=source)]
+            around = [SurroundingGround(grid=grid, material=clay, source=source, strength=su)]
         at_rest = [] if around else ["bottom", "top", "side"]
         return Scene(
             grid=grid,

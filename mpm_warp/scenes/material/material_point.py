@@ -20,7 +20,12 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
-from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Material
+from mpm_warp.materials.material import (
+    EFFECTIVE_STRESS,
+    PORE_PRESSURE,
+    Material,
+    principal_stresses,
+)
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
@@ -229,10 +234,9 @@ class ElementTest(PointScene):
 
     def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:
         """Curves over the shear strain, of stresses [n, 4] and of what the law remembers."""
-        rr, zz, rz, tt = stress.T
-        centre, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
-        principal = np.stack([centre + radius, centre - radius, tt])
-        deviator = np.sqrt(1.5 * ((principal - principal.mean(axis=0)) ** 2).sum(axis=0))
+        principal = principal_stresses(stress)
+        mean = principal.mean(axis=1, keepdims=True)
+        deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=1))
         change = stress - self.stress_at_rest
         # Strain where the shear strain is 1; the sum over components counts the shear stress twice.
         of_rr, of_rz, of_zr, of_zz, of_tt = TESTS[self.test]
@@ -241,7 +245,7 @@ class ElementTest(PointScene):
         along = (change * direction * twice).sum(axis=1)
         along /= 2.0 * float(direction @ (direction * twice))
         shown: dict[str, Quantity] = {
-            "shear_stress": (0.5 * np.ptp(principal, axis=0), "Pa", "half of s1 - s3"),
+            "shear_stress": (0.5 * np.ptp(principal, axis=1), "Pa", "half of s1 - s3"),
             "mobilised_stress": (along, "Pa", "growth of the shear stress along the strain"),
             "deviator_stress": (deviator, "Pa", "deviator stress q"),
         }

@@ -28,7 +28,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.elasticity import make_stress_update, motion_of
-from mpm_warp.materials.material import Law, Material
+from mpm_warp.materials.material import Law, Material, principal_stresses
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.plan.plan import Plan, Run
@@ -212,12 +212,10 @@ def _proportional(
 
 def _measure(clay: UndrainedClay, deviator: Floats) -> float:
     """What the yield criterion measures of a deviator (rr, zz, rz, tt)."""
-    rr, zz, rz, tt = deviator
     criterion = clay.criterion if isinstance(clay, EinavRandolph) else type(clay)
     if criterion is Tresca:
-        radius = math.hypot(0.5 * (rr - zz), rz)
-        principal = (0.5 * (rr + zz) + radius, 0.5 * (rr + zz) - radius, tt)
-        return 0.5 * float(max(principal) - min(principal))
+        return 0.5 * float(np.ptp(principal_stresses(deviator)))
+    rr, zz, rz, tt = deviator
     return math.sqrt(0.5 * (rr * rr + zz * zz + tt * tt) + rz * rz)
 
 

@@ -12,6 +12,7 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.materials.material import Material
 from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
+from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scene import Scene
@@ -221,7 +222,9 @@ class Sounding(SoundingTest):
             level=level, layer=LAYER * self.cone_radius, pic_fraction=PIC_FRACTION
         )
         return replace(scene, grid=grid).with_parts(
-            replace(window, spare_fraction=slots / seeded - 1.0), surface
+            replace(window, spare_fraction=slots / seeded - 1.0),
+            replace(scene[SurroundingGround], way_before=0.0),
+            surface,
         )
 
     def run_size(self) -> RunSize:
