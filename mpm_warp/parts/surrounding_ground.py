@@ -12,14 +12,10 @@ ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
 
-Soil bears a shear stress tau of su at most. Where the elastic stress has more its deviator is
-scaled to su, and the pressure is larger by
-
-    su ln(tau / su)                                                pressure
-
-which is that of an expanded cylinder beside the shaft far behind, tau = G R^2 / r^2. With this
-stress the soil in the grid starts, as if the body had come from there: without it soil takes two
-to three heights of the window to forget that it has not.
+Soil bears a shear stress of su at most. With this stress, its deviator scaled to su where it is
+larger, the soil in the grid starts, as if the body had come from far. The pressure that belongs to
+it comes by itself, with the first waves. From undisturbed ground it would take a way of two to
+three heights of the window until the resistance has forgotten the start.
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
 about that motion, per radian and for each component, A its area and t the growth of the source's
@@ -50,7 +46,7 @@ from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
-from mpm_warp.materials.material import PORE_PRESSURE, Material, principal_stresses
+from mpm_warp.materials.material import Material, principal_stresses
 from mpm_warp.parts.boundaries import FarField, Fixed, raise_springs
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
@@ -177,20 +173,13 @@ class SurroundingGround(Part):
         before = scene.stress_at_rest_at(_place(position, travel))
         return before + own * self.source.stress_since(position, self.way_before + travel)
 
-    def borne_at_start(self, scene: Scene, position: Floats) -> tuple[Floats, Floats]:
-        """That stress at the start as soil bears it, and how much larger the pressure is.
-
-        Both in Pa, shapes [..., 4] and [...].
-        """
+    def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
+        """That stress at the start as far as soil bears its shear [Pa], shape [..., 4]."""
         strength = self.strength * scene.material.ratio_at(position, "strength_ratio")
         elastic = self.stress(scene, position, 0.0)
         shear = 0.5 * np.ptp(principal_stresses(elastic), axis=-1)
-        beyond = np.maximum(1.0, shear / strength)
-        pressure = strength * np.log(beyond)
-        mean = elastic @ ISOTROPIC / 3.0
-        deviator = elastic - mean[..., None] * ISOTROPIC
-        borne = (mean - pressure)[..., None] * ISOTROPIC + deviator / beyond[..., None]
-        return borne, pressure
+        mean = (elastic @ ISOTROPIC / 3.0)[..., None] * ISOTROPIC
+        return mean + (elastic - mean) / np.maximum(1.0, shear / strength)[..., None]
 
     def entering_spring(self, scene: Scene, travel: float) -> Floats:
         """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
@@ -220,11 +209,8 @@ class SurroundingGround(Part):
         if self.way_before == 0.0:
             return
         soil = plan.initial("particle.mass") > 0.0
-        stress, pressure = self.borne_at_start(scene, plan.initial("particle.position")[soil])
-        plan.initial("particle.stress")[soil] = stress
-        remembered = scene.material.state
-        if PORE_PRESSURE in remembered:
-            plan.initial("particle.state")[soil, remembered.index(PORE_PRESSURE)] += pressure
+        position = plan.initial("particle.position")[soil]
+        plan.initial("particle.stress")[soil] = self.stress_at_start(scene, position)
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
         """Add two launches, over the nodes of the side and of the ends."""
@@ -232,7 +218,7 @@ class SurroundingGround(Part):
         side_flow = self.source.velocity(self.side_positions)
         drawn = self.side_areas[:, None] * self.source.traction_rate(self.side_positions)
         own = self._stiffness_ratio(scene, self.side_positions, 0.0)[:, None]
-        before = self.borne_at_start(scene, self.side_positions)[0][:, [0, 2]]
+        before = self.stress_at_start(scene, self.side_positions)[:, [0, 2]]
         at_rest = -(self.side_areas[:, None] * before) / (own * self.spring)
         plan.add_array("far_field.nodes", "int", self.far.nodes, nodes)
         plan.add_array("far_field.spring", "vec2", own * self.spring)

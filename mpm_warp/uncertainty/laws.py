@@ -13,13 +13,7 @@ and of the bottom of the window, H its distance from the tip over the cone's rad
 
     E_bottom = -D Ir / H^2
 
-and of the top, A its distance from the shoulder and w the way that the cone has gone beyond that
-of a test by default, both over the cone's radius:
-
-    E_top = T (Ir / A^2)^1.5 (1 - exp(-w / (1.7 (A + H)))) - T_h (-Delta)^1.5 sqrt(Ir) / A
-
-the second part where the horizontal stress in the ground is the larger, Delta < 0, T_h by rigidity
-index; and of a bound of Poisson's ratio, which takes b off that of the clay:
+and of a bound of Poisson's ratio, which takes b off that of the clay:
 
     E_bound = -P b
 
@@ -35,7 +29,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.steadiness import ALL_PASSED, steady_penetration
 
 Value = Floats | float
 Condition = NDArray[np.bool_] | bool
@@ -72,8 +65,6 @@ BOTTOM_ERROR = 0.09
 """D of E_bottom, dimensionless."""
 NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
-TOP_ERROR, TOP_POWER, TOP_WAY = 0.19, 1.5, 1.7
-"""T of E_top; the power of Ir / A^2; and the way in which E_top gets near its limit, over A + H."""
 BOUND_ERROR, BOUND = 4.5, 0.8
 """P of E_bound, and its half width: between Ir 25 and 500, smooth and rough, Delta -0.5 and 0.5 a
 Poisson's ratio of 0.45 in place of 0.49 takes off 3.7 to 5.4 times the difference."""
@@ -92,11 +83,10 @@ proportion to it: that window has the same size in softer clay, whose plastic zo
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth. Both count from the growth of the meshes measured."""
-BOTTOM, TOP = 0.3, 0.5
-"""Half widths of the effects of bottom and top, over them."""
-TOP_OF_HORIZONTAL, HORIZONTAL_POWER = ((30.0, 120.0), (0.0, 0.5)), 1.5
-"""T_h over the rigidity index, and the power of -Delta: by 52 cases in windows whose top holds the
-radial motion too (`tests/held_top.py`); windows three times as tall have the same Nc."""
+BOTTOM, TOP = 0.3, 0.16
+"""Half widths: of the effect of the bottom, over it; and of that of the top, where the horizontal
+stress in the ground is the larger, over (-Delta)^1.5 sqrt(Ir) / A, A the extent above the shoulder
+over the radius."""
 INERTIA = 0.05
 """Half width of S."""
 FELT_BEFORE = {True: 3.0, False: 7.0}
@@ -156,8 +146,8 @@ class ErrorLaws:
             cell_size=self.cell_size,
             cell_growth=self.cell_growth,
         )
-        rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh - self.top
-        return rest + self.top_of_horizontal + BOUND_ERROR * self.bounded
+        rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh
+        return rest + BOUND_ERROR * self.bounded
 
     def half_widths(self) -> dict[str, Value]:
         """Half widths of 95 % of what the laws leave open of a cone factor, by what they are of."""
@@ -169,7 +159,7 @@ class ErrorLaws:
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * felt * self.extent_ratio**2,
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
-            "top": TOP * (self.top + self.top_of_horizontal),
+            "top": TOP * self._above_vertical * np.sqrt(self.rigidity_index) / self.above,
             "speed": INERTIA * self.inertia,
             "bound": BOUND * self.bounded,
             "range": self._beyond_range,
@@ -226,21 +216,10 @@ class ErrorLaws:
         return self.rigidity_index / (self.below * self.below)
 
     @property
-    def top_of_horizontal(self) -> Value:
-        """What the top takes off the cone factor where Delta is below 0, shape [...]."""
-        share = np.interp(
-            np.log(self.rigidity_index), np.log(TOP_OF_HORIZONTAL[0]), TOP_OF_HORIZONTAL[1]
-        )
-        above_vertical = np.maximum(0.0, -self.stress_anisotropy) ** HORIZONTAL_POWER
-        effect: Value = share * above_vertical * np.sqrt(self.rigidity_index) / self.above
-        return effect
-
-    @property
-    def top(self) -> Value:
-        """What the top of the window adds to the cone factor in a long test, shape [...]."""
-        return top_error(
-            rigidity_index=self.rigidity_index, above=self.above, below=self.below, way=self.way
-        )
+    def _above_vertical(self) -> Value:
+        """(-Delta)^1.5 where the horizontal stress in the ground is the larger, else 0."""
+        larger: Value = np.maximum(0.0, -self.stress_anisotropy) ** 1.5
+        return larger
 
 
 def mesh_error(
@@ -296,13 +275,3 @@ def window_uncertainty(extent_ratio: float) -> float:
         extent_ratio: as in `ErrorLaws`.
     """
     return DOMAIN * max(0.0, extent_ratio**2 - 1.0)
-
-
-def top_error(*, rigidity_index: Value, above: float, below: float, way: Value) -> Value:
-    """What the top of the window adds to the cone factor, shape [...]; as in `ErrorLaws`."""
-    index = np.asarray(rigidity_index, dtype=float)
-    of_a_test = above + ALL_PASSED + np.vectorize(steady_penetration)(index)
-    beyond = np.maximum(0.0, way - of_a_test)
-    grown = -np.expm1(-beyond / (TOP_WAY * (above + below)))
-    error: Floats = TOP_ERROR * (index / above**2) ** TOP_POWER * grown
-    return error

@@ -21,7 +21,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.cone import POINTS
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.laws import LARGEST_CELL, TOP, Condition, ErrorLaws
+from mpm_warp.uncertainty.laws import LARGEST_CELL, Condition, ErrorLaws
 
 AROUND = 2.0
 """Way above and below the tip over which strength is averaged, in cone radii."""
@@ -111,8 +111,7 @@ def sample_error(
     Of each sample are given the laws, the depth of the tip [m], the mean strength around it and
     what a cell further down changes of that, the net resistance as simulated [Pa], and whether the
     surface of the ground is in the window, or a border near, by what is said of it. What is
-    `measured` by further runs is in place of the laws, but for the top of the window: its effect
-    grows on a way that is longer than theirs.
+    `measured` by further runs is in place of the laws.
     """
     factor = resistance / around
     if measured is None:
@@ -121,8 +120,7 @@ def sample_error(
         of_method = laws.why_none_holds(largest_cell=LARGEST_CELL)
     else:
         correction, half_widths = measured.at(depth)
-        correction = correction - laws.top
-        parts = {"measured": half_widths, "top": TOP * laws.top}
+        parts = {"measured": half_widths}
         of_method = dict.fromkeys(measured.reasons, np.isnan(half_widths))
     parts |= {"noise": _noise(laws, factor), "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:

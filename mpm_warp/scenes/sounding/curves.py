@@ -15,7 +15,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import DEVIATOR, READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import TOP, Condition, top_error
+from mpm_warp.uncertainty.laws import Condition
 from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, shoulder_error
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
@@ -214,7 +214,7 @@ def layer_values(
         )
     in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
     reached = float(np.nanmax(share[in_layer], initial=-math.inf))
-    half_width = _half_width(sounding, reached, factor) if is_known else math.nan
+    half_width = _half_width(sounding, reached) if is_known else math.nan
     meaning = "share of the layer's resistance that is reached"
     what = "greatest change, mean over a radius, over that in a layer without end"
     of_share = "uncertainty of the share of the layer's resistance"
@@ -223,23 +223,12 @@ def layer_values(
     )
 
 
-def _half_width(sounding: SoundingTest, reached: float, factor: Floats) -> float:
-    """Half width of the share s of a layer's resistance that is `reached`.
-
-    `factor` is net resistance over the strength that the soil would have without the layer, [n].
-    """
+def _half_width(sounding: SoundingTest, reached: float) -> float:
+    """Half width of the share s of a layer's resistance that is `reached`."""
     assert sounding.layer_thickness is not None
     ratio = sounding.layer_strength_ratio
-    # Errors of mesh and speed are in both resistances; that of the top grows on the way.
-    grown = top_error(
-        rigidity_index=sounding.rigidity_index,
-        above=sounding.domain_above,
-        below=sounding.domain_below,
-        way=sounding.travel / sounding.cone_radius,
-    )
-    top = TOP * float(grown) / float(np.mean(factor[:UNDISTURBED]))
-    relative = math.hypot(top, NOISE)
-    of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * relative
+    # Errors of mesh and speed are in both resistances.
+    of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * NOISE
     # The places of the borders are known to a cell. In a layer of thickness t the share
     # s = 1 - exp(-t / l) grows with t by -(1 - s) ln(1 - s) / t.
     lacking = 1.0 - min(max(reached, 0.0), 1.0 - NOISE)
