@@ -14,9 +14,8 @@ u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a con
 pressure evens out over such a distance while a cone passes by. With s, the radial deviator over su
 of the cells that F is read in, tension positive,
 
-    u2 = (F - s) - S h^1.5 + D + T,    D = w D_l + (1 - w) D_b
-    T = t x + 0.6 x^3 sqrt(-Delta),    x = sqrt(Ir) / A
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.08 (D_b - D_l), 0.08, T', 0.6 i, W
+    u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.08 (D_b - D_l), 0.08, 0.6 i, W
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -30,10 +29,6 @@ indices where they were measured. No law takes off what the inertia i = rho V^2 
 0.6 i are the most that it was found to do. A window that is smaller than by default leaves open as
 much of both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How
 all of it was measured is in `uncertainty/README.md`.
-
-T is what the soil above a window, which ends A radii above the shoulder, adds to u2 alone: it has
-gone round the shoulder too, and presses on. Its second part is only where the horizontal stress in
-the ground is the larger. T' is what is left open, t' x and t_h x sqrt(-Delta).
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -114,11 +109,6 @@ SHOULDER_INERTIA = 0.6
 """The same of u2: 0.6 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
-TOP = ((25.0, 50.0, 100.0, 200.0, 400.0, 1000.0), (0.12, 0.19, 0.22, 0.32, 0.15, 0.0))
-TOP_LEFT = ((30.0, 100.0), (0.18, 0.28))
-"""t over the rigidity index, and t': by windows whose top holds the radial motion too."""
-TOP_OF_HORIZONTAL, HORIZONTAL_LEFT = 0.6, ((30.0, 50.0), (0.2, 0.65))
-"""The second part of T, by sqrt(-Delta) and the cube of x; t_h over the rigidity index."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
@@ -149,8 +139,6 @@ def shoulder_error(
     rigidity_index: Value,
     inertia: Value,
     strength_ratio: Value = 1.0,
-    stress_anisotropy: Value,
-    above: Value,
     extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
     """Correction of u2 and its half width of 95 %, over su, shape [...].
@@ -164,8 +152,6 @@ def shoulder_error(
         inertia: rho V^2 / su, shape [...].
         strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
         extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
-        stress_anisotropy: Delta, shape [...].
-        above: extent of the window above the shoulder over the radius, shape [...].
     """
     slope = _of_table(
         SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
@@ -174,10 +160,6 @@ def shoulder_error(
     near_shaft = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
     error = slope * math.pow(min(cell_size, WIDEST), SHOULDER_POWER)
     radial = factor - deviator
-    over_top = np.sqrt(rigidity_index) / above
-    from_horizontal = np.sqrt(np.maximum(0.0, -stress_anisotropy)) * over_top
-    top = _by_index(TOP, rigidity_index) * over_top
-    top += TOP_OF_HORIZONTAL * over_top**2 * from_horizontal
     half_width = _added(
         SHOULDER * error,
         READ_IN_CELLS * cell_size * radial,
@@ -188,10 +170,8 @@ def shoulder_error(
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,
         window_uncertainty(extent_ratio),
-        _by_index(TOP_LEFT, rigidity_index) * over_top,
-        _by_index(HORIZONTAL_LEFT, rigidity_index) * from_horizontal,
     )
-    return near_shaft - deviator - error + top, half_width
+    return near_shaft - deviator - error, half_width
 
 
 def deviator_near_shaft(
@@ -218,17 +198,14 @@ def stated_pressures(
     strength: float,
     bounded: float,
     why_none: str,
-    stress_anisotropy: float,
-    above: float,
     **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, and the noise of their means are added
     to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
-    `of_cone` are the arguments of `face_error`; Delta and the extent above are further ones of
-    `shoulder_error`. Where these laws do not hold there is no correction, the uncertainties are not
-    numbers, and `why_none` says why.
+    `of_cone` are the arguments of `face_error`. Where these laws do not hold there is no
+    correction, the uncertainties are not numbers, and `why_none` says why.
     """
     stated = {}
     for place in ("face", "shoulder"):
@@ -242,8 +219,7 @@ def stated_pressures(
                 off, of_laws = face_error(factor, **of_cone)
             else:
                 deviator = float(recorded["radial_deviator_factor_shoulder"])
-                of_top = {"stress_anisotropy": stress_anisotropy, "above": above}
-                off, of_laws = shoulder_error(factor, deviator, **of_top, **of_cone)
+                off, of_laws = shoulder_error(factor, deviator, **of_cone)
                 curve = curve - recorded["radial_deviator_shoulder"].values / strength
             correction = float(off) + BOUND_EFFECT[place] * bounded
             to_come = SETTLING * last_change(curve)

@@ -65,7 +65,7 @@ def test_what_does_not_go_together_is_refused_in_one_line(
 
 def test_parts_need_others_and_are_not_beside_some(cone: Scene) -> None:
     source = TravellingSource(radius=1.0, height=0.0, shear_modulus=2e6)
-    ground = SurroundingGround(source=source, grid=cone.grid, material=cone.material)
+    ground = SurroundingGround(source=source, grid=cone.grid, material=cone.material, strength=1e4)
     surface = PassingSurface(level=0.0, layer=1.0, pic_fraction=0.1)
     in_ground = cone.without(FarField).with_parts(EnergyBalance(), ground, surface)
     for kind, name in (

@@ -145,8 +145,6 @@ def stated_beside_shaft(
         rigidity_index=test.rigidity_index,
         inertia=test.inertia,
         extent_ratio=test.extent_ratio,
-        stress_anisotropy=test.stress_anisotropy,
-        above=test.domain_above,
         bounded=test.bounded,
         why_none=why_none,
     ) | stated_sleeve(

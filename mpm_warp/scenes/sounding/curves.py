@@ -153,10 +153,6 @@ def _pore_pressure(
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
         extent_ratio=sounding.extent_ratio,
-        stress_anisotropy=ground.stress_anisotropy_at(
-            at_shoulder, elsewhere=sounding.stress_anisotropy
-        ),
-        above=sounding.domain_above,
     )
     above = np.maximum(0.0, at_shoulder - READ_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)

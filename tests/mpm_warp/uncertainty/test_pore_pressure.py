@@ -76,12 +76,11 @@ def over_half_width(
     return [abs(value - best) / math.hypot(half_width, of_best) for value, half_width in stated]
 
 
-SLOW_IN_A_TALL_WINDOW = {"inertia": 0.0, "stress_anisotropy": 0.0, "above": math.inf}
-
-
-def radial_error(factor: law.Value, **of_cone: Any) -> tuple[law.Value, law.Value]:
+def radial_error(
+    factor: law.Value, *, inertia: law.Value = 0.0, **of_cone: Any
+) -> tuple[law.Value, law.Value]:
     """Correction of a radial stress, which makes it u2; of a slow cone, where nothing is said."""
-    return shoulder_error(factor, 0.0, **SLOW_IN_A_TALL_WINDOW | of_cone)
+    return shoulder_error(factor, 0.0, inertia=inertia, **of_cone)
 
 
 def test_u2_of_all_meshes_is_one_value() -> None:
@@ -155,7 +154,7 @@ def test_u2_depends_on_no_deviator_but_that_near_the_shaft() -> None:
     values = []
     for deviator in (-1.2, 0.1):
         pressure = 5.6 + deviator
-        correction, half_width = shoulder_error(pressure, deviator, **at, **SLOW_IN_A_TALL_WINDOW)
+        correction, half_width = shoulder_error(pressure, deviator, **at, inertia=0.0)
         values.append((pressure + float(correction), float(half_width)))
     assert values[0] == pytest.approx(values[1])
 
@@ -167,9 +166,8 @@ def test_u1_of_all_meshes_is_one_value(case: str) -> None:
 
 def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
     at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0}
-    at |= SLOW_IN_A_TALL_WINDOW
     (whole, _), (half, _) = (
-        shoulder_error(4.2, -1.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
+        shoulder_error(4.2, -1.2, **at, inertia=0.0, strength_ratio=ratio) for ratio in (1.0, 0.5)
     )
     assert half - whole == pytest.approx(-0.5 * deviator_near_shaft(100.0, 0.5))
 
@@ -299,8 +297,7 @@ def test_stated_pressures(is_known: bool) -> None:
     """
     at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.1}
     stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
-    of_top = {"stress_anisotropy": 0.0, "above": 13.0}
-    errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at, **of_top)
+    errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at)
     for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
         off = of_mesh + 0.02 * law.BOUND_EFFECT[place]
         name = f"pore_pressure_factor_{place}"
@@ -326,7 +323,6 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
         | {"radial_deviator_factor_shoulder": -0.4}
     )
     given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
-    given |= {"stress_anisotropy": 0.0, "above": 13.0}
     return law.stated_pressures(
         recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
     )

@@ -81,8 +81,6 @@ def test_u2_has_its_error_away_from_a_border() -> None:
         adhesion_factor=0.5,
         rigidity_index=sounding.rigidity_index,
         inertia=sounding.dynamic_pressure / 1e4,
-        stress_anisotropy=0.0,
-        above=sounding.domain_above,
     )
     assert float(pressure[0]) == pytest.approx(5e4 + 1e4 * float(correction))
     assert float(half_width[0]) == pytest.approx(np.hypot(1e4 * of_laws, 5e4 * PRESSURE_NOISE))
