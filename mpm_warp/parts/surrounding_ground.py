@@ -12,10 +12,11 @@ ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
 
-Soil bears a shear stress of su at most. With this stress, its deviator scaled to su where it is
-larger, the soil in the grid starts, as if the body had come from far. The pressure that belongs to
-it comes by itself, with the first waves. From undisturbed ground it would take a way of two to
-three heights of the window until the resistance has forgotten the start.
+The soil in the grid starts as if the body had come from far: with this stress, its deviator scaled
+to su where soil does not bear it. The pressure that belongs to it comes with the first waves. Soil
+that yields before the body carries its push on, so the source is ahead there, by 0.3 R sqrt(G/su).
+From undisturbed ground it would take a way of two to three heights of the window until the
+resistance has forgotten the start.
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
 about that motion, per radian and for each component, A its area and t the growth of the source's
@@ -35,7 +36,7 @@ volume of the body flow out between them, which costs pressure.
 
 import functools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -52,6 +53,9 @@ from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
+AHEAD = 0.3
+"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), the radius
+of the plastic zone around a long shaft: so it is most like the stress after a long way."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
 """(rr, zz, rz, tt) of a stress that is the same in all directions."""
 
@@ -174,9 +178,12 @@ class SurroundingGround(Part):
         return before + own * self.source.stress_since(position, self.way_before + travel)
 
     def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
-        """That stress at the start as far as soil bears its shear [Pa], shape [..., 4]."""
+        """That of a source farther ahead, as far as soil bears its shear [Pa], shape [..., 4]."""
+        plastic_zone = self.source.radius * math.sqrt(self.source.shear_modulus / self.strength)
+        height = self.source.height - AHEAD * plastic_zone
+        ahead = replace(self, source=replace(self.source, height=height))
+        elastic = ahead.stress(scene, position, 0.0)
         strength = self.strength * scene.material.ratio_at(position, "strength_ratio")
-        elastic = self.stress(scene, position, 0.0)
         shear = 0.5 * np.ptp(principal_stresses(elastic), axis=-1)
         mean = (elastic @ ISOTROPIC / 3.0)[..., None] * ISOTROPIC
         return mean + (elastic - mean) / np.maximum(1.0, shear / strength)[..., None]

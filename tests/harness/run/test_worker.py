@@ -180,7 +180,14 @@ def test_an_unfinished_case_keeps_its_scalars_and_is_not_collected(
     tmp_path: Path, small_file: Path, command: Command
 ) -> None:
     out = tmp_path / "results"
-    settings = ["--set", "adhesion_factor=0", "--set", "steady_tolerance=[0, 0.003]"]
+    settings = [
+        "--set",
+        "adhesion_factor=0",
+        "--set",
+        "steady_tolerance=[0, 0.003]",
+        "--set",
+        "penetration=0.5",
+    ]
     told = command("run", small_file, "--out", out, *settings, code=1).err
     assert re.search(r"unfinished: the resistance still changes by \d+% at the", told)
     study = load_study(str(small_file), settings[1::2])

@@ -113,14 +113,19 @@ def test_anisotropic_ground_rests(anisotropy: float) -> None:
 def test_soil_starts_with_the_stress_that_the_body_has_left_as_far_as_it_bears_it(
     scene: Scene,
 ) -> None:
-    """Elastic where its shear stress is below su, with the same pressure and su elsewhere."""
+    """Elastic where its shear stress is below su, with the same pressure and su elsewhere.
+
+    The elastic stress is that of a source 0.3 R sqrt(G / su) ahead.
+    """
     ground = dataclasses.replace(
         scene[SurroundingGround], strength=4.0 * SHORT.undrained_shear_strength
     )
     simulation = Simulation(scene.with_parts(ground))
     soil = simulation.array("particle.cell")[:, 0] >= 0
     stress = simulation.array("particle.stress")[soil]
-    elastic = ground.source.stress_since(simulation.array("particle.position")[soil], math.inf)
+    ahead = 0.3 * SHORT.cone_radius * math.sqrt(100.0 / 4.0)
+    source = dataclasses.replace(ground.source, height=ground.source.height - ahead)
+    elastic = source.stress_since(simulation.array("particle.position")[soil], math.inf)
     greatest, borne = (0.5 * np.ptp(principal_stresses(it), axis=-1) for it in (elastic, stress))
     yields = greatest > ground.strength
     assert 0.1 < yields.mean() < 0.9

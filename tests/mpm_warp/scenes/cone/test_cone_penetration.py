@@ -9,6 +9,7 @@ import xarray as xr
 
 from mpm_warp import Snapshots
 from mpm_warp.errors import InaccurateRun, SimulationDiverged
+from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import penetration
@@ -40,10 +41,10 @@ def test_shear_part_of_every_apex_angle_obeys_statics(apex_angle: float) -> None
 
 def test_poissons_ratio_is_simulated_up_to_its_bound() -> None:
     bounded, lower = (
-        run(penetration=1.0, poissons_ratio=ratio, poissons_ratio_bound=0.3)
+        run(penetration=2.0, poissons_ratio=ratio, poissons_ratio_bound=0.3)
         for ratio in (0.49, 0.3)
     )
-    unbounded = run(penetration=1.0, poissons_ratio=0.3)
+    unbounded = run(penetration=2.0, poissons_ratio=0.3)
     for same in (bounded, lower):
         xr.testing.assert_equal(
             same[["penetration_resistance", "time_step"]],
@@ -153,6 +154,8 @@ def test_a_blunt_rough_cone_throws_no_soil_off() -> None:
         steady_tolerance=0.0,
     )
     scene = blunt.build()
+    # In undisturbed ground more soil comes to rest before the face.
+    scene = scene.with_parts(dataclasses.replace(scene[SurroundingGround], way_before=0.0))
     window = scene[Window]
     assert window.stray_speed == pytest.approx(
         math.sqrt(blunt.undrained_shear_strength / blunt.density)

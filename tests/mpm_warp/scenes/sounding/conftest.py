@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from mpm_warp import Simulation
+from mpm_warp import Simulation, SurroundingGround
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.sampling import soil_scene
 from mpm_warp.scenes.sounding.sounding import Sounding
@@ -30,11 +30,13 @@ def changed(**changes: object) -> Sounding:
 
 
 def after_a_step(sounding: Sounding, stress: float) -> tuple[Simulation, Floats, float]:
-    """A run of one step, and the speeds of its nodes, shape [rows + 1, columns + 1, 2].
+    """A run of one step from undisturbed ground, and its nodes' speeds, [rows + 1, columns + 1, 2].
 
     And the speed that a stress [Pa] would give to a node that nothing holds.
     """
-    simulation = Simulation(sounding.build())
+    built = sounding.build()
+    ground = dataclasses.replace(built[SurroundingGround], way_before=0.0)
+    simulation = Simulation(built.with_parts(ground))
     scene = soil_scene(simulation)
     simulation.advance(1)
     shape = (scene.grid.row_count + 1, scene.grid.column_count + 1, 4)
