@@ -54,8 +54,8 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 AHEAD = 0.3
-"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), which is
-the radius of the plastic zone around a long shaft: so the stress is most like that of a long way."""
+"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), the
+radius of the plastic zone around a long shaft: so the stress is most like that of a long way."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
 """(rr, zz, rz, tt) of a stress that is the same in all directions."""
 

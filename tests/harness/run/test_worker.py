@@ -180,17 +180,11 @@ def test_an_unfinished_case_keeps_its_scalars_and_is_not_collected(
     tmp_path: Path, small_file: Path, command: Command
 ) -> None:
     out = tmp_path / "results"
-    settings = [
-        "--set",
-        "adhesion_factor=0",
-        "--set",
-        "steady_tolerance=[0, 0.003]",
-        "--set",
-        "penetration=0.5",
-    ]
+    values = "adhesion_factor=0", "steady_tolerance=[0, 0.003]", "rigidity_index=10"
+    settings = [word for value in values for word in ("--set", value)]
     told = command("run", small_file, "--out", out, *settings, code=1).err
     assert re.search(r"unfinished: the resistance still changes by \d+% at the", told)
-    study = load_study(str(small_file), settings[1::2])
+    study = load_study(str(small_file), values)
     folder = case_files.case_folder(out, study)
     finished, unfinished = (case_files.read_case(folder, case) for case in study.cases)
     assert unfinished.attrs["status"] == "unfinished"
