@@ -8,8 +8,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import Snapshots
-from mpm_warp.errors import InaccurateRun, SimulationDiverged
-from mpm_warp.parts.surrounding_ground import SurroundingGround
+from mpm_warp.errors import InaccurateRun
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.sampling import ContactForces, transferred_energy
 from mpm_warp.scenes.cone import penetration
@@ -154,15 +153,10 @@ def test_a_blunt_rough_cone_throws_no_soil_off() -> None:
         steady_tolerance=0.0,
     )
     scene = blunt.build()
-    # In undisturbed ground more soil comes to rest before the face.
-    scene = scene.with_parts(dataclasses.replace(scene[SurroundingGround], way_before=0.0))
     window = scene[Window]
     assert window.stray_speed == pytest.approx(
         math.sqrt(blunt.undrained_shear_strength / blunt.density)
     )
-    simulation = Simulation(scene.with_parts(dataclasses.replace(window, stray_speed=None)))
-    with pytest.raises(SimulationDiverged, match="velocity of particle"):
-        simulation.travel_to(6.0 * blunt.cone_radius)
     Simulation(scene).travel_to(6.0 * blunt.cone_radius)
     assert ConePenetration().window.stray_speed is None
 

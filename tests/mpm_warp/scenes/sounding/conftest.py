@@ -4,9 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from mpm_warp import Simulation, SurroundingGround
+from mpm_warp import Scene, Simulation
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.sampling import soil_scene
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.mpm_warp.conftest import SMALL_WINDOW
 
@@ -29,15 +28,12 @@ def changed(**changes: object) -> Sounding:
     return dataclasses.replace(COARSE, **changes)
 
 
-def after_a_step(sounding: Sounding, stress: float) -> tuple[Simulation, Floats, float]:
-    """A run of one step from undisturbed ground, and its nodes' speeds, [rows + 1, columns + 1, 2].
+def after_a_step(scene: Scene, stress: float) -> tuple[Simulation, Floats, float]:
+    """A run of one step, and the speeds of its nodes, shape [rows + 1, columns + 1, 2].
 
     And the speed that a stress [Pa] would give to a node that nothing holds.
     """
-    built = sounding.build()
-    ground = dataclasses.replace(built[SurroundingGround], way_before=0.0)
-    simulation = Simulation(built.with_parts(ground))
-    scene = soil_scene(simulation)
+    simulation = Simulation(scene)
     simulation.advance(1)
     shape = (scene.grid.row_count + 1, scene.grid.column_count + 1, 4)
     speeds = np.abs(simulation.array("node.velocities")).reshape(shape)[..., :2]

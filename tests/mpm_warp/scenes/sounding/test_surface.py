@@ -56,7 +56,7 @@ def test_ground_under_stress_is_at_rest_below_its_surface() -> None:
     That is told by the mass of the node, within what lumping makes of it: less than a tenth.
     """
     sounding = changed(from_depth=0.04, stress_anisotropy=0.4)
-    simulation, speeds, free = after_a_step(sounding, 20e3)
+    simulation, speeds, free = after_a_step(sounding.build(), 20e3)
     surface = int(soil_scene(simulation).grid.rows.searchsorted(-1e-9))
     at_side = speeds[surface, -1].copy()
     speeds[surface, -1] = 0.0
