@@ -1,5 +1,7 @@
 """What the ground of a sounding may have: softening, adhesion and stress by depth."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
