@@ -83,7 +83,7 @@ proportion to it: that window has the same size in softer clay, whose plastic zo
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth. Both count from the growth of the meshes measured."""
-BOTTOM, TOP = 0.3, 0.16
+BOTTOM, TOP = 0.3, 0.2
 """Half widths: of the effect of the bottom, over it; and of that of the top, where the horizontal
 stress in the ground is the larger, over (-Delta)^1.5 sqrt(Ir) / A, A the extent above the shoulder
 over the radius."""

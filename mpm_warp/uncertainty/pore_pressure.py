@@ -15,7 +15,7 @@ pressure evens out over such a distance while a cone passes by. With s, the radi
 of the cells that F is read in, tension positive,
 
     u2 = (F - s) - S h^1.5 + D,    D = w D_l + (1 - w) D_b
-    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.08 (D_b - D_l), 0.08, 0.6 i, W
+    half width  0.15 S h^1.5, 0.07 h (F - s), 0.005 (F - s), 0.08 (D_b - D_l), 0.08, 0.6 i, 0.1, W
 
 F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. D
 is the deviator within the 0.06 radii. Soil that has gone round the shoulder forms a layer beside
@@ -26,9 +26,10 @@ rows beside the face. On fewer than five rows F - s is read far from the
 filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half
 width; in very stiff clay nothing is known of u1 and u2 then. Half widths grow beyond the rigidity
 indices where they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and
-0.6 i are the most that it was found to do. A window that is smaller than by default leaves open as
-much of both as of the cone factor, W. Nor is anything known where cells grow by more than 0.5. How
-all of it was measured is in `uncertainty/README.md`.
+0.6 i are the most that it was found to do. 0.1 is what a window twice as tall, or a test that goes
+on, was found to change u2 by, below Ir 50 in proportion to Ir. A window that is smaller than by
+default leaves open as much of both as of the cone factor, W. Nor is anything known where cells grow
+by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -44,7 +45,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled, variable
-from mpm_warp.uncertainty.laws import BOUND_ERROR, window_uncertainty
+from mpm_warp.uncertainty.laws import BOUND_ERROR, DOMAIN_FELT, window_uncertainty
 from mpm_warp.uncertainty.steadiness import last_change
 
 Value = Floats | float
@@ -109,6 +110,8 @@ SHOULDER_INERTIA = 0.6
 """The same of u2: 0.6 at Ir 22, 0.3 at 100 and 140, 0.4 at 900, with the noise of coarse cells."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
+SHOULDER_WINDOW = 0.1
+"""Half width of what a taller window, or a longer test, changes of u2."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
@@ -170,6 +173,7 @@ def shoulder_error(
         SHOULDER_RANGE * _beyond(SHOULDER_INDICES, rigidity_index),
         SHOULDER_INERTIA * inertia,
         window_uncertainty(extent_ratio),
+        SHOULDER_WINDOW * np.minimum(1.0, rigidity_index / DOMAIN_FELT),
     )
     return near_shaft - deviator - error, half_width
 

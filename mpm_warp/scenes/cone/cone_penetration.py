@@ -62,12 +62,12 @@ class ConePenetration(ConeTestByDefault):
     The strength of the clay may fall with plastic strain, and rise with the rate that the strain
     has at the real speed.
 
-    The penetrometer starts in place, in undisturbed ground. Excess stresses are simulated: those
-    over the vertical in-situ stress, which balances itself.
+    The penetrometer starts in place, in ground with the stress as if it had come from far above.
+    Excess stresses are simulated: those over the vertical in-situ stress, which balances itself.
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 31
+    version = 32
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

@@ -206,7 +206,7 @@ class BallPenetration(Ball, FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary = "ball penetrometer pushed through undrained clay to steady flow"
-    version = 6
+    version = 7
 
     shaft_radius_ratio: float = parameter(
         0.316,
