@@ -61,8 +61,9 @@ NEAREST_TOP = 0.74
 is known: at 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0, at 0.75 random cases were within it."""
 LARGEST_GROWTH = 1.0
 """Growth of the cells up to which its effect is known."""
-BOTTOM_ERROR = 0.09
-"""D of E_bottom, dimensionless."""
+BOTTOM_ERROR = 0.03
+"""D of E_bottom, dimensionless: of -0.03 to 0.07 by distances of 0.75 to 2.2 times that by default,
+and 0.03 by windows twice as large."""
 NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 BOUND_ERROR, BOUND = 4.5, 0.8
@@ -77,13 +78,14 @@ MESH, GROWTH, NOISE = 0.09, 0.3, 0.045
 """Half widths: of B; of C; of the noise of a run, over h. Those of B and of the noise hold what the
 laws leave of the meshes that they were fitted to: root mean squares of 0.009 on 3 rows, 0.005 on
 10, 0.004 on 20 and 28."""
-DOMAIN, DOMAIN_FELT = 0.035, 50.0
+DOMAIN, DOMAIN_FELT, SMALL_DOMAIN = 0.02, 50.0, 0.035
 """Half width of what a default window changes in Nc, and the rigidity index below which it falls in
-proportion to it: that window has the same size in softer clay, whose plastic zone is smaller."""
+proportion to it: that window has the same size in softer clay, whose plastic zone is smaller. And
+the half width of what a smaller window leaves, see `window_uncertainty`."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth. Both count from the growth of the meshes measured."""
-BOTTOM, TOP = 0.3, 0.2
+BOTTOM, TOP = 1.0, 0.2
 """Half widths: of the effect of the bottom, over it; and of that of the top, where the horizontal
 stress in the ground is the larger, over (-Delta)^1.5 sqrt(Ir) / A, A the extent above the shoulder
 over the radius."""
@@ -157,7 +159,8 @@ class ErrorLaws:
             "noise": NOISE * self.cell_size,
             "mesh": MESH * self.cell_size,
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
-            "domain": DOMAIN * felt * self.extent_ratio**2,
+            "domain": DOMAIN * felt * min(1.0, self.extent_ratio) ** 2
+            + window_uncertainty(self.extent_ratio),
             "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
             "top": TOP * self._above_vertical * np.sqrt(self.rigidity_index) / self.above,
             "speed": INERTIA * self.inertia,
@@ -274,4 +277,4 @@ def window_uncertainty(extent_ratio: float) -> float:
     Args:
         extent_ratio: as in `ErrorLaws`.
     """
-    return DOMAIN * max(0.0, extent_ratio**2 - 1.0)
+    return SMALL_DOMAIN * max(0.0, extent_ratio**2 - 1.0)
