@@ -61,9 +61,9 @@ NEAREST_TOP = 0.74
 is known: at 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0, at 0.75 random cases were within it."""
 LARGEST_GROWTH = 1.0
 """Growth of the cells up to which its effect is known."""
-BOTTOM_ERROR = 0.03
-"""D of E_bottom, dimensionless: of -0.03 to 0.07 by distances of 0.75 to 2.2 times that by default,
-and 0.03 by windows twice as large."""
+BOTTOM_ERROR = (100.0, 400.0), (0.05, 0.0)
+"""D of E_bottom over the rigidity index, dimensionless: distances of 0.75 to 2.2 times that by
+default have 0.04 to 0.07 at Ir 50 and 100, -0.03 to 0.01 from 250 on."""
 NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 BOUND_ERROR, BOUND = 4.5, 0.8
@@ -85,10 +85,9 @@ the half width of what a smaller window leaves, see `window_uncertainty`."""
 GROWTH_MODEL, GROWTH_SHARE = 0.02, 1.0 / 3.0
 """Half width of what other powers of h and g would change, where cells are not small; and its
 largest share of the effect of growth. Both count from the growth of the meshes measured."""
-BOTTOM, TOP = 1.0, 0.2
-"""Half widths: of the effect of the bottom, over it; and of that of the top, where the horizontal
-stress in the ground is the larger, over (-Delta)^1.5 sqrt(Ir) / A, A the extent above the shoulder
-over the radius."""
+BOTTOM, TOP = 0.03, 0.2
+"""Half widths: of D; and of the effect of the top, where the horizontal stress in the ground is the
+larger, over (-Delta)^1.5 sqrt(Ir) / A, A the extent above the shoulder over the radius."""
 INERTIA = 0.05
 """Half width of S."""
 FELT_BEFORE = {True: 3.0, False: 7.0}
@@ -148,7 +147,8 @@ class ErrorLaws:
             cell_size=self.cell_size,
             cell_growth=self.cell_growth,
         )
-        rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh
+        bottom = np.interp(np.log(self.rigidity_index), np.log(BOTTOM_ERROR[0]), BOTTOM_ERROR[1])
+        rest = bottom * self._nearness - SPEED_ERROR * self.inertia - mesh
         return rest + BOUND_ERROR * self.bounded
 
     def half_widths(self) -> dict[str, Value]:
@@ -161,7 +161,7 @@ class ErrorLaws:
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
             "domain": DOMAIN * felt * min(1.0, self.extent_ratio) ** 2
             + window_uncertainty(self.extent_ratio),
-            "bottom": BOTTOM * BOTTOM_ERROR * self._nearness,
+            "bottom": BOTTOM * self._nearness,
             "top": TOP * self._above_vertical * np.sqrt(self.rigidity_index) / self.above,
             "speed": INERTIA * self.inertia,
             "bound": BOUND * self.bounded,
