@@ -46,7 +46,7 @@ from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_chan
 POINTS, NOISE, LIMIT = 0.001, 0.015, 0.025
 """Half widths: of what more points change, over Nc; where no law says less, of the noise of a run,
 and of the limit of fine cells, which no more than 14 rows beside the face have shown."""
-APPROACH = 0.001
+APPROACH = 0.0015
 """Half width of what the approach leaves, over Nc."""
 
 FINER, GROWING, SLOWER, WIDER = 1.6, 2.0, 0.5, 1.4

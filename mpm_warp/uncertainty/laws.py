@@ -61,9 +61,9 @@ NEAREST_TOP = 0.74
 is known: at 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0, at 0.75 random cases were within it."""
 LARGEST_GROWTH = 1.0
 """Growth of the cells up to which its effect is known."""
-BOTTOM_ERROR = (100.0, 400.0), (0.05, 0.0)
-"""D of E_bottom over the rigidity index, dimensionless: distances of 0.75 to 2.2 times that by
-default have 0.04 to 0.07 at Ir 50 and 100, -0.03 to 0.01 from 250 on."""
+BOTTOM_ERROR = 0.04
+"""D of E_bottom, dimensionless: by windows twice as large. Distances of 0.75 to 2.2 times that by
+default alone have 0.04 to 0.07 at Ir 50 and 100, -0.03 to 0.01 from 250 on."""
 NEAREST_BOTTOM = 0.74
 """Distance of the bottom over sqrt(Ir) from which on its effect is known."""
 BOUND_ERROR, BOUND = 4.5, 0.8
@@ -147,8 +147,7 @@ class ErrorLaws:
             cell_size=self.cell_size,
             cell_growth=self.cell_growth,
         )
-        bottom = np.interp(np.log(self.rigidity_index), np.log(BOTTOM_ERROR[0]), BOTTOM_ERROR[1])
-        rest = bottom * self._nearness - SPEED_ERROR * self.inertia - mesh
+        rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh
         return rest + BOUND_ERROR * self.bounded
 
     def half_widths(self) -> dict[str, Value]:

@@ -61,7 +61,7 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
         rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4
     )
     speed = 0.07 * 100.0 * TEST.speed_ratio**2
-    bottom = -0.05 * 100.0 / 14.0**2
+    bottom = -0.04 * 100.0 / 14.0**2
     correction = -mesh - speed - bottom
     assert float(known.cone_factor_correction) == pytest.approx(correction, rel=1e-12)
     assert float(known.cone_factor) == pytest.approx(10.0 + correction, rel=1e-12)

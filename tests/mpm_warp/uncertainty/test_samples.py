@@ -63,7 +63,7 @@ def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
     near, default = (
         stated(Sounding(domain_below=below))[0] for below in (1.01 * nearest, 2.02 * nearest)
     )
-    of_half = BOTTOM_ERROR[1][0] * 100.0 / (2.02 * nearest) ** 2
+    of_half = BOTTOM_ERROR * 100.0 / (2.02 * nearest) ** 2
     assert near - default == pytest.approx(3.0 * of_half)
 
 
