@@ -54,8 +54,8 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 AHEAD = 0.3
-"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), the
-radius of the plastic zone around a long shaft: so the stress is most like that of a long way."""
+"""How far ahead of the body that source is by default: so the stress is most like that of a long
+way."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
 """(rr, zz, rz, tt) of a stress that is the same in all directions."""
 
@@ -132,6 +132,8 @@ class SurroundingGround(Part):
         material: soil of a stiffness ratio of 1.
         strength: undrained shear strength of soil of a strength ratio of 1 [Pa], > 0.
         way_before: way of the body to where it starts [m], >= 0; 0 at the surface of the ground.
+        ahead: how far ahead of the body the source of the stress at the start is, over
+            R sqrt(G / su), the radius of the plastic zone around a long shaft; dimensionless, >= 0.
     """
 
     needs = (Window,)
@@ -141,6 +143,7 @@ class SurroundingGround(Part):
     material: Material
     strength: float = checked(POSITIVE, unit="Pa")
     way_before: float = math.inf
+    ahead: float = AHEAD
 
     @cached_property
     def far(self) -> FarField:
@@ -180,7 +183,7 @@ class SurroundingGround(Part):
     def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
         """That of a source farther ahead, as far as soil bears its shear [Pa], shape [..., 4]."""
         plastic_zone = self.source.radius * math.sqrt(self.source.shear_modulus / self.strength)
-        height = self.source.height - AHEAD * plastic_zone
+        height = self.source.height - self.ahead * plastic_zone
         ahead = replace(self, source=replace(self.source, height=height))
         elastic = ahead.stress(scene, position, 0.0)
         strength = self.strength * scene.material.ratio_at(position, "strength_ratio")
