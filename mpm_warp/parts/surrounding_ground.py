@@ -54,8 +54,8 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 AHEAD = 0.3
-"""How far ahead of the body that source is by default: so the stress is most like that of a long
-way."""
+"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), the
+radius of the plastic zone around a long shaft: so the stress is most like that of a long way."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
 """(rr, zz, rz, tt) of a stress that is the same in all directions."""
 
@@ -84,11 +84,21 @@ class TravellingSource(Checked):
     def stress_since(self, position: Floats, travel: float) -> Floats:
         """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
 
-        The soil is at these positions now: off the axis above the source. The travel may be inf.
+        The soil is at these positions now: off the axis above the source.
         """
-        if math.isinf(travel):
-            return self._stress(position)
-        return self._stress(position) - self._stress(_place(position, travel))
+        return self.stress_from_afar(position) - self.stress_from_afar(_place(position, travel))
+
+    def stress_from_afar(self, position: Floats) -> Floats:
+        """The same of a body that has come from infinitely far above [Pa], shape [..., 4]."""
+        x, distance = self._seen_from_source(position)
+        r, z = x[..., 0], x[..., 1]
+        # Each form of q has no cancellation on its side of the source.
+        below = z < 0.0
+        q = np.empty_like(z)
+        q[below] = 1.0 / (distance[below] * (distance[below] - z[below]))
+        q[~below] = (1.0 + z[~below] / distance[~below]) / r[~below] ** 2
+        lift = z / distance**3
+        return self._scale * np.stack([-(q + lift), lift, r / distance**3, q], axis=-1)
 
     def traction_rate(self, position: Floats) -> Floats:
         """Growth of (stress rr, stress rz) of soil per travel of the body [Pa/m], [..., 2]."""
@@ -106,17 +116,6 @@ class TravellingSource(Checked):
         x = position - np.array([0.0, self.height])
         return x, np.linalg.norm(x, axis=-1)
 
-    def _stress(self, position: Floats) -> Floats:
-        x, distance = self._seen_from_source(position)
-        r, z = x[..., 0], x[..., 1]
-        # Each form of q has no cancellation on its side of the source.
-        below = z < 0.0
-        q = np.empty_like(z)
-        q[below] = 1.0 / (distance[below] * (distance[below] - z[below]))
-        q[~below] = (1.0 + z[~below] / distance[~below]) / r[~below] ** 2
-        lift = z / distance**3
-        return self._scale * np.stack([-(q + lift), lift, r / distance**3, q], axis=-1)
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SurroundingGround(Part):
@@ -131,9 +130,8 @@ class SurroundingGround(Part):
         grid: that of the scene, or one with the same nodes.
         material: soil of a stiffness ratio of 1.
         strength: undrained shear strength of soil of a strength ratio of 1 [Pa], > 0.
-        way_before: way of the body to where it starts [m], >= 0; 0 at the surface of the ground.
-        ahead: how far ahead of the body the source of the stress at the start is, over
-            R sqrt(G / su), the radius of the plastic zone around a long shaft; dimensionless, >= 0.
+        from_afar: whether the body has come from infinitely far above to where it starts; else it
+            starts in undisturbed ground, as at its surface.
     """
 
     needs = (Window,)
@@ -142,8 +140,7 @@ class SurroundingGround(Part):
     grid: Grid
     material: Material
     strength: float = checked(POSITIVE, unit="Pa")
-    way_before: float = math.inf
-    ahead: float = AHEAD
+    from_afar: bool = True
 
     @cached_property
     def far(self) -> FarField:
@@ -178,12 +175,15 @@ class SurroundingGround(Part):
         """
         own = self._stiffness_ratio(scene, position, travel)[..., None]
         before = scene.stress_at_rest_at(_place(position, travel))
-        return before + own * self.source.stress_since(position, self.way_before + travel)
+        source = self.source
+        if self.from_afar:
+            return before + own * source.stress_from_afar(position)
+        return before + own * source.stress_since(position, travel)
 
     def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
         """That of a source farther ahead, as far as soil bears its shear [Pa], shape [..., 4]."""
         plastic_zone = self.source.radius * math.sqrt(self.source.shear_modulus / self.strength)
-        height = self.source.height - self.ahead * plastic_zone
+        height = self.source.height - AHEAD * plastic_zone
         ahead = replace(self, source=replace(self.source, height=height))
         elastic = ahead.stress(scene, position, 0.0)
         strength = self.strength * scene.material.ratio_at(position, "strength_ratio")
@@ -216,7 +216,7 @@ class SurroundingGround(Part):
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """The soil starts with the stress that the body has left on its way."""
-        if self.way_before == 0.0:
+        if not self.from_afar:
             return
         soil = plan.initial("particle.mass") > 0.0
         position = plan.initial("particle.position")[soil]

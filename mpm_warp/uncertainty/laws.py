@@ -161,7 +161,7 @@ class ErrorLaws:
             "domain": DOMAIN * felt * min(1.0, self.extent_ratio) ** 2
             + window_uncertainty(self.extent_ratio),
             "bottom": BOTTOM * self._nearness,
-            "top": TOP * self._above_vertical * np.sqrt(self.rigidity_index) / self.above,
+            "top": TOP * self._larger_horizontal_stress * np.sqrt(self.rigidity_index) / self.above,
             "speed": INERTIA * self.inertia,
             "bound": BOUND * self.bounded,
             "range": self._beyond_range,
@@ -218,7 +218,7 @@ class ErrorLaws:
         return self.rigidity_index / (self.below * self.below)
 
     @property
-    def _above_vertical(self) -> Value:
+    def _larger_horizontal_stress(self) -> Value:
         """(-Delta)^1.5 where the horizontal stress in the ground is the larger, else 0."""
         larger: Value = np.maximum(0.0, -self.stress_anisotropy) ** 1.5
         return larger

@@ -15,14 +15,14 @@ from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.history import History
 from mpm_warp.parts.interpolation import ConservativeInterpolation
-from mpm_warp.parts.surrounding_ground import AHEAD, SurroundingGround, TravellingSource
+from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import Sampler, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
-from mpm_warp.scenes.cone.defaults import BLUNT, DERIVED_BY_ERROR, ConeTestByDefault
+from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, ConeTestByDefault
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
@@ -178,14 +178,7 @@ class ConePenetration(ConeTestByDefault):
             stress_at_rest=self.stress_at_rest,
             parts=(
                 Fixed.on(grid, radial=["axis"]),
-                SurroundingGround(
-                    grid=grid,
-                    material=material,
-                    source=source,
-                    strength=strength,
-                    # On coarse cells soil gathers before a tip that starts as if pushed from ahead.
-                    ahead=0.0 if self.apex_angle > BLUNT else AHEAD,
-                ),
+                SurroundingGround(grid=grid, material=material, source=source, strength=strength),
                 PenetrometerContact.of(
                     self.penetrometer,
                     grid,

@@ -223,7 +223,7 @@ class Sounding(SoundingTest):
         )
         return replace(scene, grid=grid).with_parts(
             replace(window, spare_fraction=slots / seeded - 1.0),
-            replace(scene[SurroundingGround], way_before=0.0),
+            replace(scene[SurroundingGround], from_afar=False),
             surface,
         )
 

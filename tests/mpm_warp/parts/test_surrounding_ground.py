@@ -50,7 +50,7 @@ def test_bottom_and_top_move_as_the_source_has_them_move(scene: Scene) -> None:
 
 def test_a_step_of_the_side_is_that_of_its_equation(scene: Scene) -> None:
     """From rest, springs displaced: m dv = -k w dt with the dashpots implicit, to rounding."""
-    ground = dataclasses.replace(scene[SurroundingGround], way_before=0.0)
+    ground = dataclasses.replace(scene[SurroundingGround], from_afar=False)
     simulation = Simulation(scene.with_parts(ground))
     side = ground.far.nodes
     pushed = 1e-6 * np.linspace([1.0, -2.0], [3.0, 1.0], len(side))
@@ -93,7 +93,7 @@ def test_a_spring_that_enters_holds_the_stress_of_the_soil_beside_it(scene: Scen
 def test_anisotropic_ground_rests(anisotropy: float) -> None:
     """Before a body that starts there moves nothing does: the springs hold the stress at rest."""
     scene = dataclasses.replace(SHORT, stress_anisotropy=anisotropy).build()
-    scene = scene.with_parts(dataclasses.replace(scene[SurroundingGround], way_before=0.0))
+    scene = scene.with_parts(dataclasses.replace(scene[SurroundingGround], from_afar=False))
     # The contact would let the soil go where it pulls at the shaft, so that is held instead.
     held = np.zeros((scene.grid.row_count + 1, scene.grid.column_count + 1), dtype=bool)
     held[:, 0] = True
@@ -125,7 +125,7 @@ def test_soil_starts_with_the_stress_that_the_body_has_left_as_far_as_it_bears_i
     stress = simulation.array("particle.stress")[soil]
     ahead = 0.3 * SHORT.cone_radius * math.sqrt(100.0 / 4.0)
     source = dataclasses.replace(ground.source, height=ground.source.height - ahead)
-    elastic = source.stress_since(simulation.array("particle.position")[soil], math.inf)
+    elastic = source.stress_from_afar(simulation.array("particle.position")[soil])
     greatest, borne = (0.5 * np.ptp(principal_stresses(it), axis=-1) for it in (elastic, stress))
     yields = greatest > ground.strength
     assert 0.1 < yields.mean() < 0.9
@@ -139,7 +139,7 @@ def test_the_stress_of_a_long_way_is_that_of_one_without_end(scene: Scene) -> No
     """From d radii away all that is still to come falls with 1 / d^2."""
     source = scene[SurroundingGround].source
     place = np.array([[4.0 * source.radius, 9.0 * source.radius]])
-    end = source.stress_since(place, math.inf)
+    end = source.stress_from_afar(place)
     left = [np.abs(source.stress_since(place, way) - end).max() for way in (10.0, 20.0)]
     assert left[0] == pytest.approx(4.0 * left[1], rel=0.05)
 

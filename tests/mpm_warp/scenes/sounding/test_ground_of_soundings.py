@@ -65,7 +65,7 @@ def test_ground_under_stress_by_depth_is_at_rest_where_nothing_moves() -> None:
     A cell there that the border cuts has the mean stress, and each node holds that of its depth.
     """
     scene = changed(profile=IN_SITU).build()
-    undisturbed = dataclasses.replace(scene[SurroundingGround], way_before=0.0)
+    undisturbed = dataclasses.replace(scene[SurroundingGround], from_afar=False)
     simulation, speeds, free = after_a_step(scene.with_parts(undisturbed), 30e3)
     scene = soil_scene(simulation)
     assert speeds[:, 1:-1].max() < 1e-12 * free
