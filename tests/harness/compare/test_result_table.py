@@ -159,10 +159,10 @@ def test_differences_and_ratios_of_random_cases_are_inside() -> None:
             of_tests, of_fine = compared(known[i], known[j]), compared(fine[i], fine[j])
             found.append(abs(of_tests[0] - of_fine[0]) / math.hypot(of_tests[1], of_fine[1]))
     assert len(pairs) == 276
-    assert np.mean(np.array(found) <= 1.0) >= 0.99  # as the module says, of half widths of 95 %
+    assert max(found) <= 1.0  # as the module says
     errors = held_out["cone_factor"] - default["cone_factor"]
     # Of two cases: their mean square in common over the whole mean square.
-    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.05, abs=0.0051)
+    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.57, abs=0.0051)
 
 
 def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
