@@ -83,14 +83,19 @@ def radial_error(
     return shoulder_error(factor, 0.0, inertia=inertia, **of_cone)
 
 
-def test_u2_of_all_meshes_is_one_value() -> None:
-    """With 95 %: also of coarser meshes than the law is fitted to, and of clays between."""
+def test_u2_of_all_meshes_is_one_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With 95 %: also of coarser meshes than the law is fitted to, and of clays between.
+
+    What all meshes have in common does not count.
+    """
+    for common in ("NEAR_SHAFT", "LAYER_LEFT", "SHOULDER_WINDOW_LEFT"):
+        monkeypatch.setattr(law, common, 0.0)
     over = [
         difference
         for (index, adhesion), readings in measured_u2("radial_stress_factor").items()
         for difference in over_half_width(radial_error, index, adhesion, readings)
     ]
-    assert len(over) >= 130
+    assert len(over) >= 160
     assert np.mean(np.array(over) <= 1.0) >= 0.95
 
 
