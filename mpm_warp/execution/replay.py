@@ -5,7 +5,6 @@ over its part of a step, and Python is called again only between two calls of a 
 each step is one launch of a captured graph.
 """
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -15,7 +14,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.execution.threads import LEFT, barrier, in_turn, share_of, worker_threads
+from mpm_warp.execution.threads import LEFT, barrier, in_turn, run_together, share_of
 from mpm_warp.kernel_types import kernels_kept
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan
 
@@ -79,7 +78,7 @@ class RecordedSteps:
         if self._threads == 1:
             replay_part(0)
         else:
-            worker_threads(self._threads, os.getpid()).run(replay_part, leave)
+            run_together(self._threads, replay_part, leave)
 
     def _recorded_loop(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> Any:
         """Record a loop over any number of steps: what a thread does of them."""
@@ -159,9 +158,7 @@ class DeviceRun:
         if not self._device.is_cuda:
             self.array(name)[...] = values
             return
-        self._seen.pop(name, None)
-        array = self.plan.arrays[name]
-        own = np.empty((*array.shape, *getattr(array.dtype, "_shape_", ())), self.array(name).dtype)
+        own = np.empty_like(self.array(name))
         own[...] = values
         self._seen.pop(name)
         self.arrays[name].assign(own)

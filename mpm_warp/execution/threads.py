@@ -6,6 +6,7 @@ launches the barrier for itself; its array is one that the threads have in commo
 """
 
 import functools
+import os
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -89,44 +90,34 @@ def barrier(arrivals: wp.array[wp.int64], thread: int):
     _wait_for_all(arrivals, thread, LEFT)
 
 
-class WorkerThreads:
-    """So many threads, the caller's among them; the others end with the process."""
+def run_together(count: int, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
+    """Do a work on so many threads: each calls ``part(number)``, the caller's with 0; wait for all.
 
-    def __init__(self, count: int) -> None:
-        self._lock = threading.Lock()
-        self._others = range(1, count)
-        self._pool = ThreadPoolExecutor(count - 1)
+    Parts may wait for each other; ``leave(number)`` is called where one raised: no other part is to
+    wait for it. Works are done in turn, so that the parts of two do not mix.
 
-    def run(self, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
-        """Do a work: every thread calls ``part(number)``, the caller's with 0; wait for all.
+    Raises:
+        BaseException: the first that a part raised, or one that reached the caller, as by Ctrl-C.
+    """
 
-        Parts may wait for each other; ``leave(number)`` is called where one raised: no other part
-        is to wait for it.
+    def attempt(number: int) -> None:
+        try:
+            part(number)
+        except BaseException:
+            leave(number)
+            raise
 
-        Raises:
-            BaseException: the first that a part raised, or one that reached the caller, as by
-                Ctrl-C.
-        """
-
-        def attempt(number: int) -> None:
-            try:
-                part(number)
-            except BaseException:
-                leave(number)
-                raise
-
-        # Parts may wait for each other, so the parts of two works must not mix.
-        with self._lock:
-            others = [self._pool.submit(attempt, number) for number in self._others]
-            try:
-                attempt(0)
-            finally:
-                wait(others)
-        for other in others:
-            other.result()
+    pool = _pool(count - 1, os.getpid())
+    others = [pool.submit(attempt, number) for number in range(1, count)]
+    try:
+        attempt(0)
+    finally:
+        wait(others)
+    for other in others:
+        other.result()
 
 
 @functools.cache
-def worker_threads(count: int, process: int) -> WorkerThreads:
-    """The worker threads of this number of a process, started once: a fork has none at first."""
-    return WorkerThreads(count)
+def _pool(count: int, process: int) -> ThreadPoolExecutor:
+    """So many threads of a process, which end with it; started once: a fork has none at first."""
+    return ThreadPoolExecutor(count)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.arguments import NOT_NEGATIVE, SHARE, array_of, check_known, check_nodes
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats, Grid, Integers
+from mpm_warp.grid.fitted import Floats, Grid, Integers, nodal_areas
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run
@@ -174,9 +174,7 @@ class FarField(Part):
         """
         refuse_together("FarField.around", grid.polar, "a grid of rays")
         refuse_together("FarField.around", grid.planar, "plane strain")
-        half_heights = 0.5 * np.diff(grid.rows)
-        heights = np.append(half_heights, 0.0) + np.insert(half_heights, 0, 0.0)
-        area = grid.outer_radius * heights
+        area = grid.outer_radius * nodal_areas(np.ones_like(grid.rows), np.diff(grid.rows))
         shear_speed = material.shear_wave_speed
         quiet_speed = min(material.pressure_wave_speed, QUIET_SPEED_RATIO * shear_speed)
         speeds = np.array([quiet_speed, shear_speed])

@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.execution.threads import WorkerThreads, share_of
+from mpm_warp.execution.threads import run_together, share_of
 from mpm_warp.plan.plan import OFFSET
 from mpm_warp.planning import SHARE_COUNT
 from mpm_warp.scenes import CatalogueScene
@@ -44,11 +44,10 @@ def test_what_a_part_raises_is_raised_after_all_have_ended(unlucky: int) -> None
         left.append(number)
         has_left.set()
 
-    workers = WorkerThreads(3)
     with pytest.raises(ArithmeticError, match=f"part {unlucky}"):
-        workers.run(part, leave)
+        run_together(3, part, leave)
     assert left == [unlucky]
     assert sorted(done) == sorted({0, 1, 2} - {unlucky})
-    workers.run(done.append, leave)  # they work on
+    run_together(3, done.append, leave)  # they work on
     assert len(done) == 5
     assert left == [unlucky]
