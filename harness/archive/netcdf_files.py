@@ -62,14 +62,8 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
 def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
     """Read a file of the archive into memory, checked as `opened` does it; dates stay numbers."""
     with opened(path, as_result=as_result) as stored:
-        variables, attributes, coordinates = xr.conventions.decode_cf_variables(
-            stored.variables, {**stored.attributes}, concat_characters=False, decode_times=False
-        )
-        found = (
-            xr.Dataset(variables, attrs=attributes)
-            .set_coords(coordinates & variables.keys())
-            .load()
-        )
+        encoded = xr.Dataset(stored.variables, attrs=stored.attributes)
+        found = xr.decode_cf(encoded, concat_characters=False, decode_times=False).load()
     found.attrs.pop(DIGEST, None)  # it is of the file, not of what was computed
     return found[[*found.data_vars, *found.coords]].drop_encoding()
 
