@@ -108,8 +108,6 @@ def _faulty_dims(forms: Forms, name: str, over: tuple[Hashable, ...]) -> Iterato
     of_cases = tuple(dim for dim in form.dims if dim in over)
     if of_cases != tuple(dim for dim in over if dim in of_cases):
         yield f"{name} has its dims in another order"
-    if len(set(form.dims)) < len(form.dims):
-        yield f"{name} has a dim twice"
     own = [dim for dim in form.dims if dim not in over]
     if own and of_cases and of_cases != over:
         yield f"{name} has not all dims of the cases"

@@ -74,6 +74,8 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     variables = own | _records(study, results, names) | origins | inputs
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
+    # What varies in the study's order, which a file does not keep.
+    order = " ".join(names[it] for it in study.parts[0].varied)
     return xr.Dataset(
         {name: _over_grid(variable, sizes) for name, variable in variables.items()},
         {name: _over_grid(variable, sizes) for name, variable in coordinates.items()},
@@ -84,18 +86,9 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene": " ".join(part.name for part in study.parts),
             "scene_version": study.cases[0].scene_version,
             "format_version": FORMAT_VERSION,
-            **_map(study, names),
+            **({STABILITY_MAP: order} if study.stability_map else {}),
             **origin,
         },
-    )
-
-
-def _map(study: Study, names: Mapping[str, str]) -> dict[str, str]:
-    """What the study varies in its order, which a file does not keep, where it asks for a map."""
-    return (
-        {STABILITY_MAP: " ".join(names[it] for it in study.parts[0].varied)}
-        if study.stability_map
-        else {}
     )
 
 
