@@ -210,7 +210,7 @@ def mean_of_points(simulation: Simulation, values: Floats) -> Floats:
     present = cell[:, 0] >= 0
     number = cell[present] @ np.array([1, grid.column_count])
     mass = simulation.array("particle.mass")[present]
-    count = grid.column_count * grid.row_count
+    count = grid.cell_count
     in_cells = np.bincount(number, mass, count)
     sums = np.bincount(number, mass * values[present], count)
     mean: Floats = np.divide(sums, in_cells, out=np.full(count, np.nan), where=in_cells > 0.0)

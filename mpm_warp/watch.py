@@ -198,8 +198,7 @@ class SoilWatch(ParticleWatch):
         """The mean stress has changed by what the law tells of the volume: it does not drift."""
         material, particle = self._scene.material, before.particle
         # The strain of the step in the cell that each was in.
-        motion = self._run.array("cell.motion").take(before.cell, axis=0)
-        strain = motion[:, :4].astype(np.float64)
+        strain = self._run.array("cell.motion").take(before.cell, axis=0)[:, :4]
         after = self._state_of(particle)
         own = np.tile(material.properties, (len(particle), 1))
         if PROPERTIES in self._run.plan.arrays:

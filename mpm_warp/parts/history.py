@@ -45,7 +45,7 @@ class History(Part):
 
     def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
         """The layer keeps where it enters."""
-        run.assign("layer.origin", position - np.array([0.0, travel], dtype=position.dtype))
+        run.assign("layer.origin", position - np.array([0.0, travel]))
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add the record of the plastic strain, and the share of its strength that soil bears.

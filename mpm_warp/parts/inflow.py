@@ -140,7 +140,7 @@ class Inflow:
                 f"has slots for; {run.plan.remedy}"
             )
         position = self._position.copy()
-        position[:, 1] += position.dtype.type(above_bottom)
+        position[:, 1] += above_bottom
         run.assign("layer.position", position)
         run.assign("layer.slots", self._chosen(free))
         for part in scene.parts:

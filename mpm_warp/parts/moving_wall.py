@@ -100,10 +100,7 @@ def move_wall(
     wall_motion: wp.array[vec3],
     grid_rows: wp.array[vec5],
 ):
-    """The wall moves on by a step, its speed rising linearly to the final one; over rows of nodes.
-
-    `wall_motion` is (time [s], speed [m/s], radius [m]) of the wall.
-    """
+    """The wall moves on by a step, its speed rising linearly to the last; over rows of nodes."""
     j = wp.tid()
     before = wall_motion[j]
     time = before[0] + time_step
@@ -158,11 +155,7 @@ def refit_sectors(
     cell_integrals: wp.array2d[vec3],
     cell_volume: wp.array[real],
 ):
-    """The same for the cells of a polar grid; launched over cells.
-
-    `wall_angular` holds the integrals over the angle (g sin^2, g' sin cos, g sin cos, g' sin^2, g)
-    of the two rays of each row, `wall_caps` that of sin.
-    """
+    """The same for the cells of a polar grid, by its `angular_integrals`; launched over cells."""
     c = offset + wp.tid()
     j = c / column_count
     column = grid_columns[c % column_count]

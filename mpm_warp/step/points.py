@@ -84,10 +84,8 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
         if material.variation.adhesion_ratio is not None:
             plan.add_array(ADHESION_RATIO, "real", material.ratio_at(position, "adhesion_ratio"))
     if material.state:
-        state, count = (
-            material.state_at(plan.initial("particle.stress"), position),
-            len(material.state),
-        )
+        state = material.state_at(plan.initial("particle.stress"), position)
+        count = len(material.state)
         check_array(f"{type(material).__name__}.state_at", state, (len(position), count))
         plan.add_array("particle.state", f"vec{count}", state)
     common = material.law().properties_type(*material.properties)
