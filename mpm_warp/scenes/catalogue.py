@@ -23,14 +23,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NoReturn, Self
 
 import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from mpm_warp.arguments import check_kind, check_known
-from mpm_warp.errors import SceneError, UnknownSceneError
+from mpm_warp.arguments import check_kind, check_known, in_words
+from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parameters import Value, check_names, check_parameters, nearest_name, parameters_of
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
@@ -123,6 +123,11 @@ class CatalogueScene(ABC):
 
     def __post_init__(self) -> None:
         check_parameters(self, self.derived)
+
+    def refuse(self, name: str, why: str) -> NoReturn:
+        """Raise `ParameterError` for a parameter's value: "name = value is not allowed" and why."""
+        value = in_words(getattr(self, name))
+        raise ParameterError(name, f"{name} = {value} is not allowed{why}")
 
     @classmethod
     def catalogue_name(cls) -> str:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NoReturn
 
 import numpy as np
 
@@ -152,15 +151,12 @@ class BlockOnBase(CatalogueScene):
                 "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
             )
         if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
-            with_cells = f"with cells_per_length = {self.cells_per_length} "
-            self._refuse("height_ratio", with_cells, ": the block must be 3 cells high or more")
+            with_cells = f" with cells_per_length = {self.cells_per_length}"
+            self.refuse("height_ratio", f"{with_cells}: the block must be 3 cells high or more")
         if self.interface_radius is None:
             self._check_pressed()
         else:
             self._check_ring(self.interface_radius)
-
-    def _refuse(self, name: str, beside: str, why: str) -> NoReturn:
-        raise ParameterError(name, f"{name} = {getattr(self, name):g} {beside}is not allowed{why}")
 
     def derived(self) -> Mapping[str, float]:
         """The time to watch a block that sticks: in it the block would slide its length freely."""
@@ -175,18 +171,18 @@ class BlockOnBase(CatalogueScene):
         highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
         if self.height > highest:
             at_most = f"at most {highest / self.length:.3g} with these forces"
-            self._refuse("height_ratio", "", f": the block would lift off at its rear; {at_most}")
+            self.refuse("height_ratio", f": the block would lift off at its rear; {at_most}")
 
     def _check_ring(self, radius: float) -> None:
         if self.friction > 0.0:
             why = "the hoop stress of the ring bears part of the normal force; set friction = 0"
-            self._refuse("friction", "with an interface_radius ", f": {why}")
+            self.refuse("friction", f" with an interface_radius: {why}")
         if self.grid_angle != 0.0:
-            self._refuse("grid_angle", "with an interface_radius ", ": must be 0")
+            self.refuse("grid_angle", " with an interface_radius: must be 0")
         least = self.height + 4.0 * self.cell_size
         if radius < least:
             why = f"must be at least {least:g} m: the height of the block and four cells"
-            self._refuse("interface_radius", "", f": {why}")
+            self.refuse("interface_radius", f": {why}")
 
     @property
     def cell_size(self) -> float:

@@ -7,7 +7,6 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.grid.fitted import Grid, growing
 from mpm_warp.materials.material import Material
@@ -74,11 +73,8 @@ class ConePenetration(ConeTestByDefault):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.inertia > REFUSED_INERTIA:
-            raise ParameterError(
-                "speed_ratio",
-                f"speed_ratio = {self.speed_ratio:g} is not allowed with rigidity_index = "
-                f"{self.rigidity_index:g}: {self.thrown_off(REFUSED_INERTIA)}",
-            )
+            beside = f"rigidity_index = {self.rigidity_index:g}"
+            self.refuse("speed_ratio", f" with {beside}: {self.thrown_off(REFUSED_INERTIA)}")
         if self.uncertainty == "measured":
             self.further_tests()  # all are allowed
 

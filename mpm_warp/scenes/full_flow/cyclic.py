@@ -23,7 +23,6 @@ import numpy as np
 import scipy  # loads its optimisers where they are first used: no other scene waits for them
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
@@ -87,11 +86,8 @@ class CyclicPenetration(FullFlowPenetrometer):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.inertia > REFUSED_INERTIA:
-            raise ParameterError(
-                "speed_ratio",
-                f"speed_ratio = {self.speed_ratio:g} is not allowed with rigidity_index = "
-                f"{self.rigidity_index:g}: {self.thrown_off(REFUSED_INERTIA)}",
-            )
+            beside = f"rigidity_index = {self.rigidity_index:g}"
+            self.refuse("speed_ratio", f" with {beside}: {self.thrown_off(REFUSED_INERTIA)}")
 
     @property
     def last_cycle(self) -> float:

@@ -3,11 +3,9 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NoReturn
 
 import numpy as np
 
-from mpm_warp.arguments import in_words
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
@@ -267,30 +265,25 @@ def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
 
 def check_sounding(test: SoundingTest) -> None:
     """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
-
-    def refuse(name: str, why: str) -> NoReturn:
-        given = f"{name} = {in_words(getattr(test, name))}"
-        raise ParameterError(name, f"{given} is not allowed: {why}")
-
     if test.profile is not None:
         _check_limits(test, columns_of(test.profile))
     spacing = f"{SAMPLE_SPACING:g} radii"
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
-        refuse("to_depth", f"must be > from_depth = {test.from_depth:g} by {spacing}")
+        test.refuse("to_depth", f": must be > from_depth = {test.from_depth:g} by {spacing}")
     if test.stretch_number > test.stretch_count:
-        refuse("stretch_number", f"must be <= stretch_count = {test.stretch_count}")
+        test.refuse("stretch_number", f": must be <= stretch_count = {test.stretch_count}")
     if test.stretch_count > test.sample_count:
         samples = f"{test.sample_count}, the samples of {spacing} from from_depth to to_depth"
-        refuse("stretch_count", f"must be <= {samples}")
+        test.refuse("stretch_count", f": must be <= {samples}")
     ground = test.ground
     first, last = float(ground.depth[0]), float(ground.depth[-1])
     if last < test.to_depth:
         raise refused(f"ends at {last:g} m, must reach to_depth = {test.to_depth:g} m")
     if test.starts_at_surface and first > 0.0:
-        refuse(
+        test.refuse(
             "from_depth",
-            f"must be >= {test.highest_in_place:.4g}, or the profile, which begins at {first:g} m, "
-            "must begin at 0, where the cone then starts",
+            f": must be >= {test.highest_in_place:.4g}, or the profile, which begins at {first:g} "
+            "m, must begin at 0, where the cone then starts",
         )
     thinnest, cell = ground.thinnest_layer, test.cell_size
     if thinnest < cell:
@@ -303,4 +296,4 @@ def check_sounding(test: SoundingTest) -> None:
     for name in taken if test.profile is None else [*taken, *REPLACED]:
         value = getattr(test, name)
         if value != parameters_of(type(test))[name].default and not isinstance(value, Derived):
-            refuse(name, "the profile has it by depth; keep one of them")
+            test.refuse(name, ": the profile has it by depth; keep one of them")
