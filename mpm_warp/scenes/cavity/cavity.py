@@ -48,8 +48,6 @@ class Cavity(ClayScene):
     method = ("cells_per_radius", "particles_per_cell", "speed_ratio")
     exponent: ClassVar[int]
     """m: 2 for the cylinder, 3 for the sphere."""
-    factor: ClassVar[float]
-    """k: 1 for the cylinder, 4/3 for the sphere."""
     von_mises_strength: ClassVar[float]
     """Strength of soil of von Mises over su where the cavity takes it to yield."""
 
@@ -142,7 +140,6 @@ class Cavity(ClayScene):
             rigidity_index=self.rigidity_index,
             wall=self.wall,
             exponent=self.exponent,
-            factor=self.factor,
             strength_share=self.von_mises_strength if self.material == "von_mises" else 1.0,
         )
 

@@ -55,7 +55,6 @@ class CavityCylinder(Cavity):
     version = 6
     verifications = verifications(0.015, (4, 8))
     exponent = 2
-    factor = 1.0
     von_mises_strength = 1.0
 
     stress_anisotropy: float = redefined(
@@ -123,7 +122,6 @@ class CavitySphere(Cavity):
     version = 6
     verifications = verifications(0.02, (4, 6))
     exponent = 3
-    factor = 4.0 / 3.0
     von_mises_strength = math.sqrt(0.75)
 
     def grid(self) -> PolarGrid:

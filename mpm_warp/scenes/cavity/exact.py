@@ -69,7 +69,6 @@ class ExactCavity:
     rigidity_index: float  # G/su of the clay
     wall: MovingWall  # how the wall moves, in the time of the run
     exponent: int  # m, 2 for the cylinder and 3 for the sphere
-    factor: float  # k, 1 for the cylinder and 4/3 for the sphere
     # half the difference of the stresses along and across the wall at yield, over the strength: 1
     # but for von Mises around a sphere
     strength_share: float
@@ -115,6 +114,11 @@ class ExactCavity:
     def _changes(self) -> bool:
         """Whether strain or its rate changes the strength of the clay."""
         return isinstance(self.clay, EinavRandolph)
+
+    @property
+    def factor(self) -> float:
+        """The factor k of the pressure: 1 for the cylinder, 4/3 for the sphere."""
+        return 2.0 * (self.exponent - 1) / self.exponent
 
     @property
     def _index(self) -> float:
