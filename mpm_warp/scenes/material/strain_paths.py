@@ -15,14 +15,14 @@ elastic part tau / G; xi its plastic part; k strength.
 import functools
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # loads its integrators where they are first used: no other scene waits for them
 import warp as wp
 
-from mpm_warp.arguments import FROM_ONE, check_array, check_kind, check_whole
+from mpm_warp.arguments import FROM_ONE, Checked, array_of, check_array, checked
 from mpm_warp.errors import Fault
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
@@ -49,22 +49,20 @@ RELATIVE_ERROR, ABSOLUTE_ERROR = 1e-11, 1e-13
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class StrainPaths:
+class StrainPaths(Checked):
     """Material points, each strained and turned at a constant velocity gradient for one second."""
 
     material: Material  # of all points, with or without memory
-    gradient: Floats  # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]
+    # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]
+    gradient: Floats = field(metadata=array_of(None, 5))
     stress: Floats  # stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4]
-    step_count: int  # steps into which the second is divided, >= 1
+    step_count: int = checked(FROM_ONE)  # steps into which the second is divided
 
     def __post_init__(self) -> None:
-        check_kind("strain paths: material", self.material, Material)
-        count = len(np.atleast_1d(self.gradient))
-        check_array("strain paths: gradient", self.gradient, (count, 5))
-        check_array("strain paths: stress", self.stress, (count, 4))
+        super().__post_init__()
+        check_array("StrainPaths: stress", self.stress, (len(self.gradient), 4))
         for stress in self.stress:
             self.material.check_stress_at_rest(stress)
-        check_whole("strain paths: step_count", self.step_count, FROM_ONE)
 
 
 @make_plan.register
