@@ -35,7 +35,7 @@ class FineAtTheShaft(ConePenetration):
     def _grid(self) -> Grid:
         penetrometer, radius = self.penetrometer, self.cone_radius
         return penetrometer.fitted_grid(
-            rows_on_face=penetrometer.rows_on_face(self.cell_size),
+            cell_size=self.cell_size,
             columns=growing(self.cell_size, (self.domain_radius - 1.0) * radius, GROWTH),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,

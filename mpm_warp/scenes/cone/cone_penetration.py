@@ -196,7 +196,7 @@ class ConePenetration(ConeTestByDefault):
         radius, size = self.cone_radius, self.cell_size
         span = (self.domain_radius - 1.0) * radius
         return self.penetrometer.fitted_grid(
-            rows_on_face=self.penetrometer.rows_on_face(size),
+            cell_size=size,
             columns=growing(size, span, 1.0 + self.cell_growth * size / radius),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
@@ -214,7 +214,7 @@ class ConePenetration(ConeTestByDefault):
         columns = grid.columns * (grid.outer_radius - self.cone_radius)
         # All but the cells at the surface are larger, and those above and below the cone are alike.
         around_cone = self.penetrometer.fitted_grid(
-            rows_on_face=self.penetrometer.rows_on_face(size),
+            cell_size=size,
             columns=np.unique(columns[[0, 1, -1]]),
             depth_below=size,
             height_above=size,

@@ -58,7 +58,7 @@ class ConeSelfSimilar(CatalogueScene):
         """The ground and its surface, through which soil enters below and leaves nowhere."""
         size = RADIUS / self.cells_per_radius
         fitted = self._penetrometer.fitted_grid(
-            rows_on_face=self._penetrometer.rows_on_face(size),
+            cell_size=size,
             columns=graded(size, 19.0 * RADIUS, 1.0 + 0.8 * size / RADIUS),
             depth_below=12.0 * RADIUS,
             height_above=RADIUS,

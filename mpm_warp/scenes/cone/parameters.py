@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from mpm_warp.parameters import Derived, parameter
 from mpm_warp.scenes.clay import FieldClayScene
@@ -61,6 +61,16 @@ class ConeInGround:
 class FittedToCone(ConeInGround):
     """What follows for a scene of a cone in a grid that is fitted to it."""
 
+    method: ClassVar[tuple[str, ...]] = (
+        "cells_per_radius",
+        "cell_growth",
+        "time_step_fraction",
+        "speed_ratio",
+        "domain_radius",
+        "domain_above",
+        "domain_below",
+        "uncertainty",
+    )
     rigidity_index: float
     cells_per_radius: float
     apex_angle: float = 60.0
@@ -128,21 +138,14 @@ class ConeTest(FittedToCone, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method = (
+        *FittedToCone.method,
         "accuracy",
-        "cells_per_radius",
-        "cell_growth",
         "particles_per_cell",
-        "time_step_fraction",
-        "speed_ratio",
         "approach",
         "approach_speed_ratio",
         "penetration",
         "steady_tolerance",
-        "domain_radius",
-        "domain_above",
-        "domain_below",
         "poissons_ratio_bound",
-        "uncertainty",
         "energy_audit",
     )
 

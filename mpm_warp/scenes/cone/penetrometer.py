@@ -46,16 +46,17 @@ class Penetrometer:
         return max(1, round(self.cone_height / cell_size))
 
     def fitted_grid(
-        self, *, rows_on_face: int, columns: Floats, depth_below: float, height_above: float
+        self, *, cell_size: float, columns: Floats, depth_below: float, height_above: float
     ) -> Grid:
         """A grid whose rows meet tip and shoulder and whose first column follows the surface.
 
         Args:
-            rows_on_face: rows of cells beside the face, >= 1; all rows are as high.
+            cell_size: height of all rows, to that of a whole number of them beside the face [m].
             columns: distances of the columns of nodes from the shaft, from 0, rising [m].
             depth_below: extent of the grid below the tip, to the nearest row [m].
             height_above: extent of the grid above the shoulder, to the nearest row [m], >= 0.
         """
+        rows_on_face = self.rows_on_face(cell_size)
         cell_height = self.cone_height / rows_on_face
         rows_below = max(1, round(depth_below / cell_height))
         rows_above = round(height_above / cell_height)

@@ -39,17 +39,6 @@ has left the window above, nothing of the surface is in it."""
 class SoundingTest(FittedToCone, FieldClayScene):
     """Ground, penetrometer and method of a sounding."""
 
-    method = (
-        "cells_per_radius",
-        "cell_growth",
-        "time_step_fraction",
-        "speed_ratio",
-        "domain_radius",
-        "domain_above",
-        "domain_below",
-        "uncertainty",
-    )
-
     profile: str | None = parameter(
         None,
         "ground by depth, as a table of one line, see Profile (default: made of the "
