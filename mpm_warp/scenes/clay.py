@@ -108,8 +108,7 @@ class ClayScene(CatalogueScene):
     def check_clay(self) -> None:
         """Take from its law what is not given; `ParameterError` where there is no such clay."""
         try:
-            if self.own_strength is not None:
-                self._follow(self.own_strength)
+            self._follow_law()
             _ = self.clay
         except SceneError as refusal:
             key = "ductility" if self.law is None else "material"
@@ -135,8 +134,11 @@ class ClayScene(CatalogueScene):
         except SceneError as refusal:
             raise ParameterError("material", str(refusal)) from None
 
-    def _follow(self, strength: float) -> None:
-        """Let su, rigidity index and Delta be those of the law, and what is derived from them."""
+    def _follow_law(self) -> None:
+        """Let su, rigidity index and Delta be those of a law that has its own, and what follows."""
+        strength = self.own_strength
+        if strength is None:
+            return
         if isinstance(self.undrained_shear_strength, Derived):
             object.__setattr__(self, "undrained_shear_strength", Derived(strength))
         strength = self.undrained_shear_strength

@@ -62,8 +62,8 @@ class Sounding(SoundingTest):
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""
-        if self.profile is None and self.own_strength is not None:
-            self._follow(self.own_strength)
+        if self.profile is None:
+            self._follow_law()
         check_sounding(self)
         try:
             _ = self.clay
