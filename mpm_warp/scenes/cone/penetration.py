@@ -1,13 +1,14 @@
 """A penetration: curves of the resistance and their steady values, snapshots of the soil around."""
 
 import math
+from functools import partial
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
-from mpm_warp.results import Quantity, curves, labelled, parameter_variables
+from mpm_warp.results import Quantity, curves, labelled, parameter_variables, variable
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import (
     SLEEVE_LENGTH,
@@ -181,11 +182,10 @@ class PenetrationSnapshots:
         nodes = self._curves.contact.nodes[np.concatenate([self._face, self._shaft])]
         r, z = soil_scene(self._curves.simulation).grid.node_positions[nodes].T
         number = np.arange(part.size, dtype=np.int32)
+        of_nodes = partial(variable, unit=None, dims=("surface",))
         return {
-            "surface": xr.Variable(
-                "surface", number, {"long_name": "number of the surface's node"}
-            ),
-            "surface_part": xr.Variable("surface", part, {"long_name": "part of the surface"}),
+            "surface": of_nodes(number, meaning="number of the surface's node"),
+            "surface_part": of_nodes(part, meaning="part of the surface"),
         } | labelled(
             dims=("surface",),
             surface_r=(r, "m", "radius of the surface's node"),

@@ -13,7 +13,7 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
-from mpm_warp.sampling import follow, soil_scene
+from mpm_warp.sampling import follow, mean_of_points, soil_scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.cone.soundness import check_energy, energy_error
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
@@ -194,11 +194,9 @@ def _empty_cells(simulation: Simulation, height: float) -> int:
     """How many cells no material point is in, up to a height [m] above and below the body."""
     grid = soil_scene(simulation).grid
     is_near = (grid.rows[:-1] >= -height) & (grid.rows[1:] <= height)
-    cell = simulation.array("particle.cell")
-    is_filled = np.zeros((grid.row_count, grid.column_count), dtype=bool)
-    column, row = cell[cell[:, 0] >= 0].T
-    is_filled[row, column] = True
-    return int(np.count_nonzero(~is_filled[is_near]))
+    in_cells = mean_of_points(simulation, simulation.array("particle.mass"))
+    is_empty = np.isnan(in_cells).reshape(grid.row_count, grid.column_count)
+    return int(np.count_nonzero(is_empty[is_near]))
 
 
 @dataclass(frozen=True, kw_only=True)

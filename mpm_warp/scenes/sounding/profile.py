@@ -136,8 +136,7 @@ class Profile:
     @property
     def is_uniform(self) -> bool:
         """Whether all but the unit weight is the same everywhere."""
-        others = self._columns.keys() - {"depth", "unit_weight"}
-        return all(np.ptp(self._columns[name]) == 0.0 for name in others)
+        return all(np.ptp(values) == 0.0 for values in self._felt.values())
 
     def between(self, begin: float, end: float) -> Self:
         """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
@@ -195,16 +194,17 @@ class Profile:
         own = {name: getattr(self, name) for name in OWN}
         return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
 
+    @property
+    def _felt(self) -> dict[str, Floats]:
+        """The columns whose change the resistance feels."""
+        not_felt = ("depth", "unit_weight")
+        return {name: it for name, it in self._columns.items() if name not in not_felt}
+
     def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
         """Whether the resistance feels a border of the ground, at depths over a radius [m], [n].
 
         That is a jump, or where much of the ground changes within a radius and a half.
         """
-        columns = {
-            name: values
-            for name, values in self._columns.items()
-            if name not in {"depth", "unit_weight"}
-        }
         near = np.zeros(len(way), dtype=bool)
 
         def feel(top: float, bottom: float, ratio: float) -> None:
@@ -213,7 +213,7 @@ class Profile:
 
         is_jump = np.diff(self.depth) == 0.0
         for row in np.flatnonzero(is_jump):
-            changes = {name: _change(name, *it[[row, row + 1]]) for name, it in columns.items()}
+            changes = {name: _change(name, *it[[row, row + 1]]) for name, it in self._felt.items()}
             if max(changes.values()) > ROUNDED:
                 feel(self.depth[row], self.depth[row], changes["strength"])
         jumps = self.depth[1:][is_jump]
@@ -221,7 +221,7 @@ class Profile:
             ends = np.sort([self.depth, self.depth + way_on], axis=0)
             beyond = {
                 name: _change(name, it, np.interp(self.depth + way_on, self.depth, it))
-                for name, it in columns.items()
+                for name, it in self._felt.items()
             }
             changed = np.max(list(beyond.values()), axis=0) > LEAST_OF_RAMP
             for row in np.flatnonzero(changed):
