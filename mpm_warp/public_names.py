@@ -46,11 +46,10 @@ from mpm_warp.scenes.catalogue import (
     scene_class,
     scene_names,
 )
-from mpm_warp.scenes.cavity.cylinder_and_sphere import CavityCylinder, CavitySphere
+from mpm_warp.scenes.cavity.cavity import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
-from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
-from mpm_warp.scenes.elastic.columns import GravityColumn
+from mpm_warp.scenes.elastic.columns import ElasticColumnWave, GravityColumn
 from mpm_warp.scenes.elastic.impact import StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
