@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
@@ -145,11 +144,9 @@ class BlockOnBase(CatalogueScene):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.driving_force <= 0.0:
-            raise ParameterError("drive", "drive = 0 with slope = 0 or gravity = 0: nothing drives")
+            self.refuse("drive", " with slope = 0 or gravity = 0: nothing drives the block")
         if self.normal_force <= 0.0:
-            raise ParameterError(
-                "normal_pressure", "normal_pressure = 0 with gravity = 0: nothing holds the block"
-            )
+            self.refuse("normal_pressure", " with gravity = 0: nothing holds the block")
         if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
             with_cells = f" with cells_per_length = {self.cells_per_length}"
             self.refuse("height_ratio", f"{with_cells}: the block must be 3 cells high or more")

@@ -10,7 +10,6 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
@@ -282,8 +281,7 @@ class CavityCylinder(Cavity):
             (is_beyond, f">= {-MOST_ANISOTROPY:g} and <= {MOST_ANISOTROPY:g} in Tresca soil"),
         ):
             if refused:
-                name = "stress_anisotropy"
-                raise ParameterError(name, f"{name} = {delta:g} must be {allowed}")
+                self.refuse("stress_anisotropy", f": must be {allowed}")
 
     @property
     def stress_at_rest(self) -> Floats:
