@@ -138,8 +138,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     """Clay, penetrometer and method of a cone penetration test."""
 
     method = (
-        *FittedToCone.method,
         "accuracy",
+        *FittedToCone.method,
         "particles_per_cell",
         "approach",
         "approach_speed_ratio",
