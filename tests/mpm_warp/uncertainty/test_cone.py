@@ -105,6 +105,7 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
     powers = np.stack([sizes, sizes**laws.CURVATURE_POWER], axis=1)
     # Of B and Q, smooth and rough, rigidity index.
     tables = np.array([laws.SLOPES, laws.CURVATURES])
+    at_50, at_100 = (laws.RIGIDITY_INDICES.index(index) for index in (50.0, 100.0))
 
     def found(rigidity_index: float, adhesion_factor: float) -> Floats:
         """B and Q, by two meshes."""
@@ -120,10 +121,10 @@ def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
         return np.linalg.solve(powers, np.array(errors))
 
     approx = functools.partial(pytest.approx, rel=1e-6)
-    assert found(100.0, 0.0) == approx(tables[:, 0, 2])
-    assert found(100.0, 1.0) == approx(tables[:, 1, 2])
-    assert found(100.0, 0.5) == approx(0.75 * tables[:, 0, 2] + 0.25 * tables[:, 1, 2])
-    between = 0.5 * (tables[:, 1, 1] + tables[:, 1, 2])
+    assert found(100.0, 0.0) == approx(tables[:, 0, at_100])
+    assert found(100.0, 1.0) == approx(tables[:, 1, at_100])
+    assert found(100.0, 0.5) == approx(0.75 * tables[:, 0, at_100] + 0.25 * tables[:, 1, at_100])
+    between = 0.5 * (tables[:, 1, at_50] + tables[:, 1, at_100])
     assert found(math.sqrt(50.0 * 100.0), 1.0) == approx(between)
 
 
