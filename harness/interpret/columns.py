@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.files import Heading, NotNamedError, TestFile, read_file
+from harness.interpret.files import Heading, NotNamedError, TestFile, plain_unit, read_file
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
@@ -245,8 +245,7 @@ def _joined(name: str) -> str:
 def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     known, unit = UNITS.get(name, PRESSURES), given or heading.unit
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
-    usual = unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2")
-    usual = usual.partition("(")[0].strip().lower()  # as Graden(deg)
+    usual = plain_unit(unit.partition("(")[0])  # as Graden(deg)
     if usual not in sizes:
         told = f"has unit {unit!r}" if unit else "has no unit"
         raise NotNamedError(

@@ -88,19 +88,17 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     Parted by tab or ; numbers may have a decimal comma, where none has a point. Lines above the
     header are left out; units may stand in a line of their own below it.
     """
+    every = dict(enumerate(text.splitlines(), start=1))
     lines = {
         number: line
-        for number, line in enumerate(text.splitlines(), start=1)
+        for number, line in every.items()
         if line.strip("\t;, ") and not line.lstrip().startswith("#")
     }
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
-    named = [number for number, line in lines.items() if len(_words(line)) >= FEWEST_COLUMNS]
-    commented = [
-        number
-        for number, line in enumerate(text.splitlines(), start=1)
-        if line.startswith("#") and len(_words(line)) >= FEWEST_COLUMNS
-    ]
+    worded = [number for number, line in every.items() if len(_words(line)) >= FEWEST_COLUMNS]
+    named = [number for number in worded if number in lines]
+    commented = [number for number in worded if every[number].startswith("#")]
     if commented and not named:
         raise StudyError(
             f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
@@ -155,8 +153,10 @@ GEF_QUANTITIES = {
     "11": "depth",
 }
 """Numbers that GEF gives to what a column holds."""
-GEF_AREA, GEF_TOLD = "1", {"3": "area_ratio", "13": "pre_drilled"}
-"""Numbers of #MEASUREMENTVAR."""
+GEF_TOLD = "3", "13", "1"
+"""Numbers of #MEASUREMENTVAR, in the order of `TOLD`."""
+TOLD = "area_ratio", "pre_drilled", "cone_area"
+"""What the file of a test may say of it."""
 AREAS = {"mm2": 100.0, "cm2": 1.0, "m2": 1e-4}
 """Units of an area, and what 1 cm2 is in them."""
 
@@ -198,28 +198,29 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
         for part in line.split(record)
         if part.strip()
     ]
-    measured = [[*fields, "", ""] for fields in keys.get("MEASUREMENTVAR", [])]
+    measured = {fields[0]: [*fields[1:], "", ""] for fields in keys.get("MEASUREMENTVAR", [])}
+    told = [measured.get(number, ["", ""]) for number in GEF_TOLD]
     last = next(iter(_numbers(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))
     return TestFile(
         headings=headings,
         rows=rows,
-        told={
-            GEF_TOLD[fields[0]]: value
-            for fields in measured
-            if fields[0] in GEF_TOLD
-            for value in _numbers(fields[1:2])
-        }
-        | _area(*next((fields[1:3] for fields in measured if fields[0] == GEF_AREA), ("", ""))),
+        told=_of_cone(*(text for text, *_ in told), unit=told[-1][1]),
         notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
     )
 
 
-def _area(text: str | None, unit: str | None) -> dict[str, float]:
-    """The cone's cross-section as `told` has it; nothing where it is 0, or in no unit of areas."""
-    name = (unit or "").replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
-    found = _numbers([text])
-    is_told = name in AREAS and any(found) and math.isfinite(found[0])
-    return {"cone_area": found[0] / AREAS[name]} if is_told else {}
+def _of_cone(*texts: str | None, unit: str | None) -> dict[str, float]:
+    """What texts `TOLD` say that are numbers; no area that is 0, or in no unit of areas."""
+    pairs = zip(TOLD, texts, strict=True)
+    told = {name: number for name, text in pairs for number in _numbers([text])}
+    area, own = told.pop(TOLD[-1], 0.0), plain_unit(unit or "")
+    is_told = own in AREAS and area != 0.0 and math.isfinite(area)
+    return told | ({TOLD[-1]: area / AREAS[own]} if is_told else {})
+
+
+def plain_unit(unit: str) -> str:
+    """A unit in small letters, its square written as 2."""
+    return unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
 
 
 def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
@@ -244,7 +245,7 @@ BRO_UNITS = {"depth": "m", "penetrationlength": "m"} | dict.fromkeys(
 )
 """Units are fixed by the catalogue; all others that are read are in MPa."""
 BRO_MISSING = (-999999.0,)
-BRO_TOLD = {"area_ratio": "coneSurfaceQuotient", "pre_drilled": "predrilledDepth"}
+BRO_TOLD = "coneSurfaceQuotient", "predrilledDepth", "coneSurfaceArea"
 
 
 def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
@@ -289,12 +290,10 @@ def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
             if row.strip()
         ],
         row="row",
-        told={
-            name: value
-            for name, tag in BRO_TOLD.items()
-            for value in _numbers([survey.findtext(f".//{{*}}{tag}")])
-        }
-        | ({} if area is None else _area(area.text, area.get("uom", "mm2"))),
+        told=_of_cone(
+            *(survey.findtext(f".//{{*}}{tag}") for tag in BRO_TOLD),
+            unit=None if area is None else area.get("uom", "mm2"),
+        ),
         in_order=False,
     )
 
@@ -315,26 +314,16 @@ def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
     (_, titles), (_, units) = test["HEADING"][0], test["UNIT"][0]
     rows = [(number, _ags_name(titles, cells), cells) for number, cells in test["DATA"]]
     chosen = _one_of(path, list(dict.fromkeys(name for _, name, _ in rows)), sounding)
-    titles_of_cone, units_of_cone = (
-        general.get(kind, [(0, [])])[0][1] for kind in ("HEADING", "UNIT")
-    )
-    cone = next(
-        (
-            dict(zip(titles_of_cone, cells, strict=False))
-            for _, cells in general.get("DATA", [])
-            if _ags_name(titles_of_cone, cells) == chosen
-        ),
-        {},
-    )
-    unit = dict(zip(titles_of_cone, units_of_cone, strict=False)).get("SCPG_CSA")
+    of_cone, in_units = (general.get(kind, [(0, [])])[0][1] for kind in ("HEADING", "UNIT"))
+    own = (cells for _, cells in general.get("DATA", []) if _ags_name(of_cone, cells) == chosen)
+    cone, of = (dict(zip(of_cone, it, strict=False)) for it in (next(own, []), in_units))
     return TestFile(
         headings=[
             Heading(title.lower(), title, unit)
             for title, unit in zip(titles, units + [""] * len(titles), strict=False)
         ],
         rows=[(number, cells) for number, name, cells in rows if name == chosen],
-        told=dict(zip(["area_ratio"], _numbers([cone.get("SCPG_CAR")]), strict=False))
-        | _area(cone.get("SCPG_CSA"), unit),
+        told=_of_cone(cone.get("SCPG_CAR"), None, cone.get("SCPG_CSA"), unit=of.get("SCPG_CSA")),
     )
 
 

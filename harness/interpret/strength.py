@@ -148,17 +148,13 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
 def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
     """Where layers have no test, which goes over `depth`."""
     first, last = depth[0], depth[-1]
-    above = [
-        f"a layer begins at {layer.top:g} m, the test at {first:g} m"
-        for layer in layers
-        if layer.top < first - GAP
-    ]
-    below = [
-        f"a layer ends at {layer.bottom:g} m, the test at {last:g} m"
-        for layer in layers
-        if layer.bottom > last + GAP
-    ]
-    return above + below
+    notes = []
+    for layer in layers:
+        if layer.top < first - GAP:
+            notes.append(f"a layer begins at {layer.top:g} m, the test at {first:g} m")
+        if layer.bottom > last + GAP:
+            notes.append(f"a layer ends at {layer.bottom:g} m, the test at {last:g} m")
+    return notes
 
 
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
