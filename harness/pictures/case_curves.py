@@ -58,7 +58,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     several scenes that of their scene; of one parameter at a time the first case is black, and
     those that differ most are labelled.
     """
-    if not {RESISTANCE, STRENGTH, "status"} <= set(dataset.variables):
+    if not {RESISTANCE, STRENGTH} <= set(dataset.variables):
         return None
     curves = curves_over_cases(dataset, RESISTANCE) / over_cases(dataset, STRENGTH)[:, None]
     drawn = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist()
@@ -141,7 +141,7 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
 
     A dashed line is the critical state in compression.
     """
-    if not {STRAIN, SHEAR, DEVIATOR, "status"} <= set(dataset.variables):
+    if not {STRAIN, SHEAR, DEVIATOR} <= set(dataset.variables):
         return None
     names = [name for name in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if name in dataset]
     curves = {name: curves_over_cases(dataset, name) / KILO for name in names}
@@ -204,7 +204,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
 
     Depth goes downward; resistance is below 0 where the body is pulled up.
     """
-    if not {LOOPS, FACTOR, STRENGTH, "status"} <= set(dataset):
+    if not {LOOPS, FACTOR, STRENGTH} <= set(dataset):
         return None
     names = [LOOPS, FACTOR, STRENGTH, *FITTED.values()]
     cases = by_case(dataset[[name for name in ("status", *names) if name in dataset]])

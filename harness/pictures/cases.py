@@ -94,7 +94,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
 
     It is for up to 24 soils that all scenes share, and results of one unit.
     """
-    if "status" not in dataset or "scene" not in dataset.coords:
+    if "scene" not in dataset.coords:
         return None
     headlines, (labels, soils) = headlines_of(dataset), _soils(dataset)
     units = {unit_of(dataset, name) for name in headlines}

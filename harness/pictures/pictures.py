@@ -92,7 +92,7 @@ def rendered(
     A failed case has no curve there. A picture that fails, which is an error of this program, takes
     nothing from the others.
     """
-    sound = without_incomplete_curves(dataset) if "status" in dataset else dataset
+    sound = without_incomplete_curves(dataset)
     made: dict[str, Rendered] = {}
     failed: Failures = {}
     for name, picture in PICTURES.items():

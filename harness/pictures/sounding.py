@@ -72,7 +72,7 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     Stretches of one sounding are joined. The band holds the resistance with 95 % where its error is
     known.
     """
-    if not ({RESISTANCE, "status"} <= set(dataset) and DEPTH in dataset.dims):
+    if RESISTANCE not in dataset or DEPTH not in dataset.dims:
         return None
     studied = Studied.of(dataset)
     soundings = joined(dataset)

@@ -39,8 +39,6 @@ class Studied:
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self | None:
         """What a result is about; None where its cases share no headline."""
-        if "status" not in dataset:
-            return None
         found = headlines_of(dataset) or [COMPARED] * (COMPARED in dataset)
         several = len(set(scenes_of(dataset))) > 1
         return None if several or len(found) != 1 else cls(dataset, found[0])

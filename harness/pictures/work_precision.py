@@ -146,7 +146,7 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     by which it could be on a front.
     """
     name = error_name(dataset)
-    if name is None or not {"run_time", "status"} <= set(dataset):
+    if name is None or "run_time" not in dataset:
         return None
     problems = _problems_of(dataset)
     if not problems:

@@ -74,7 +74,7 @@ def captioned(
 
 def _numbered(dataset: xr.Dataset) -> Iterator[str]:
     """What numbers stand for in the place of long texts, in sentences."""
-    for name in varied_names(dataset) if "status" in dataset else ():
+    for name in varied_names(dataset):
         if long := Values.of(dataset, name).long:
             key = "; ".join(f'{place}: "{plain(text)}"' for place, text in enumerate(long, 1))
             told = f"is {key}" if len(long) <= MOST_TEXTS else "is numbered in the order of cases"

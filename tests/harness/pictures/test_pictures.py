@@ -183,7 +183,7 @@ def test_what_another_program_wrote_is_not_overwritten(tmp_path: Path) -> None:
 
 def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(NothingToDrawError, match="nothing to draw: the dataset has no headline"):
-        draw(xr.Dataset(attrs={"study": "demo"}), tmp_path)
+        draw(xr.Dataset({"status": ((), "completed")}, attrs={"study": "demo"}), tmp_path)
 
 
 def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
