@@ -70,11 +70,10 @@ def interpret_site(options: argparse.Namespace) -> int:
         found = interpret(site, sharpen=options.sharpen)
         tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
     whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
-    tables, checks = (
-        {f"{options.out}/{site.name}{ending}": site.title for site in sites}
-        for ending in (ENDING, CHECK_ENDING)
+    endings = (ENDING, CHECK_ENDING) if options.check else (ENDING,)
+    _check_targets(
+        {f"{options.out}/{it.name}{end}": it.title for it in sites for end in endings}, whole
     )
-    _check_targets(tables, checks if options.check else {}, whole)
     prepare(options.out)
     for test in tests:
         _write(test, f"{options.out}/{test.site.name}{ENDING}")
@@ -88,22 +87,21 @@ def interpret_site(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _check_targets(tables: Mapping[str, str], checks: Mapping[str, str], whole: str) -> None:
+def _check_targets(titles: Mapping[str, str], whole: str) -> None:
     """Refuse to replace files that are not of the harness; tell of those of another site.
 
     Args:
-        tables: title of the site by what its dataset, table and pictures are called.
-        checks: likewise of the simulated soundings, which have no table.
+        titles: of the site, by what its dataset and pictures are called.
         whole: what the page, and the picture of several tests, are called.
     """
-    for base in dict.fromkeys([*tables, *checks, whole]):
+    for base in dict.fromkeys([*titles, whole]):
         for form in ("png", "svg"):
             check_replaceable(Path(f"{base}.{form}"))
     check_replaceable(Path(f"{whole}.html"))
-    for base in tables:
-        check_replaceable(Path(f"{base}.csv"), TABLE)
     others = {}
-    for base, title in {**tables, **checks}.items():
+    for base, title in titles.items():
+        if base.endswith(ENDING):
+            check_replaceable(Path(f"{base}.csv"), TABLE)
         path = Path(f"{base}.nc")
         if path.exists() and (before := _title_of(path)) != title:
             others[path] = before
