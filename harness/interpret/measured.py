@@ -31,10 +31,9 @@ FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
 """A filter that reads the same within so much [Pa] over such a length [m] is not saturated."""
 LEAST_SHARE_ABOVE = 0.5
 """Share of a test with qt above sigma_v0 below which its unit is asked for."""
-USED, NO_INDEX = "used", "no fs and it may be sand"
-OTHER_LAYER = "between border told and found"
+NO_INDEX, OTHER_LAYER = "no fs and it may be sand", "between border told and found"
 REASONS = (
-    USED,
+    "used",
     "pre-drilled",
     "value missing",
     "no layer",
@@ -80,15 +79,16 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         ratio, friction = (u2 - u0) / net, np.where(fs > 0.0, fs / net, np.nan)
         by_tip = 3.47 - np.log10(net / effective)
         index = np.hypot(by_tip, 1.22 + np.log10(100.0 * friction))
-    reason = np.zeros(len(depth), dtype=np.int8)
     low, high = BQ_RANGE
-    drained = (index < CLAY_INDEX) | (ratio < low) | (ratio > high)
-    reason[np.isnan(friction) & (by_tip < CLAY_INDEX)] = REASONS.index(NO_INDEX)
-    reason[drained] = REASONS.index("not undrained clay")
-    reason[_flat(depth, u2, qc)] = REASONS.index("filter not saturated")
-    reason[net <= 0.0] = REASONS.index("qnet not above 0")
-    reason[~np.isfinite(net)] = REASONS.index("value missing")
-    reason[depth < read.pre_drilled] = REASONS.index("pre-drilled")
+    reasons = {
+        "pre-drilled": depth < read.pre_drilled,
+        "value missing": ~np.isfinite(net),
+        "qnet not above 0": net <= 0.0,
+        "filter not saturated": _flat(depth, u2, qc),
+        "not undrained clay": (index < CLAY_INDEX) | (ratio < low) | (ratio > high),
+        NO_INDEX: np.isnan(friction) & (by_tip < CLAY_INDEX),
+    }  # the first of them that holds
+    reason = np.select(list(reasons.values()), [REASONS.index(it) for it in reasons])
     found = curves(
         "depth",
         (depth, "m", "depth of the tip"),
@@ -109,7 +109,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         "flag_values": np.arange(len(REASONS), dtype=np.int8),
         "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
     }
-    found["reason"] = xr.Variable("depth", reason, flags)
+    found["reason"] = xr.Variable("depth", reason.astype(np.int8), flags)
     return found.assign_attrs(notes="; ".join(read.notes), cone_radius=read.cone_radius)
 
 

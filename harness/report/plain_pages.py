@@ -21,11 +21,8 @@ from harness.interpret.keys import BY_SLEEVE
 from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words, rate_in_words
 from harness.interpret.site import Layer, Site
-from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, series
+from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
-
-USED = 0
-"""Number of the reason of depths that have a strength."""
 
 Rows = list[tuple[str, ...]]
 """Of a table, its heading first."""
@@ -98,7 +95,7 @@ def _span(low: float, middle: float, high: float) -> str:
 
 def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
     """Mean share of each cause in the variance of ln su in each layer, the largest first."""
-    used = found.error_share[found.reason == USED]
+    used = found.error_share[found.reason == 0]
     in_layer = site.layer_at(used.depth.values)
     means = xr.concat(
         [used[in_layer == number].mean("depth") for number in range(len(site.layers))], "layer"
@@ -120,13 +117,12 @@ def _left_out(site: Site, found: xr.Dataset) -> Rows:
         inside = in_layer == place
         for number, why in enumerate(REASONS):
             here = found.depth.values[inside & (found.reason.values == number)]
-            if number != USED and len(here):
+            if number and len(here):
                 span = f"{here[0]:g} and {here[-1]:g}"
                 rows.append((layer.title, why, str(len(here)), str(inside.sum()), span))
     return rows
 
 
-SIZE = 6.5, 4.6
 LEAST_ERROR = 1e-5
 """Smaller errors are drawn there [relative]."""
 NO_TIME = 0.002, 0.1
@@ -137,12 +133,11 @@ PHASES = ("exact anchors", "cone factors", "layers and gradient")
 @STYLED
 def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     """Error over run time, a panel a phase; submissions that tell no time stand at the left."""
-    figure = Figure(figsize=SIZE, layout="constrained")
     judged = [scored for scored in found if math.isfinite(scored.error)]
     names = list(dict.fromkeys(scored.submission for scored in judged))
     untimed = np.geomspace(*NO_TIME, 2 * len(names) + 1)[1::2]
-    panels = figure.subplots(1, len(PHASES), sharex=True, sharey=True)
-    for phase, (axes, title) in enumerate(zip(panels, PHASES, strict=True), start=1):
+    figure, all_axes = panels(len(PHASES), height=4.6, sharex=True, sharey=True)
+    for phase, (axes, title) in enumerate(zip(all_axes, PHASES, strict=True), start=1):
         axes.axvspan(*NO_TIME, color="0.95")
         for (name, without), line in series(zip(names, untimed, strict=True), None):
             axes.plot([], [], **line.style, ls="", ms=4, label=name)
@@ -153,10 +148,10 @@ def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
                     fill = line.colour if math.isfinite(result.uncertainty) else "white"
                     axes.plot(seconds, error, **line.style, ls="", ms=4, mfc=fill)
         axes.set(title=title, xscale="log", yscale="log")
-    panels[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
-    panels[0].set_ylabel("|E| over the yardstick [-]")
-    panels[1].set_xlabel("run time [s]")
-    handles, labels = panels[0].get_legend_handles_labels()
+    all_axes[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
+    all_axes[0].set_ylabel("|E| over the yardstick [-]")
+    all_axes[1].set_xlabel("run time [s]")
+    handles, labels = all_axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=6)
     figure.supxlabel(
         f"E counts from the exact value; where none is known, from {against}, which is one value, "
