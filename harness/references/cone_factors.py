@@ -97,8 +97,7 @@ class ConeFactor:
         return inside if self.has_adhesion_term else inside & (conditions.face_adhesion == 0)
 
 
-def _ln(number: Quantity) -> Quantity:
-    return np.log(number)
+_ln: Callable[[Quantity], Quantity] = np.log
 
 
 def _spherical_cavity(rigidity_index: Quantity) -> Quantity:

@@ -154,8 +154,7 @@ def _scene_of(case: Case) -> CatalogueScene:
 def _at_work(count: int, what: str) -> "tqdm[Any]":
     """A line on a terminal that says how far the planning of cases has come."""
     layout = "{desc}, {n_fmt}/{total_fmt}, {elapsed}"
-    hidden = not sys.stderr.isatty()
-    return tqdm(total=count, desc=what, bar_format=layout, leave=False, disable=hidden)
+    return tqdm(total=count, desc=what, bar_format=layout, leave=False, disable=None)
 
 
 def _show_cases(cases: Sequence[Case]) -> None:
