@@ -101,11 +101,8 @@ class Studied:
 
         Of one at a time those that differ from the start.
         """
-        own = {name: self.varied[name] for name in (self.varied if names is None else names)}
-        if self.is_one_at_a_time:
-            own = {name: it for name, it in own.items() if it.numbers[case] != it.numbers[0]}
-        texts = [assigned(self.dataset, name, it.of_case(case)) for name, it in own.items()]
-        return ", ".join(texts or ["start"] * self.is_one_at_a_time)
+        own = [self.varied[name] for name in (self.varied if names is None else names)]
+        return label_of(self.dataset, own, case)
 
     def groups(self, name: str, along: Floats) -> list[tuple[np.ndarray, str]]:
         """The cases that agree in all that varies but `name`, each group by `along`; its label.
@@ -118,6 +115,15 @@ class Studied:
         order = np.argsort(along, kind="stable")
         groups = [order[member.ravel()[order] == place] for place in range(len(found))]
         return [(cases, self.label(cases[0], others)) for cases in groups]
+
+
+def label_of(dataset: xr.Dataset, values: Iterable[Values], case: int, start: int = 0) -> str:
+    """The values of a case; of one at a time those that differ from the case at the start."""
+    is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
+    if is_one_at_a_time:
+        values = [it for it in values if it.numbers[case] != it.numbers[start]]
+    texts = [assigned(dataset, it.name, it.of_case(case)) for it in values]
+    return ", ".join(texts or ["start"] * is_one_at_a_time)
 
 
 def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:

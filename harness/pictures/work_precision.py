@@ -41,7 +41,7 @@ from harness.pictures.drawing.quantities import (
     spelt,
     symbol,
 )
-from harness.pictures.studied import method_of
+from harness.pictures.studied import label_of, method_of
 from harness.study.designs import ONE_AT_A_TIME
 
 
@@ -54,40 +54,34 @@ class _Problem(NamedTuple):
     cases: np.ndarray
     scene: str
     soil: list[str]
-    settings: dict[str, Values]
+    settings: list[Values]
 
 
 def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     """The problems that a study solves with different settings, in the order of the study."""
-    scenes = np.array(scenes_of(dataset))
-    varied = {name: Values.of(dataset, name) for name in varied_names(dataset) if name != "scene"}
-    groups: dict[tuple[object, ...], list[int]] = {}
-    for case, scene in enumerate(scenes.tolist()):
-        method = method_of(dataset, scene)
-        soil = [values.numbers[case] for name, values in varied.items() if name not in method]
-        groups.setdefault((scene, *soil), []).append(case)
-    found = []
-    for (scene, *_), cases in groups.items():
-        method, of_scene = method_of(dataset, str(scene)), scenes == scene
-        settings, soil = {}, []
-        for name, values in varied.items():
-            if name in method and np.ptp(values.numbers[cases]) > 0.0:
-                settings[name] = values
-            if name not in method and np.ptp(values.numbers[of_scene]) > 0.0:
-                soil.append(assigned(dataset, name, values.of_case(cases[0])))
-        found.append(_Problem(np.array(cases), str(scene), soil, settings))
+    scenes, found = np.array(scenes_of(dataset)), []
+    varied = [Values.of(dataset, name) for name in varied_names(dataset) if name != "scene"]
+    for scene in dict.fromkeys(scenes.tolist()):
+        method, own = method_of(dataset, scene), np.flatnonzero(scenes == scene)
+        of_scene = [it for it in varied if np.ptp(it.numbers[own]) > 0.0]
+        soil = [it for it in of_scene if it.name not in method]
+        groups: dict[tuple[float, ...], list[int]] = {}
+        for case in own.tolist():
+            groups.setdefault(tuple(it.numbers[case] for it in soil), []).append(case)
+        for cases in groups.values():
+            told = [assigned(dataset, it.name, it.of_case(cases[0])) for it in soil]
+            settings = [
+                it for it in of_scene if it.name in method and np.ptp(it.numbers[cases]) > 0.0
+            ]
+            found.append(_Problem(np.array(cases), scene, told, settings))
     return [problem for problem in found if problem.settings]
 
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
     """The settings of a case that vary; of one at a time those that differ from the start."""
-    settings = {name: setting.of_case(case) for name, setting in problem.settings.items()}
-    if dataset.attrs.get("design") == ONE_AT_A_TIME:
-        start = {name: it.of_case(problem.cases[0]) for name, it in problem.settings.items()}
-        settings = {name: value for name, value in settings.items() if value != start[name]}
-    elif len(settings) > 1:
-        return " / ".join(map(quantity, settings.values()))
-    return ", ".join(assigned(dataset, *setting) for setting in settings.items()) or "start"
+    if dataset.attrs.get("design") != ONE_AT_A_TIME and len(problem.settings) > 1:
+        return " / ".join(quantity(it.of_case(case)) for it in problem.settings)
+    return label_of(dataset, problem.settings, case, start=problem.cases[0])
 
 
 def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
@@ -95,7 +89,7 @@ def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         return ""
     keys = dict.fromkeys(
-        " / ".join(symbol(name) or plain(spoken(name)) for name in problem.settings)
+        " / ".join(symbol(it.name) or plain(spoken(it.name)) for it in problem.settings)
         for problem in problems
         if len(problem.settings) > 1
     )
