@@ -171,7 +171,7 @@ def benchmark_page(
     """The page as text, with a PNG of errors over run time; `against` is the yardstick."""
     cases = {scored.case.name: scored.case for scored in found}
     exact = {
-        name: " to ".join(dict.fromkeys(f"{value:g}" for value in case.exact)) if case.exact else ""
+        name: " to ".join(dict.fromkeys(f"{value:g}" for value in case.exact or ()))
         for name, case in cases.items()
     }
     return TEMPLATES.get_template("benchmark.html").render(

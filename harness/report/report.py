@@ -64,16 +64,17 @@ def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
     """The page as text, and the errors of the pictures that could not be drawn."""
     # The small picture is that of the summary, which one study alone does not have.
-    drawn = [_drawn(dataset, has_small=len(datasets) > 1) for dataset in datasets]
-    numbered = enumerate(zip(datasets, drawn, strict=True), start=1)
-    sections = [_section(place, dataset, *pictures) for place, (dataset, pictures) in numbered]
+    sections = [
+        _section(place, dataset, has_small=len(datasets) > 1)
+        for place, dataset in enumerate(datasets, start=1)
+    ]
     text = TEMPLATES.get_template("page.html").render(
         maker=MAKER, sections=sections, comparisons=comparisons(list(datasets))
     )
     return text, {
-        f"{dataset.attrs['study']}_{name}": error
-        for dataset, (*_, failed) in zip(datasets, drawn, strict=True)
-        for name, error in failed.items()
+        f"{section['study']}_{name}": error
+        for section in sections
+        for name, error in section["failed"].items()
     }
 
 
@@ -93,14 +94,9 @@ def _drawn(
     return pictures, list(map(embedded, drawn, small)), failed
 
 
-def _section(
-    place: int,
-    dataset: xr.Dataset,
-    pictures: Sequence[Picture],
-    small: Sequence[Picture],
-    failed: Failures,
-) -> dict[str, Any]:
+def _section(place: int, dataset: xr.Dataset, *, has_small: bool) -> dict[str, Any]:
     """What the page says of a study, by the names that stand in page.html."""
+    pictures, small, failed = _drawn(dataset, has_small=has_small)
     columns, parameters = case_columns(dataset), case_parameters(dataset)
     completed = (over_cases(dataset, "status") == COMPLETED).tolist()
     return {

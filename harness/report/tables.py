@@ -98,7 +98,12 @@ def _names(dataset: xr.Dataset) -> list[str]:
 
 def _column(dataset: xr.Dataset, name: str) -> Column:
     values = [words.in_unit(dataset, name, value) for value in over_cases(dataset, name).tolist()]
-    texts = [*map(_text_of(dataset, name), values)]
+    forms: dict[str, Callable[[Any], str]] = {
+        Role.DEVIATION: words.percent,
+        Role.PARAMETER: words.text,
+    }
+    role, usual = str(dataset[name].attrs.get("role")), functools.partial(words.text, digits=3)
+    texts = list(map(forms.get(role, usual), values))
     is_headline, own = name in with_role(dataset, Role.HEADLINE), f"{name}_uncertainty"
     if is_headline or own in dataset:
         known = uncertainty_of(dataset) if is_headline else over_cases(dataset, own)
@@ -115,17 +120,6 @@ def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> s
     if math.isfinite(half_width):
         return f"{words.known(value, half_width)} ± {words.known(half_width, half_width)}"
     return f"{text} ({without_half_width(reason)})" if reason and text != words.MISSING else text
-
-
-def _text_of(dataset: xr.Dataset, name: str) -> Callable[[Any], str]:
-    """What shows a value of a variable."""
-    match dataset[name].attrs.get("role"):
-        case Role.DEVIATION:
-            return words.percent
-        case Role.PARAMETER:
-            return words.text
-        case _:
-            return functools.partial(words.text, digits=3)
 
 
 def _sortable(value: object) -> str:
