@@ -149,35 +149,29 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     lines, left_out = series_of(dataset, stress)
     shown = [line.place for line in lines]
     has_path = EFFECTIVE in curves and bool(np.isfinite(curves[EFFECTIVE][shown]).any())
-    figure, axes = panels(3 if has_path else 1)
+    shown_over = {SHEAR: STRAIN} | ({DEVIATOR: EFFECTIVE, WATER: STRAIN} if has_path else {})
+    figure, all_axes = panels(len(shown_over))
     strain = dataset[STRAIN].values
-    over_strain = {0: SHEAR, 2: WATER} if has_path else {0: SHEAR}
-    for line in lines:
-        for place, name in over_strain.items():
-            _draw(axes[place], strain, curves[name], line)
-        if has_path:
-            _draw(axes[1], curves[EFFECTIVE][line.place], curves[DEVIATOR], line)
-    for place, name in over_strain.items():
-        axes[place].set(xlabel=LABELS[STRAIN], ylabel=LABELS[name])
-        axes[place].set_xlim(0.0, _last_strain(strain, stress[shown]))
-    axes[0].set_ylim(bottom=0.0)
-    if has_path:
-        axes[1].set(xlabel=LABELS[EFFECTIVE], ylabel=LABELS[DEVIATOR])
-        if SLOPE in dataset:
-            high = axes[1].get_xlim()[1]
-            axes[1].set(xlim=(0.0, high), ylim=(0.0, None))
-            slopes = over_cases(dataset, SLOPE)[shown]
-            for slope in np.unique(slopes[np.isfinite(slopes)]):
-                ends = [0.0, high], [0.0, slope * high]
-                axes[1].plot(*ends, ls="--", lw=0.8, color="0.4", scaley=False)
-    dashed = "Dashed: critical state in compression." if has_path and SLOPE in dataset else ""
-    return captioned(figure, dataset, dashed, left_out, legend=axes[0])
-
-
-def _draw(axes: Axes, x: Floats, curves: Floats, line: Series) -> None:
-    y = curves[line.place]
-    known = np.isfinite(x) & np.isfinite(y)
-    axes.plot(x[known], y[known], color=line.colour, label=line.label)
+    curves[STRAIN] = np.broadcast_to(strain, stress.shape)
+    for axes, (name, over) in zip(all_axes, shown_over.items(), strict=True):
+        for line in lines:
+            x, y = curves[over][line.place], curves[name][line.place]
+            known = np.isfinite(x) & np.isfinite(y)
+            axes.plot(x[known], y[known], color=line.colour, label=line.label)
+        axes.set(xlabel=LABELS[over], ylabel=LABELS[name])
+        if over == STRAIN:
+            axes.set_xlim(0.0, _last_strain(strain, stress[shown]))
+    all_axes[0].set_ylim(bottom=0.0)
+    dashed = ""
+    if has_path and SLOPE in dataset:
+        path, dashed = all_axes[1], "Dashed: critical state in compression."
+        high = path.get_xlim()[1]
+        path.set(xlim=(0.0, high), ylim=(0.0, None))
+        slopes = over_cases(dataset, SLOPE)[shown]
+        for slope in np.unique(slopes[np.isfinite(slopes)]):
+            ends = [0.0, high], [0.0, slope * high]
+            path.plot(*ends, ls="--", lw=0.8, color="0.4", scaley=False)
+    return captioned(figure, dataset, dashed, left_out, legend=all_axes[0])
 
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
