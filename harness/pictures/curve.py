@@ -13,12 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from harness.archive.conventions import Role, over_cases, parameter_of, with_role
-from harness.compare.compared import (
-    NothingToCompareError,
-    conditions_of,
-    stored_experience,
-    stored_references,
-)
+from harness.compare.compared import conditions_of, stored_experience, stored_references
 from harness.pictures.convergence import refined
 from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.plot_parts import (
@@ -83,7 +78,8 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     groups = studied.groups(name, along.numbers)
     shown = series(groups)
     ends: list[CurveEnd] = []
-    shared = not any(_depends_on(dataset, other) for other in studied.varied if other != name)
+    others = [other for other in studied.varied if other != name]
+    shared = has_literature and not any(_depends_on(dataset, other) for other in others)
     for (cases, label), line in shown:
         x = along.numbers[cases]
         if has_literature and (line.place == 0 or not shared):
@@ -263,11 +259,8 @@ def _over(studied: Studied, along: Values, cases: np.ndarray) -> tuple[Floats, C
     """Places along an axis, from its first value to its last, and the conditions there."""
     name, dataset = along.name, studied.dataset
     # What the scene derives from a varied parameter goes along with it: it is left to be derived.
-    follows = [
-        parameter
-        for parameter in with_role(dataset, Role.PARAMETER)
-        if parameter in dataset.data_vars and dataset[parameter].ndim
-    ]
+    parameters = [it for it in with_role(dataset, Role.PARAMETER) if it in dataset.data_vars]
+    follows = [it for it in parameters if dataset[it].ndim]
     places = np.unravel_index(cases[0], dataset["status"].shape)
     first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
     one = dataset.isel(first).drop_vars([*follows, name])
@@ -305,13 +298,9 @@ def _colours(references: Sequence[ConeFactor]) -> list[str]:
 
 def _depends_on(dataset: xr.Dataset, name: str) -> bool:
     """Whether the references, the literature's or the study's own, depend on a parameter."""
-    try:
-        conditions = vars(conditions_of(dataset))
-    except NothingToCompareError:
-        return False
     if any(parameter_of(name) in reference.names for reference in _own(dataset)):
         return True
-    column = over_cases(dataset, name)
+    column, conditions = over_cases(dataset, name), vars(conditions_of(dataset))
     quantities = [condition for key, condition in conditions.items() if key != "parameters"]
     return any(np.array_equal(over_cases(dataset, quantity), column) for quantity in quantities)
 

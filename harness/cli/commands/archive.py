@@ -11,7 +11,6 @@ from harness.archive.study_files import read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, tell
 from harness.run import collect_and_clean as results
-from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.study.files import study_names
 from harness.study.study import load_study
 from mpm_warp.scenes import scene_names
@@ -87,7 +86,7 @@ def collect(options: argparse.Namespace) -> int:
 def clean(options: argparse.Namespace) -> int:
     """Remove files that are no results of the study, where the user agrees."""
     study = load_study(options.study, options.set)
-    found = stray_files(study, options.out)
+    found = results.stray_files(study, options.out)
     for file in found:
         print(f"{file.path}: {file.what}")
     if not found:
@@ -96,7 +95,7 @@ def clean(options: argparse.Namespace) -> int:
     if not options.yes and not _confirmed(f"remove {results.counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
-    count = remove_stray(found)
+    count = results.remove_stray(found)
     tell(f"{results.counted(count, 'file')} removed")
     return DONE if count == len(found) else INCOMPLETE
 

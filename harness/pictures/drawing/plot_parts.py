@@ -143,7 +143,7 @@ def once(axes: Axes, label: str) -> str:
     return "" if label in axes.get_legend_handles_labels()[1] else label
 
 
-def chosen(count: int, most: int = MOST_LABELS) -> list[int]:
+def chosen(count: int, most: int) -> list[int]:
     """Up to `most` of `count` places, evenly spread, the first and the last among them."""
     return sorted({round(it) for it in np.linspace(0, count - 1, min(count, most)).tolist()})
 
