@@ -116,10 +116,12 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
 
 
 def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> str:
-    """A value and its half width, or why it has none."""
+    """A value and its half width, or why it has none; nothing beside a value that is missing."""
+    if text == words.MISSING:
+        return text
     if math.isfinite(half_width):
         return f"{words.known(value, half_width)} ± {words.known(half_width, half_width)}"
-    return f"{text} ({without_half_width(reason)})" if reason and text != words.MISSING else text
+    return f"{text} ({without_half_width(reason)})" if reason else text
 
 
 def _sortable(value: object) -> str:

@@ -6,6 +6,7 @@ import xarray as xr
 from matplotlib.container import ErrorbarContainer
 
 from harness.pictures.cases import scenes_figure
+from harness.report.tables import case_columns
 from mpm_warp.results import labelled
 from tests.harness.pictures.conftest import caption_of, figures, texts
 
@@ -45,6 +46,15 @@ def test_each_soil_is_a_row_with_the_result_of_each_scene() -> None:
     assert drawn == [CONES, BARS[::-1]]
     assert texts(axes.get_yticklabels()) == [r"$α$ = 0", r"$α$ = 0.5"]
     assert axes.get_xlabel().endswith("resistance factor [-]")
+
+
+def test_no_half_width_stands_in_a_table_where_the_value_is_missing() -> None:
+    cells = {
+        it.title: [cell.text for cell in it.cells]
+        for it in case_columns(cones_and_bars([0.5, 0.0]))
+    }
+    assert cells["cone factor"] == ["11.30 ± 0.10", "10.5 ± 0.2", "-", "-"]
+    assert cells["resistance factor"] == ["-", "-", "10.8", "8.4"]
 
 
 def test_a_case_that_did_not_complete_is_told_of() -> None:
