@@ -39,10 +39,10 @@ APEX_ANGLE = 60.0
 RIGIDITY_INDICES = (20.0, 30.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
 SLOPES = (
-    (-1.70, -1.95, -1.93, -1.90, -1.70, -1.46),
-    (-1.15, -1.06, -1.27, -1.34, -1.31, -1.29),
+    (-1.70, -1.95, -1.92, -1.89, -1.69, -1.46),
+    (-1.15, -1.02, -1.27, -1.34, -1.31, -1.29),
 )
-CURVATURES = ((1.54, *(1.97,) * 5), (1.14, 1.23, 1.48, 1.55, 1.58, 1.74))
+CURVATURES = ((1.55, *(1.96,) * 5), (1.14, 1.14, 1.49, 1.55, 1.59, 1.75))
 """B and Q of E_mesh at these rigidity indices, dimensionless, of a smooth cone and of one with
 adhesion factor 1; between the two they go with the square of the adhesion factor."""
 CURVATURE_POWER = 1.7
