@@ -190,10 +190,10 @@ CONE_FACTORS: tuple[ConeFactor, ...] = (
     ConeFactor(
         id="this_project",
         label="this project",
-        formula="0.75 + 2.153 ln Ir + 1.36 alpha_c + 0.10 alpha_s - 2.11 Delta",
+        formula="0.75 + 2.152 ln Ir + 1.36 alpha_c + 0.10 alpha_s - 2.11 Delta",
         evaluate=lambda c: (
             0.75
-            + 2.153 * _ln(c.rigidity_index)
+            + 2.152 * _ln(c.rigidity_index)
             + 1.36 * c.face_adhesion
             + 0.10 * c.shaft_adhesion
             - 2.11 * c.stress_anisotropy

@@ -162,7 +162,7 @@ def test_differences_and_ratios_of_random_cases_are_inside() -> None:
     assert max(found) <= 1.0  # as the module says
     errors = held_out["cone_factor"] - default["cone_factor"]
     # Of two cases: their mean square in common over the whole mean square.
-    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.57, abs=0.0051)
+    assert 1.0 - errors.var(ddof=1) / np.mean(errors**2) == pytest.approx(0.22, abs=0.0051)
 
 
 def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
