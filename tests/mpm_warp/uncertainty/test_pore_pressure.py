@@ -283,6 +283,28 @@ def test_a_small_window_is_a_part_of_the_half_widths_of_u1_and_u2() -> None:
                 assert error(other, extent_ratio=0.5, **of_cone) == error(other, **of_cone)
 
 
+TALLER = {
+    50.0: (0.042, 0.031, 0.042, 0.057),
+    100.0: (0.075, 0.048, 0.058, 0.006),
+    200.0: (0.057, 0.022, 0.051, 0.030),
+    400.0: (0.001, 0.047, 0.029, 0.019),
+}
+"""What F - s gains in a window twice as tall, by rigidity index, on 5 rows, means over 10 radii;
+adhesion factor 0.3, 0.8, and 0.5 with Delta -0.4 and 0.4."""
+
+
+def test_what_a_taller_window_adds_to_u2_is_corrected() -> None:
+    """Of a window without end more: by the square of the extent a third, as of other bounds."""
+    gained = np.array(list(TALLER.values()))
+    for whole in (gained, 4.0 / 3.0 * gained):
+        assert (np.abs(whole - law.SHOULDER_WINDOW) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.95
+    at = {"cell_size": 1e-9, "adhesion_factor": 0.0, "inertia": 0.0}
+    for index, felt in ((100.0, 1.0), (25.0, 0.5)):
+        correction, _ = radial_error(6.0, rigidity_index=index, **at)
+        added = float(correction) - deviator_near_shaft(index, 0.0)
+        assert added == pytest.approx(felt * law.SHOULDER_WINDOW)
+
+
 @pytest.mark.parametrize(("place", "stiffest"), [("shoulder", 300.0), ("face", 500.0)])
 def test_in_very_stiff_clay_three_rows_tell_nothing(place: str, stiffest: float) -> None:
     for index, rows, word in ((0.9, 3, ""), (1.1, 3, "mesh"), (1.1, 4, "")):
