@@ -26,10 +26,10 @@ rows beside the face. On fewer than five rows F - s is read far from the filter:
 in its error, and 0.6 (h - 0.35) (F - s) is one more part of its half width; in very stiff clay
 nothing is known of u1 and u2 then. E_h is what the place of the rows changes in the reading, by
 rigidity index. Half widths grow beyond the rigidity indices where they were measured. No law takes
-off what the inertia i = rho V^2 / su does: E i and 0.6 i are the most that it was found to do. T =
-0.05 is what a taller window adds, with 0.05 left open, below Ir 50 both in proportion to Ir. A
-window that is smaller than by default leaves open as much of u1 and u2 as of the cone factor, W.
-Nor is anything known where cells grow by more than 0.5. How all of it was measured is in
+off what the inertia i = rho V^2 / su does: E i and 0.6 i are the most that it was found to do. A
+taller window adds T = 0.05, with 0.05 left open, below Ir 50 both in proportion to Ir. A window
+that is smaller than by default leaves open as much of u1 and u2 as of the cone factor, W. Nor is
+anything known where cells grow by more than 0.5. How all of it was measured is in
 `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.

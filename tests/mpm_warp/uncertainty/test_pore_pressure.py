@@ -294,7 +294,7 @@ adhesion factor 0.3, 0.8, and 0.5 with Delta -0.4 and 0.4."""
 
 
 def test_what_a_taller_window_adds_to_u2_is_corrected() -> None:
-    """Of a window without end more: by the square of the extent a third, as of other bounds."""
+    """A window without a top gains a third more, if what lacks goes with 1 / extent squared."""
     gained = np.array(list(TALLER.values()))
     for whole in (gained, 4.0 / 3.0 * gained):
         assert (np.abs(whole - law.SHOULDER_WINDOW) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.95
@@ -353,6 +353,14 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
     return law.stated_pressures(
         recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
     )
+
+
+def test_u2_of_random_cases_is_that_of_finer_runs() -> None:
+    """With 95 %, within the half widths of both; no case was used to set the law."""
+    cases = np.genfromtxt(MEASURED.with_name("held_out_u2.csv"), delimiter=",", names=True)
+    half_width = np.hypot(cases["u2_uncertainty"], cases["u2_fine_uncertainty"])
+    assert len(cases) == 24
+    assert np.mean(np.abs(cases["u2"] - cases["u2_fine"]) <= half_width) >= 0.95
 
 
 def test_what_still_comes_of_u2_is_within_its_half_width() -> None:
