@@ -172,7 +172,9 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
     code = (keys.get("REPORTCODE") or keys.get("PROCEDURECODE") or [["no #REPORTCODE"]])[0][0]
     if "CPT" not in code.upper():
         raise StudyError(f"{path}: is no cone test: {code}, must be GEF-CPT-Report")
-    voids = {fields[0]: _numbers(fields[1:2]) for fields in keys.get("COLUMNVOID", [])}
+    voids: dict[str, tuple[float, ...]] = {}
+    for fields in keys.get("COLUMNVOID", []):
+        voids[fields[0]] = voids.get(fields[0], ()) + _numbers(fields[1:2])
     columns = sorted(
         (int(fields[0]), fields)
         for fields in keys.get("COLUMNINFO", [])
@@ -198,6 +200,10 @@ def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
         for part in line.split(record)
         if part.strip()
     ]
+    numbers = [fields[0] for fields in keys.get("MEASUREMENTVAR", [])]
+    for number in GEF_TOLD:
+        if numbers.count(number) > 1:
+            raise StudyError(f"{path}: #MEASUREMENTVAR = {number} must be there once")
     measured = {fields[0]: [*fields[1:], "", ""] for fields in keys.get("MEASUREMENTVAR", [])}
     told = [measured.get(number, ["", ""]) for number in GEF_TOLD]
     last = next(iter(_numbers(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))

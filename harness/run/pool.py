@@ -22,7 +22,7 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, MISSING, TIMED_OUT
-from harness.run.resources import DEFAULTS, RunOptions, case_time
+from harness.run.resources import DEFAULTS, RunOptions, case_time, usable_cores
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
@@ -111,14 +111,14 @@ def run_cases(
 
 
 def share_of_cores(cases_at_work: int) -> int:
-    """Threads of each of the cases that share the cores of this machine."""
-    cores = (os.cpu_count() or 1) // cases_at_work
+    """Threads of each of the cases that share the cores that this process may use."""
+    cores = usable_cores() // cases_at_work
     return max((count for count in THREAD_COUNTS if count <= cores), default=1)
 
 
 def cases_at_once(threads: int | None) -> int:
-    """Cases that have the cores of this machine, of so many threads each; None: of one."""
-    return max(1, (os.cpu_count() or 1) // (threads or 1))
+    """Cases that have these cores, of so many threads each; None: of one."""
+    return max(1, usable_cores() // (threads or 1))
 
 
 def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:

@@ -2,6 +2,7 @@
 
 import functools
 import math
+import os
 import resource
 import sys
 import time
@@ -54,6 +55,13 @@ class RunOptions:
 
 
 DEFAULTS = RunOptions()
+
+
+def usable_cores() -> int:
+    """Cores that this process may use: all of the machine's, where its system sets no fewer."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 class TooLarge(SceneError):

@@ -1,7 +1,6 @@
 """Scenes against their exact solutions: every scene that has one, at its resolutions."""
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from multiprocessing import get_context
 import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
-from harness.run.resources import UPDATE_RATE
+from harness.run.resources import UPDATE_RATE, usable_cores
 from harness.study.scene_part import loaded_scenes
 from mpm_warp.results import labelled
 from mpm_warp.scenes import CatalogueScene, Verification, scene_class
@@ -135,8 +134,8 @@ def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
 
 
 def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
-    """Run checks side by side on the cores of this machine; the results in the given order."""
-    workers = min(os.cpu_count() or 1, len(checks))
+    """Run checks side by side on the cores that may be used; the results in the given order."""
+    workers = min(usable_cores(), len(checks))
     if workers < 2 or sum(candidate.predicted_time for candidate in checks) < QUICK_TIME:
         yield from map(verify, checks)
         return

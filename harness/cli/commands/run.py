@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import os
 import sys
 from collections.abc import Sequence
 
@@ -25,12 +24,12 @@ from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
 from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, tell
-from harness.pictures.drawing.plot_parts import image, write_own
+from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.collect_and_clean import counted
 from harness.run.rerun import read_for_rerun, rerun, verdict
-from harness.run.resources import RunOptions, check_device, spoken_time
+from harness.run.resources import RunOptions, check_device, spoken_time, usable_cores
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
 from harness.study.description import tell_of_unusual_values
@@ -125,6 +124,8 @@ def bench(options: argparse.Namespace) -> int:
 
 SETTING_UP = 10.0
 """Start and compilation of many small checks, about [s]."""
+VERIFIED_FILES = {"verify.nc": "observed order", "verify.txt": HEADING, "verify.png": MAKER}
+"""What it writes, and what stands in each: by that an older one is known, and replaced."""
 VERIFIED_BAR = "{percentage:3.0f} % of the work |{bar}| {elapsed} < {remaining}"
 
 
@@ -138,11 +139,13 @@ def verify_scenes(options: argparse.Namespace) -> int:
             tell(f"--quick: left out, without a quick check: {', '.join(sorted(left))}")
     if options.out is not None:
         prepare(options.out)
+        for name, mark in VERIFIED_FILES.items():
+            check_replaceable(options.out / name, mark)
     seconds = [check.predicted_time for check in checks]
     tell(
         f"{counted(len(checks), 'check')} of "
         f"{counted(len({check.scene for check in checks}), 'scene')}, about "
-        f"{spoken_time(sum(seconds) / (os.cpu_count() or 1) + SETTING_UP)} on a quiet machine"
+        f"{spoken_time(sum(seconds) / usable_cores() + SETTING_UP)} on a quiet machine"
     )
     lines, results = [HEADING], []
     print(lines[0])

@@ -65,6 +65,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "GEF without rows": ("gef", cut_after("#EOH="), "has no rows of values"),
     "GEF of a borehole": ("gef", replaced("CPT-Report", "BORE-Report"), "no cone test: GEF-BORE"),
     "GEF lacks a column": ("gef", replaced("#COLUMNINFO= 2", "#X"), "#COLUMNINFO must be there"),
+    "GEF, a second area": (
+        "gef",
+        replaced("#MEASUREMENTVAR= 13,", "#MEASUREMENTVAR= 1, 1000, mm2, a\n#MEASUREMENTVAR= 13,"),
+        "#MEASUREMENTVAR = 1 must be there once",
+    ),
     "GEF of levels": ("gef", replaced("; 1.0;", "; -1.0;"), "above the ground; where the file has"),
     "GEF, area ratio in %": ("gef", replaced(" 0.80,", " 80,"), "area_ratio = 80: must be > 0 and"),
     "XML cut": ("xml", cut_after("<c:values>"), "is no whole XML: no element found"),

@@ -89,6 +89,16 @@ def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
     np.testing.assert_allclose(found.values["depth"], [row[0] + 0.01 for row in rows])
 
 
+def test_a_column_of_a_gef_may_have_several_codes_of_a_missing_value(folder: Path) -> None:
+    """Of -1 beside -999, which stands in row 20."""
+    rows = rows_of(folder)
+    more = "#COLUMNVOID= 4, -999.0\n#COLUMNVOID= 4, -1.0"
+    text = as_gef(rows).replace("#COLUMNVOID= 4, -999.0", more)
+    other = text.replace(f"; {rows[5][2]!r}; ", "; -1.0; ")
+    found = columns_of(site_of(folder, "gef", other))
+    assert [row for row, fs in enumerate(found.values["fs"]) if np.isnan(fs)] == [5, 20]
+
+
 def test_the_length_of_the_rods_is_corrected_by_inclination(folder: Path) -> None:
     """At 10 degrees all along, but for a missing value: cos 10 of the way from the first row on."""
     text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling, 8")

@@ -2,7 +2,6 @@
 
 import inspect
 import io
-import os
 import re
 import time
 from pathlib import Path
@@ -52,7 +51,7 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
         bound.apply_defaults()
         asked.update(bound.arguments | vars(bound.arguments["options"]))
 
-    monkeypatch.setattr(os, "cpu_count", lambda: 8)
+    monkeypatch.setattr("harness.run.pool.usable_cores", lambda: 8)
     monkeypatch.setattr(run_study, "check_device", lambda device: None)
     monkeypatch.setattr(run_study, "run_cases", note)
     small_file.write_text(small_file.read_text() + more)

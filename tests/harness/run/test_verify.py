@@ -76,7 +76,7 @@ def test_checks_side_by_side_give_the_results_of_each_alone_in_their_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("harness.run.verify.QUICK_TIME", 0.0)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr("harness.run.verify.usable_cores", lambda: 2)
     checks = [*verify.checks_of(["gravity_column"]), *verify.checks_of(["element_test"])[:1]]
     for found in zip(verify.verified_in_turn(checks), map(verify.verify, checks), strict=True):
         one, other = (it.values("error") for it in found)
@@ -98,6 +98,23 @@ def test_command_writes_dataset_table_and_picture(tmp_path: Path) -> None:
         assert dataset["passed"].item() == 1
     assert "pass" in (tmp_path / "verify.txt").read_text()
     assert (tmp_path / "verify.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_files_of_another_program_are_told_before_anything_runs(
+    tmp_path: Path, command: Command
+) -> None:
+    """Files of its own are replaced."""
+    verified = "verify", "--scene", "gravity_column", "--out", tmp_path
+    command(*verified)
+    command(*verified)
+    for name in ("verify.nc", "verify.txt", "verify.png"):
+        own = (tmp_path / name).read_bytes()
+        (tmp_path / name).write_text("mine")
+        told = command(*verified, code=2)
+        assert f"{name}: was not written by this program" in told.err
+        assert "gravity_column" not in told.out
+        assert (tmp_path / name).read_text() == "mine"
+        (tmp_path / name).write_bytes(own)
 
 
 def test_command_says_what_falls_short(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
