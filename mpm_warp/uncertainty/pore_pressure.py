@@ -54,14 +54,16 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-SHOULDER_INDICES, SHOULDER_ADHESION = (20.0, 30.0, 50.0, 100.0, 300.0, 600.0), (0.0, 0.5, 1.0)
+SHOULDER_INDICES = (20.0, 30.0, 50.0, 100.0, 300.0, 450.0, 600.0)
+SHOULDER_ADHESION = (0.0, 0.5, 1.0)
 SHOULDER_ERROR = (
     (-0.3, -0.4, -0.1),
     (0.5, 0.5, -0.8),
     (1.4, 1.3, 0.7),
-    (2.3, 3.7, 3.7),
-    (-0.4, 2.5, 4.8),
-    (0.6, 1.5, -0.9),
+    (2.4, 3.6, 3.7),
+    (-0.4, 2.4, 4.6),
+    (1.8, -2.0, 0.3),
+    (0.7, 1.0, -1.4),
 )
 """S at these rigidity indices (rows) and adhesion factors, fitted at once to all clays that were
 measured on five rows beside the face and more."""
@@ -95,9 +97,9 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-SLOPE_LEFT = (300.0, 600.0), (0.5, 1.3)
+SLOPE_LEFT = (200.0, 450.0), (0.5, 1.5)
 """Half width of S over the rigidity index."""
-READ_IN_CELLS = (30.0, 100.0, 300.0, 1000.0), (0.035, 0.07, 0.07, 0.08)
+READ_IN_CELLS = (30.0, 100.0, 300.0, 1000.0), (0.035, 0.07, 0.08, 0.1)
 """E_h over the rigidity index: half width of what the reading in cells leaves, over h (F - s)."""
 POWER_LEFT, SHOULDER_LEFT, NEAR_SHAFT, LAYER_LEFT = 0.025, 0.006, 0.08, 0.06
 """Half widths of u2: over S, for other powers of h fit as well; over F - s, of D, and of w."""
