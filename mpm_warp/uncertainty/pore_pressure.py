@@ -60,10 +60,10 @@ SHOULDER_ERROR = (
     (-0.3, -0.4, -0.1),
     (0.5, 0.5, -0.8),
     (1.4, 1.3, 0.7),
-    (2.4, 3.6, 3.7),
-    (-0.4, 2.4, 4.6),
-    (1.8, -2.0, 0.3),
-    (0.7, 1.0, -1.4),
+    (2.4, 3.5, 3.7),
+    (-0.5, 2.5, 4.6),
+    (0.6, -1.8, 0.2),
+    (0.8, 0.9, -1.4),
 )
 """S at these rigidity indices (rows) and adhesion factors, fitted at once to all clays that were
 measured on five rows beside the face and more."""
