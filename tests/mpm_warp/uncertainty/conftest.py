@@ -1,9 +1,12 @@
-"""What a steady run would leave behind, at once."""
+"""What a steady run would leave behind, at once; the law of u2 over a radial stress."""
+
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.uncertainty.pore_pressure import Value, shoulder_error
 
 
 def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:
@@ -18,3 +21,8 @@ def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr
             "penetration_reached": test.penetration,
         }
     )
+
+
+def radial_error(factor: Value, *, inertia: Value = 0.0, **of_cone: Any) -> tuple[Value, Value]:
+    """Correction of a radial stress, which makes it u2; of a slow cone, where nothing is said."""
+    return shoulder_error(factor, 0.0, inertia=inertia, **of_cone)
