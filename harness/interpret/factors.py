@@ -9,10 +9,10 @@ another rate, L log cycles above it, holds
 and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
 polynomials in the inputs, each brought to -1 to 1 over its range; the ductility counts by the share
 of strength that can be lost. The sleeve's is taken over the adhesion factor. Of u2 it is the radial
-pressure over Nkt, u2 = Nkt P + D, with the deviator D of the soil beside the shaft by its law: a
-fit to u2 itself has 1.3 times the error. Every case is kept out of one of PARTS fits, which gives
-the error of the fit. That of degree 2 is 3, 1.5 and 1.2 times that of degree 3 for Nkt, the sleeve
-and u2; degree 4 and radial basis functions (scipy) have a tenth less at most.
+stress on the shaft over Nkt, u2 = Nkt P + C; what the filter has more, C, is by its law. Every case
+is kept out of one of PARTS fits, which gives the error of the fit. That of degree 2 is 3, 1.5 and
+1.2 times that of degree 3 for Nkt, the sleeve and u2; degree 4 and radial basis functions (scipy)
+have a tenth less at most.
 """
 
 import functools
@@ -26,7 +26,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, shoulder_error
+from mpm_warp.uncertainty.pore_pressure import excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
@@ -76,7 +76,7 @@ class Factors:
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
         values = dict(zip(QUANTITIES, np.tensordot(self.weights.T, terms, 1), strict=True))
-        return _whole(values, inputs["rigidity_index"], inputs["adhesion_factor"])
+        return _whole(values, **{name: inputs[name] for name in ("rigidity_index", *MOVING)})
 
     def along(self, fixed: Mapping[str, Floats | float]) -> "Along":
         """The quantities of soils, shape [soils], as functions of what changes with depth."""
@@ -111,18 +111,21 @@ class Along:
             values[name] = sum(
                 weight[place] * x**a * y**b for (a, b), weight in self.weights.items()
             )
-        return _whole(values, self.rigidity_index, adhesion_factor)
+        return _whole(
+            values,
+            rigidity_index=self.rigidity_index,
+            stress_anisotropy=stress_anisotropy,
+            adhesion_factor=adhesion_factor,
+        )
 
 
-def _whole(
-    values: dict[str, Floats], rigidity_index: Floats | float, adhesion_factor: Floats | float
-) -> dict[str, Floats]:
+def _whole(values: dict[str, Floats], **soil: Floats | float) -> dict[str, Floats]:
     """Quantities of what the polynomials give, in place; see `_fitted_values`."""
     if PRESSURE in values:
-        deviator = deviator_near_shaft(rigidity_index, adhesion_factor, values[SLEEVE])
-        values[PRESSURE] = values[PRESSURE] * values["cone_factor"] + deviator
+        excess = excess_at_filter(**soil, strength_ratio=values[SLEEVE])
+        values[PRESSURE] = values[PRESSURE] * values["cone_factor"] + excess
     if SLEEVE in values:
-        values[SLEEVE] = values[SLEEVE] * adhesion_factor
+        values[SLEEVE] = values[SLEEVE] * soil["adhesion_factor"]
     return values
 
 
@@ -166,29 +169,23 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float
 
     The last is 95 % of the error of the quantity as simulated, over it.
     """
-    values = table[name]
     if name == PRESSURE:
         soil = {
-            "rigidity_index": table["rigidity_index"],
-            "adhesion_factor": table["adhesion_factor"],
+            **{name: table[name] for name in ("rigidity_index", *MOVING)},
             # The sleeve slips at the adhesion of the soil beside it.
             "strength_ratio": table[SLEEVE] / table["adhesion_factor"],
         }
-        deviator = table["radial_deviator_factor_shoulder"]
-        correction, half_width = shoulder_error(
-            values,
-            deviator,
+        pressure, half_width = shoulder_pressure(
+            table["radial_stress_factor_shaft"],
             cell_size=PRESSURE_CELL,
             inertia=table["rigidity_index"] * PRESSURE_SPEED**2,
             **soil,
         )
-        pressure = values + correction
-        radial = pressure - deviator_near_shaft(**soil)
+        radial = pressure - excess_at_filter(**soil)
         simulated_error = float(np.sqrt(np.mean((half_width / pressure) ** 2)))
         return radial / table["cone_factor"], radial / pressure, simulated_error
-    if name == SLEEVE:
-        values = values / table["adhesion_factor"]
-    return values, 1.0, SIMULATED_ERROR[name]
+    over = table["adhesion_factor"] if name == SLEEVE else 1.0
+    return table[name] / over, 1.0, SIMULATED_ERROR[name]
 
 
 def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:

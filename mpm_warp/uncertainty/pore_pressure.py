@@ -11,27 +11,28 @@ of u2 is next to none. The parts of a half width add up as squares. A, and S and
 rigidity index and the adhesion factor of face and shaft.
 
 u2 is the pressure of the soil within 0.06 radii of the shaft, 1 mm beside a cone of 10 cm2: pore
-pressure evens out over such a distance while a cone passes by. With s, the radial deviator over su
-of the cells that F is read in, tension positive,
+pressure evens out over such a distance while a cone passes by. Beside the filter every mesh smears
+what happens at the shoulder. So u2 is stated by F, the radial stress on the shaft from 1.4 to 3.2
+radii above it, which meshes of 5 to 56 rows beside the face have alike within some percent, and by
+C, what the pressure beside the filter has more, from 14 to 112 rows:
 
-    u2 = (F - s) - S h^1.5 + T + D,    D = w D_l + (1 - w) D_b
-    half width  S_h h^1.5, 0.025 S, E_h h (F - s), 0.006 (F - s),
-                0.06 (D_b - D_l), 0.08, E_i i, 0.05, W
+    u2 = F - S h + C + T,    C = B + 0.16 |Delta| + D,    D = w D_l + (1 - w) D_b
+    half width  0.045 h F, 0.18 S, B_l, 0.08 |Delta|, 0.2 (1 - r), 0.05, 0.05 (D_b - D_l),
+                E_i i, 0.04, W
 
-F - s is the radial pressure, the same in the soil that touches the shaft and in that beside it. S
-is known to S_h; powers of h that fit as well as 1.5 have limits that differ by 0.025 S. E_h is what
-the place of the rows changes in the reading. D is the deviator within the 0.06 radii. Soil that has
+S is the error of the mesh, B what the radial stress rises from there down to the filter, known to
+B_l, and D the deviator of the radial stress within the 0.06 radii, tension positive. Soil that has
 gone round the shoulder forms a layer beside the shaft; D_l is the deviator in it, close to what
 yield allows, D_b that of the soil beside it, and w is the share of the 0.06 radii that the layer
-takes, known to 0.06; no more of it is left open than there is. A mesh makes it by some half a row
-thicker, so w is drawn on from meshes of up to 112 rows beside the face. On fewer than five rows
-F - s is read far from the filter: h counts up to 0.45 in its error, and 0.6 (h - 0.35) (F - s) is
-one more part of its half width; in very stiff clay three rows tell nothing of u1 and u2. Half
-widths grow beyond the rigidity indices where they were measured. No law takes off what the inertia
-i = rho V^2 / su does: E i and E_i i are the most that it was found to do. A taller window adds
-T = 0.05, with 0.05 left open, below Ir 50 both in proportion to Ir. A window that is smaller than
-by default leaves open as much of u1 and u2 as of the cone factor, W. Nor is anything known where
-cells grow by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
+takes; no more of it is left open than there is. A mesh makes it by some half a row thicker, so w is
+drawn on from meshes of up to 112 rows. The strength of the soil at the shaft is r su; D is in
+proportion. On fewer than five rows 0.45 (h - 0.35) F is one more part of the half width; in very
+stiff clay three rows tell nothing of u1 and u2. Half widths grow beyond the rigidity indices where
+they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and E_i i are the
+most that it was found to do. A taller window adds T = 0.03 (1 - 2 Delta), nothing from Delta 0.5
+on; below Ir 50 both it and its half width are in proportion to Ir. A window that is smaller than by
+default leaves open as much of u1 and u2 as of the cone factor, W. Nor is anything known where cells
+grow by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -54,35 +55,48 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
-SHOULDER_INDICES = (20.0, 30.0, 50.0, 100.0, 300.0, 450.0, 600.0)
+SHOULDER_INDICES = (20.0, 50.0, 100.0, 200.0, 300.0, 450.0, 1000.0)
 SHOULDER_ADHESION = (0.0, 0.5, 1.0)
 SHOULDER_ERROR = (
-    (-0.3, -0.4, -0.1),
-    (0.5, 0.5, -0.8),
-    (1.4, 1.3, 0.7),
-    (2.4, 3.5, 3.7),
-    (-0.5, 2.5, 4.6),
-    (0.6, -1.8, 0.2),
-    (0.8, 0.9, -1.4),
+    (-0.3, -0.4, 0.0),
+    (-0.1, -0.1, 0.2),
+    (-0.1, -0.1, 0.2),
+    (0.5, 0.0, -0.2),
+    (0.5, 0.5, -0.9),
+    (0.9, 0.6, 0.1),
+    (0.9, 0.7, 1.9),
 )
 """S at these rigidity indices (rows) and adhesion factors, fitted at once to all clays that were
 measured on five rows beside the face and more."""
-SHOULDER_MEASURED = 20.0, 1000.0
-"""The least and the greatest rigidity index among them; from 600 on S stays."""
-SHOULDER_POWER, WIDEST, WIDE = 1.5, 0.45, 0.35
-"""Power of h in this error; h up to which it grows, and above which cells are wide."""
+SHOULDER_MEASURED = SHOULDER_INDICES[0], SHOULDER_INDICES[-1]
+"""The least and the greatest rigidity index among them."""
+WIDE, OF_THREE_ROWS = 0.35, 0.45
+"""h above which cells are wide, and above which they are of three rows or less."""
 STIFFEST_OF_WIDE = {"face": 500.0, "shoulder": 300.0}
 """Rigidity indices up to which cells of three rows tell u1 and u2: above, quick tests had 3 to 7 %
 too little of u1, and 18 to 24 % of u2."""
+RISE_ADHESION = (0.0, 0.25, 0.5, 1.0)
+RISE = (
+    (0.92, 0.88, 0.88, 1.01),
+    (1.14, 1.09, 1.06, 1.17),
+    (1.28, 1.16, 1.12, 1.11),
+    (1.54, 1.46, 1.28, 1.22),
+    (1.85, 1.66, 1.58, 1.26),
+    (2.22, 2.04, 1.86, 1.55),
+    (2.6, 2.5, 2.4, 2.4),
+)
+"""B at the rigidity indices of S and these adhesion factors, where Delta is 0."""
+RISE_BY_ANISOTROPY, RISE_BY_ANISOTROPY_LEFT = 0.16, 0.08
+"""What B gains, over |Delta|, and its half width."""
 LAYER_INDICES, LAYER_ADHESION = (30.0, 100.0, 300.0, 600.0), (0.0, 0.25, 0.5, 1.0)
 LAYER_SHARE = (
     (0.78, 0.86, 0.9, 1.0),
     (0.52, 0.72, 0.82, 1.0),
-    (0.0, 0.1, 0.46, 0.9),
+    (0.0, 0.1, 0.46, 0.85),
     (0.0, 0.0, 0.0, 0.9),
 )
 """w at these rigidity indices and adhesion factors."""
-IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.52))
+IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.56))
 """D_l over the adhesion factor, at any rigidity index."""
 BESIDE_LAYER = ((30.0, 100.0, 300.0, 600.0), (-0.6, 0.0, 0.45, 0.62))
 """D_b over the rigidity index, at any adhesion factor."""
@@ -97,14 +111,12 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-SLOPE_LEFT = (200.0, 450.0), (0.5, 1.5)
-"""Half width of S over the rigidity index."""
-READ_IN_CELLS = (30.0, 100.0, 300.0, 1000.0), (0.035, 0.07, 0.08, 0.1)
-"""E_h over the rigidity index: half width of what the reading in cells leaves, over h (F - s)."""
-POWER_LEFT, SHOULDER_LEFT, NEAR_SHAFT, LAYER_LEFT = 0.025, 0.006, 0.08, 0.06
-"""Half widths of u2: over S, for other powers of h fit as well; over F - s, of D, and of w."""
-READ_IN_WIDE_CELLS = 0.6
-"""Half width of u2 over F - s and over what h is above WIDE."""
+RISE_LEFT = (100.0, 200.0, 450.0, 1000.0), (0.04, 0.06, 0.1, 0.2)
+"""Half width of B over the rigidity index."""
+READ_IN_CELLS, SLOPE_LEFT, NEAR_SHAFT, LAYER_LEFT, SOFTENED = 0.045, 0.18, 0.05, 0.05, 0.2
+"""Half widths of u2: over h F; over S, for the power of h; of D; of w; and over 1 - r."""
+READ_IN_WIDE_CELLS = 0.45
+"""Half width of u2 over F and over what h is above WIDE."""
 SETTLING = 0.3
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
 NOISE = {"face": 0.006, "shoulder": 0.01}
@@ -114,12 +126,13 @@ BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
 FACE_INERTIA = ((20.0, 100.0, 200.0, 500.0), (0.1, 0.45, 0.45, 0.2))
 """E over the rigidity index: what i = 0.1 to 2.4 changes of u1, over i."""
-SHOULDER_INERTIA, INERTIA_IN_WIDE_CELLS = ((20.0, 50.0), (0.6, 0.45)), 1.2
-"""The same of u2, and in cells that are wide, at any rigidity index."""
+SHOULDER_INERTIA = (20.0, 50.0), (0.6, 0.45)
+"""The same of u2."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
-SHOULDER_WINDOW, SHOULDER_WINDOW_LEFT = 0.05, 0.05
-"""T of u2 and its half width: a window twice as tall adds 0.00 to 0.08 between Ir 50 and 400."""
+SHOULDER_WINDOW, SHOULDER_WINDOW_LEFT = 0.03, 0.04
+"""T of u2 at Delta 0 and its half width: a window twice as tall adds 0.00 to 0.08 between Ir 50 and
+400, most where Delta is least."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8
 """Half widths of u1 and u2 per ln(Ir) beyond the rigidity indices measured."""
 
@@ -133,7 +146,7 @@ def face_error(
     inertia: Value,
     extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
-    """Correction of u1 and its half width of 95 %, over su, shape [...]; see `shoulder_error`."""
+    """Correction of u1, its half width of 95 %, over su, shape [...]; see `shoulder_pressure`."""
     slope = _of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
     beyond = FACE_RANGE * _beyond(FACE_INDICES, rigidity_index)
     by_inertia = inertia * _by_index(FACE_INERTIA, rigidity_index)
@@ -141,60 +154,72 @@ def face_error(
     return -slope * cell_size, _added(of_grid, FACE_LEFT * factor, beyond, by_inertia)
 
 
-def shoulder_error(
-    factor: Value,
-    deviator: Value,
+def shoulder_pressure(
+    radial: Value,
     *,
     cell_size: float,
     adhesion_factor: Value,
     rigidity_index: Value,
     inertia: Value,
+    stress_anisotropy: Value = 0.0,
     strength_ratio: Value = 1.0,
     extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
-    """Correction of u2 and its half width of 95 %, over su, shape [...].
+    """u2 and its half width of 95 %, over su, shape [...].
 
     Args:
-        factor: u2 over su as simulated, shape [...].
-        deviator: radial deviator of the cells it was read in, over su, shape [...].
+        radial: F over su as simulated, shape [...].
         cell_size: width of the cells at the cone over its radius.
         adhesion_factor: of face and shaft, shape [...].
         rigidity_index: shape [...].
         inertia: rho V^2 / su, shape [...].
-        strength_ratio: strength of the soil at the shaft over su, shape [...]; D is in proportion.
+        stress_anisotropy: Delta, shape [...].
+        strength_ratio: r, strength of the soil at the shaft over su, shape [...].
         extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
     """
-    slope = _of_table(
-        SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, rigidity_index, adhesion_factor
+    soil = {"rigidity_index": rigidity_index, "adhesion_factor": adhesion_factor}
+    slope = _of_table(SHOULDER_ERROR, SHOULDER_INDICES, SHOULDER_ADHESION, **soil)
+    share, in_layer, beside = _layer(**soil)
+    excess = excess_at_filter(
+        **soil, stress_anisotropy=stress_anisotropy, strength_ratio=strength_ratio
     )
-    share, in_layer, beside = _layer(rigidity_index, adhesion_factor)
-    near_shaft = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
-    of_size = math.pow(min(cell_size, WIDEST), SHOULDER_POWER)
-    error = slope * of_size
-    of_narrow = _by_index(SHOULDER_INERTIA, rigidity_index)
-    by_inertia = INERTIA_IN_WIDE_CELLS if cell_size > WIDE else of_narrow
-    radial = factor - deviator
     felt = np.minimum(1.0, rigidity_index / DOMAIN_FELT)
+    of_window = SHOULDER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * stress_anisotropy) * felt
     half_width = _added(
-        _by_index(SLOPE_LEFT, rigidity_index) * of_size,
-        POWER_LEFT * slope,
-        _by_index(READ_IN_CELLS, rigidity_index) * cell_size * radial,
-        READ_IN_WIDE_CELLS * max(0.0, cell_size - WIDE) * radial,
-        SHOULDER_LEFT * radial,
+        (READ_IN_CELLS * cell_size + READ_IN_WIDE_CELLS * max(0.0, cell_size - WIDE)) * radial,
+        SLOPE_LEFT * slope,
+        _by_index(RISE_LEFT, rigidity_index),
+        RISE_BY_ANISOTROPY_LEFT * np.abs(stress_anisotropy),
+        SOFTENED * (1.0 - strength_ratio),
         strength_ratio * np.minimum(share, LAYER_LEFT) * (beside - in_layer),
         NEAR_SHAFT,
         SHOULDER_RANGE * _beyond(SHOULDER_MEASURED, rigidity_index),
-        by_inertia * inertia,
+        _by_index(SHOULDER_INERTIA, rigidity_index) * inertia,
         window_uncertainty(extent_ratio),
         SHOULDER_WINDOW_LEFT * felt,
     )
-    return near_shaft - deviator - error + SHOULDER_WINDOW * felt, half_width
+    return radial - slope * cell_size + excess + of_window, half_width
+
+
+def excess_at_filter(
+    *,
+    rigidity_index: Value,
+    adhesion_factor: Value,
+    stress_anisotropy: Value = 0.0,
+    strength_ratio: Value = 1.0,
+) -> Value:
+    """C over su, shape [...]; arguments as in `shoulder_pressure`."""
+    rise = _of_table(RISE, SHOULDER_INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
+    by_anisotropy = RISE_BY_ANISOTROPY * np.abs(stress_anisotropy)
+    return (
+        rise + by_anisotropy + deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
+    )
 
 
 def deviator_near_shaft(
     rigidity_index: Value, adhesion_factor: Value, strength_ratio: Value = 1.0
 ) -> Value:
-    """D over su, shape [...]; arguments as in `shoulder_error`."""
+    """D over su, shape [...]; arguments as in `shoulder_pressure`."""
     share, in_layer, beside = _layer(rigidity_index, adhesion_factor)
     return strength_ratio * (share * in_layer + (1.0 - share) * beside)
 
@@ -213,6 +238,7 @@ def stated_pressures(
     strength: float,
     bounded: float,
     why_none: str,
+    stress_anisotropy: float,
     **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
@@ -229,16 +255,19 @@ def stated_pressures(
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
         why = why_none or _why_too_wide(place, **of_cone)
         if not why:
-            curve = recorded[f"excess_pore_pressure_{place}"].values / strength
             if place == "face":
-                off, of_laws = face_error(factor, **of_cone)
+                read, curve = factor, recorded["excess_pore_pressure_face"]
+                off, of_laws = face_error(read, **of_cone)
             else:
-                deviator = float(recorded["radial_deviator_factor_shoulder"])
-                off, of_laws = shoulder_error(factor, deviator, **of_cone)
-                curve = curve - recorded["radial_deviator_shoulder"].values / strength
+                read = float(recorded["radial_stress_factor_shaft"])
+                curve = recorded["excess_radial_stress_shaft"]
+                pressure, of_laws = shoulder_pressure(
+                    read, stress_anisotropy=stress_anisotropy, **of_cone
+                )
+                off = pressure - factor
             correction = float(off) + BOUND_EFFECT[place] * bounded
-            to_come = SETTLING * last_change(curve)
-            of_mean = math.hypot(to_come, NOISE[place] * factor)
+            to_come = SETTLING * last_change(curve.values / strength)
+            of_mean = math.hypot(to_come, NOISE[place] * read)
             half_width = math.hypot(float(of_laws), of_mean, BOUND[place] * bounded)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
@@ -259,7 +288,7 @@ def stated_pressures(
 
 
 def _why_too_wide(place: str, *, cell_size: float, rigidity_index: float, **_: float) -> str:
-    if cell_size > WIDEST and rigidity_index > STIFFEST_OF_WIDE[place]:
+    if cell_size > OF_THREE_ROWS and rigidity_index > STIFFEST_OF_WIDE[place]:
         spoken = {"face": "u1", "shoulder": "u2"}[place]
         above = f"above Ir {STIFFEST_OF_WIDE[place]:g}"
         return f"mesh: {above} cells of three rows are too wide for {spoken}"

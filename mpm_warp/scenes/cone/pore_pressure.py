@@ -11,10 +11,9 @@ undrained clay has no other part. Each reading is a weighted sum of the pressure
 At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
 smears this over two and a half rows; above, it falls in all meshes alike.
 
-Beside u2 the radial deviator of the same cells is read, s_rr = sigma_rr - tr(sigma) / 3. The
-radial stress s_rr - p is the same in the soil that touches the shaft and farther out; s_rr is not,
-and cells do not resolve how it changes. So u2 is stated by the radial stress, and by what s_rr is
-at the shaft (`mpm_warp.uncertainty.pore_pressure`).
+So where the law of its error holds u2 is stated by what all meshes have alike: the radial stress on
+the shaft some radii above the shoulder (`mpm_warp.uncertainty.pore_pressure`). It is the same in
+the soil that touches the shaft and in the cells beside it, which the pressure is not.
 """
 
 import math
@@ -48,8 +47,10 @@ PLACES: Mapping[str, str] = {
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
 """The places by their names in results."""
-DEVIATOR = "radial_deviator_shoulder"
-"""The curve of s_rr."""
+RADIAL_STRESS, RADIAL_FACTOR = "excess_radial_stress_shaft", "radial_stress_factor_shaft"
+"""The curve of the radial stress on the shaft, and its mean at the end over su."""
+READ_FROM = 1.4
+"""Height above the shoulder, over the radius, from which on it is read, up to READ_TO."""
 SMEARED_ROWS = 2
 """Rows above the shoulder that are not read."""
 READ_TO, LEAST_ROWS = 3.2, 3
@@ -58,6 +59,8 @@ OFFSET = 0.15
 """Of the height in the logarithm, over the radius: from there on the pressure of 20 rows beside the
 face follows it down to the filter."""
 
+ALONG_SHAFT = f"on the shaft, mean from {READ_FROM:g} to {READ_TO:g} radii above the shoulder"
+
 Reading = tuple[Integers, Floats]
 """Numbers of cells, and the weights of their pressures."""
 
@@ -65,8 +68,9 @@ Reading = tuple[Integers, Floats]
 def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> Samples:
     """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
 
-    Beside u2 it samples s_rr. A sample is the mean of the values at its begin and at its end. The
-    grid is fitted to the penetrometer. While it slows down nothing is given.
+    With them it samples the radial stress on the shaft. A sample is the mean of the values at its
+    begin and at its end. The grid is fitted to the penetrometer. While it slows down nothing is
+    given.
     """
     scene = soil_scene(simulation)
     grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
@@ -75,14 +79,14 @@ def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> 
         _behind_shoulder(grid, penetrometer),
         _in_first_column(grid, height + SHAFT_FILTER * penetrometer.radius),
     )
+    beside_shaft, along_shaft = _along_shaft(grid, penetrometer)
 
     def take() -> list[float]:
         pressures = excess_pore_pressure(simulation)
-        beside_shaft, of_shoulder = readings[1]
         stress = simulation.array("cell.stress")[beside_shaft]
         deviator = stress[:, 0] - stress[:, [0, 1, 3]].mean(axis=1)
         at_places = [float(weights @ pressures[cells]) for cells, weights in readings]
-        return [*at_places, float(of_shoulder @ deviator)]
+        return [*at_places, float(along_shaft @ (pressures[beside_shaft] - deviator))]
 
     def over_penetration(*taken: Floats) -> xr.Dataset:
         not_given = "not a number above the window, and where the penetrometer slows down"
@@ -99,10 +103,10 @@ def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> 
             )
             for (name, place), mean in zip(PLACES.items(), means[:-1], strict=True)
         }
-        what = f"sigma_rr - tr(sigma) / 3, tension positive, where u2 is read; {not_given}"
-        deviator = means[-1], "Pa", "deviator of the radial stress, shoulder", what
+        what = f"over the mean stress at rest, {ALONG_SHAFT}; {not_given}"
+        radial = means[-1], "Pa", "excess radial stress on the shaft", what
         axis = penetration_axis(len(taken[0]))
-        return curves("penetration", axis, **at_places, **{DEVIATOR: deviator})
+        return curves("penetration", axis, **at_places, **{RADIAL_STRESS: radial})
 
     return Samples(take, over_penetration)
 
@@ -115,10 +119,9 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
         meaning = f"pore pressure factor, {name}"
         what = f"excess pore pressure over su, mean {over}; {place}"
         factors[f"pore_pressure_factor_{name}"] = pressure / strength, "1", meaning, what
-    deviator, over = steady_mean(recorded[DEVIATOR])
-    what = f"deviator of the radial stress over su, where u2 is read, mean {over}"
-    meaning = "radial deviator factor, shoulder"
-    factors["radial_deviator_factor_shoulder"] = deviator / strength, "1", meaning, what
+    radial, over = steady_mean(recorded[RADIAL_STRESS])
+    what = f"excess radial stress over su, mean {over}; {ALONG_SHAFT}"
+    factors[RADIAL_FACTOR] = radial / strength, "1", "radial stress factor, shaft", what
     return labelled(dims=(), role=None, **factors)
 
 
@@ -143,6 +146,7 @@ def stated_beside_shaft(
         cell_size=test.relative_cell_size,
         adhesion_factor=face,
         rigidity_index=test.rigidity_index,
+        stress_anisotropy=test.stress_anisotropy,
         inertia=test.inertia,
         extent_ratio=test.extent_ratio,
         bounded=test.bounded,
@@ -188,3 +192,13 @@ def _behind_shoulder(grid: Grid, penetrometer: Penetrometer) -> Reading:
     begin, end = SHOULDER_FILTER + OFFSET + 0.5 * FILTER_HEIGHT * np.array([-1.0, 1.0])
     mean_logarithm = (end * math.log(end) - begin * math.log(begin)) / (end - begin) - 1.0
     return rows * grid.column_count, np.array([1.0, mean_logarithm]) @ np.linalg.pinv(form)
+
+
+def _along_shaft(grid: Grid, penetrometer: Penetrometer) -> Reading:
+    """Mean over READ_FROM to READ_TO in the first column; not a number where the grid ends."""
+    heights = (grid.rows - penetrometer.cone_height) / penetrometer.radius
+    if heights[-1] < READ_TO:
+        return np.zeros(1, dtype=int), np.array([math.nan])
+    shares = np.diff(np.clip(heights, READ_FROM, READ_TO)) / (READ_TO - READ_FROM)
+    rows = np.flatnonzero(shares)
+    return rows * grid.column_count, shares[rows]

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.cone.pore_pressure import DEVIATOR, READ_TO
+from mpm_warp.scenes.cone.pore_pressure import RADIAL_STRESS, READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import Condition
-from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, shoulder_error
+from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, shoulder_pressure
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
@@ -145,13 +145,13 @@ def _pore_pressure(
     simulated = recorded.excess_pore_pressure_shoulder.values
     at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
     strength = ground.strength_at(at_shoulder)
-    correction, half_width = shoulder_error(
-        simulated / strength,
-        recorded[DEVIATOR].values / strength,
+    factor, half_width = shoulder_pressure(
+        recorded[RADIAL_STRESS].values / strength,
         cell_size=sounding.relative_cell_size,
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
+        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         extent_ratio=sounding.extent_ratio,
     )
     above = np.maximum(0.0, at_shoulder - READ_TO * radius)
@@ -161,7 +161,7 @@ def _pore_pressure(
     is_known = is_known & (sounding.shaft_adhesion_factor == as_rough) & is_as_measured
     of_sample = np.hypot(np.hypot(half_width * strength, PRESSURE_NOISE * simulated), change)
     return (
-        simulated + np.where(is_known, correction, 0.0) * strength,
+        np.where(is_known, factor * strength, simulated),
         np.where(is_known, of_sample, np.nan),
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty.pore_pressure import Value, shoulder_error
+from mpm_warp.uncertainty.pore_pressure import Value, shoulder_pressure
 
 
 def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:
@@ -24,5 +24,6 @@ def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr
 
 
 def radial_error(factor: Value, *, inertia: Value = 0.0, **of_cone: Any) -> tuple[Value, Value]:
-    """Correction of a radial stress, which makes it u2; of a slow cone, where nothing is said."""
-    return shoulder_error(factor, 0.0, inertia=inertia, **of_cone)
+    """What makes a radial stress u2, and its half width; of a slow cone, where nothing is said."""
+    pressure, half_width = shoulder_pressure(factor, inertia=inertia, **of_cone)
+    return pressure - factor, half_width

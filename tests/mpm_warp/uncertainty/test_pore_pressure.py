@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.uncertainty import pore_pressure as law
-from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, face_error, shoulder_error
+from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, face_error, shoulder_pressure
 from tests.mpm_warp.uncertainty.conftest import radial_error
 
 LAST_CHANGE = """
@@ -26,23 +26,40 @@ to 2 times the speed, Ir 25 to 800.
 """
 
 
-def test_u2_depends_on_no_deviator_but_that_near_the_shaft() -> None:
-    """Of the same radial stress u2 is the same, whatever deviator the cells have."""
-    at = {"cell_size": 0.35, "adhesion_factor": 0.25, "rigidity_index": 100.0}
-    values = []
-    for deviator in (-1.2, 0.1):
-        pressure = 5.6 + deviator
-        correction, half_width = shoulder_error(pressure, deviator, **at, inertia=0.0)
-        values.append((pressure + float(correction), float(half_width)))
-    assert values[0] == pytest.approx(values[1])
-
-
 def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
-    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0}
-    (whole, _), (half, _) = (
-        shoulder_error(4.2, -1.2, **at, inertia=0.0, strength_ratio=ratio) for ratio in (1.0, 0.5)
+    """What else soil that has lost strength changes is left open."""
+    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0, "inertia": 0.0}
+    (whole, of_whole), (half, of_half) = (
+        shoulder_pressure(4.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
     )
     assert half - whole == pytest.approx(-0.5 * deviator_near_shaft(100.0, 0.5))
+    assert of_half > of_whole
+
+
+IN_SOFTENED = (0.3, 5.394 - 4.042 - 0.384, 5.372 - 4.158 - 1.082)
+"""Strength of the soil at the shaft over su, and what the filter has more than F on 28 rows (Ir
+100, adhesion factor 0.5): remoulded, and where the strength stays."""
+
+
+def test_what_softened_soil_changes_of_u2_is_within_its_part_of_the_half_width() -> None:
+    ratio, softened, whole = IN_SOFTENED
+    by_deviator = (ratio - 1.0) * deviator_near_shaft(100.0, 0.5)
+    assert abs(softened - whole - by_deviator) <= law.SOFTENED * (1.0 - ratio)
+
+
+BY_ANISOTROPY = {
+    14: (1.394, {-0.9: 1.532, -0.5: 1.447, 0.5: 1.510, 0.9: 1.558}),
+    28: (1.214, {-0.5: 1.276, 0.5: 1.307}),
+}
+"""B by rows beside the face, where Delta is 0 and by Delta; Ir 100, adhesion factor 0.5."""
+
+
+def test_the_rise_to_the_filter_goes_with_the_anisotropy() -> None:
+    for without, series in BY_ANISOTROPY.values():
+        for anisotropy, rise in series.items():
+            gained = law.RISE_BY_ANISOTROPY * abs(anisotropy)
+            left = law.RISE_BY_ANISOTROPY_LEFT * abs(anisotropy)
+            assert rise - without == pytest.approx(gained, abs=left)
 
 
 def test_how_thick_the_layer_is_leaves_u2_open(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,13 +78,12 @@ def test_how_thick_the_layer_is_leaves_u2_open(monkeypatch: pytest.MonkeyPatch) 
     assert of_layer == pytest.approx(math.hypot(of_rest, left * (beside - in_layer)))
 
 
-def test_the_error_of_wide_cells_does_not_grow_and_its_half_width_does() -> None:
-    (at_widest, of_widest), (beyond, of_beyond) = (
-        radial_error(5.3, cell_size=size, adhesion_factor=0.25, rigidity_index=100.0)
-        for size in (law.WIDEST, 0.58)
+def test_of_wide_cells_the_half_width_grows_faster() -> None:
+    at = {"adhesion_factor": 0.25, "rigidity_index": 100.0}
+    narrow, wide, wider = (
+        float(radial_error(5.3, cell_size=law.WIDE + more, **at)[1]) for more in (-0.1, 0.0, 0.1)
     )
-    assert beyond == at_widest
-    assert of_beyond > of_widest
+    assert wider**2 - wide**2 > 3.0 * (wide**2 - narrow**2)
 
 
 def test_beyond_the_range_the_half_width_grows_without_a_jump() -> None:
@@ -166,25 +182,36 @@ def test_a_small_window_is_a_part_of_the_half_widths_of_u1_and_u2() -> None:
 
 
 TALLER = {
-    50.0: (0.042, 0.031, 0.042, 0.057),
-    100.0: (0.075, 0.048, 0.058, 0.006),
-    200.0: (0.057, 0.022, 0.051, 0.030),
-    400.0: (0.001, 0.047, 0.029, 0.019),
+    50.0: ((0.0, 0.003), (0.0, 0.013), (-0.4, 0.028), (0.4, 0.007)),
+    100.0: ((0.0, 0.035), (0.0, 0.028), (-0.4, 0.061), (0.4, 0.002)),
+    200.0: ((0.0, 0.028), (0.0, 0.055), (-0.4, 0.050), (0.4, 0.019)),
+    400.0: ((0.0, 0.014), (0.0, 0.028), (-0.4, 0.077), (0.4, 0.003)),
 }
-"""What F - s gains in a window twice as tall, by rigidity index, on 5 rows, means over 10 radii;
-adhesion factor 0.3, 0.8, and 0.5 with Delta -0.4 and 0.4."""
+"""Delta, and what F gains in a window twice as tall, by rigidity index, on 5 rows, means over 12
+radii; adhesion factor 0.3 and 0.8, and 0.5 where Delta is not 0."""
 
 
 def test_what_a_taller_window_adds_to_u2_is_corrected() -> None:
     """A window without a top gains a third more, if what lacks goes with 1 / extent squared."""
-    gained = np.array(list(TALLER.values()))
+    anisotropy, gained = np.concatenate([np.array(them) for them in TALLER.values()]).T
+    known = law.SHOULDER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * anisotropy)
     for whole in (gained, 4.0 / 3.0 * gained):
-        assert (np.abs(whole - law.SHOULDER_WINDOW) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.95
+        assert (np.abs(whole - known) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.9
     at = {"cell_size": 1e-9, "adhesion_factor": 0.0, "inertia": 0.0}
-    for index, felt in ((100.0, 1.0), (25.0, 0.5)):
-        correction, _ = radial_error(6.0, rigidity_index=index, **at)
-        added = float(correction) - deviator_near_shaft(index, 0.0)
-        assert added == pytest.approx(felt * law.SHOULDER_WINDOW)
+    for index, anisotropy, added in ((100.0, 0.0, 1.0), (100.0, -0.5, 2.0), (25.0, 0.0, 0.5)):
+        excess = law.excess_at_filter(
+            rigidity_index=index, adhesion_factor=0.0, stress_anisotropy=anisotropy
+        )
+        correction, _ = radial_error(6.0, rigidity_index=index, stress_anisotropy=anisotropy, **at)
+        assert float(correction) - excess == pytest.approx(added * law.SHOULDER_WINDOW)
+    for half_width in (
+        radial_error(6.0, rigidity_index=100.0, stress_anisotropy=anisotropy, **at)[0]
+        - law.excess_at_filter(
+            rigidity_index=100.0, adhesion_factor=0.0, stress_anisotropy=anisotropy
+        )
+        for anisotropy in (0.5, 0.9)
+    ):
+        assert half_width == pytest.approx(0.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(("place", "stiffest"), [("shoulder", 300.0), ("face", 500.0)])
@@ -206,7 +233,8 @@ def test_stated_pressures(is_known: bool) -> None:
     """
     at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.1}
     stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
-    errors = face_error(5.0, **at), shoulder_error(5.0, -0.4, **at)
+    pressure, of_pressure = shoulder_pressure(4.0, **at, stress_anisotropy=0.2)
+    errors = face_error(5.0, **at), (pressure - 5.0, of_pressure)
     for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
         off = of_mesh + 0.02 * law.BOUND_EFFECT[place]
         name = f"pore_pressure_factor_{place}"
@@ -215,7 +243,8 @@ def test_stated_pressures(is_known: bool) -> None:
         )
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
-        of_mean = math.hypot(law.SETTLING * 0.2, 5.0 * law.NOISE[place])
+        read = {"face": 5.0, "shoulder": 4.0}[place]
+        of_mean = math.hypot(law.SETTLING * 0.2, read * law.NOISE[place])
         expected = math.hypot(of_laws, of_mean, 0.02 * law.BOUND[place]) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
         why = str(stated[f"{name}_why_no_uncertainty"].values)
@@ -228,12 +257,16 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
     recorded = xr.Dataset(
         {f"excess_pore_pressure_{it}": curve for it in ("face", "shoulder")}
         | {f"pore_pressure_factor_{it}": 5.0 for it in ("face", "shoulder")}
-        | {"radial_deviator_shoulder": ("penetration", np.full(40, -4e3))}
-        | {"radial_deviator_factor_shoulder": -0.4}
+        | {"excess_radial_stress_shaft": curve, "radial_stress_factor_shaft": 4.0}
     )
     given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
     return law.stated_pressures(
-        recorded, strength=1e4, bounded=0.02, why_none=why_none, **given | of_cone
+        recorded,
+        strength=1e4,
+        bounded=0.02,
+        why_none=why_none,
+        stress_anisotropy=0.2,
+        **given | of_cone,
     )
 
 

@@ -9,9 +9,12 @@ import xarray as xr
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.pore_pressure import (
-    DEVIATOR,
     OFFSET,
     PLACES,
+    RADIAL_FACTOR,
+    RADIAL_STRESS,
+    READ_FROM,
+    READ_TO,
     SHAFT_FILTER,
     SHOULDER_FILTER,
     pore_pressure_curves,
@@ -87,11 +90,17 @@ def test_pressures_are_of_the_places_and_begin_at_0() -> None:
         assert PLACES[name] in curve.attrs["description"]
 
 
-def test_the_radial_deviator_is_that_of_the_ground_and_its_change() -> None:
-    """At rest it is (sigma_v - sigma_h) / 3 = 2 Delta su / 3."""
-    deviator = sampled(TEST, 2).radial_deviator_shoulder
-    at_rest = 2.0 * TEST.stress_anisotropy * TEST.undrained_shear_strength / 3.0
-    assert float(deviator[-1]) == pytest.approx(WITHOUT_PRESSURE[0] + at_rest)
+def test_the_radial_stress_is_that_of_the_ground_and_its_change() -> None:
+    """Over the mean at rest; the deviator there is (sigma_v - sigma_h) / 3 = 2 Delta su / 3."""
+    test = dataclasses.replace(TEST, cells_per_radius=6.0)
+    pressures = 1e5 - LOWER - FALL * np.log(np.linspace(READ_FROM, READ_TO, 1000) + OFFSET)
+    at_rest = 2.0 * test.stress_anisotropy * test.undrained_shear_strength / 3.0
+    expected = pressures.mean() - WITHOUT_PRESSURE[0] - at_rest
+    # Mean over rows of their middles: off by the width squared over 24, times the mean curvature.
+    curvature = (1.0 / (READ_FROM + OFFSET) - 1.0 / (READ_TO + OFFSET)) / (READ_TO - READ_FROM)
+    off = FALL * curvature * (0.5 / 6.0) ** 2
+    radial = sampled(test, 2)[RADIAL_STRESS]
+    assert float(radial[-1]) == pytest.approx(expected, abs=off)
 
 
 def test_there_is_no_pressure_above_the_window() -> None:
@@ -104,10 +113,10 @@ def test_factors_are_means_over_the_last_two_radii() -> None:
     values = np.append(np.full(30, 7e4), np.full(20, 5e4))
     recorded = xr.Dataset(
         {f"excess_pore_pressure_{name}": ("penetration", values) for name in PLACES}
-        | {DEVIATOR: ("penetration", -0.4 * values)}
+        | {RADIAL_STRESS: ("penetration", 0.4 * values)}
     )
     factors = pore_pressure_factors(recorded, strength=2e4)
-    assert [float(it) for it in factors.values()] == pytest.approx([2.5] * len(PLACES) + [-1.0])
+    assert [float(it) for it in factors.values()] == pytest.approx([2.5] * len(PLACES) + [1.0])
     assert "last 2 radii" in factors["pore_pressure_factor_face"].attrs["description"]
 
 
@@ -118,9 +127,9 @@ def test_u1_and_u2_are_less_certain_in_a_small_window() -> None:
         test = ConePenetration(domain_radius=radius)
         curves = {f"excess_pore_pressure_{it}": ("penetration", np.full(40, 1e5)) for it in PLACES}
         factors = {f"pore_pressure_factor_{it}": 5.0 for it in PLACES}
-        deviator = {DEVIATOR: ("penetration", np.zeros(40)), "radial_deviator_factor_shoulder": 0.0}
+        radial = {RADIAL_STRESS: ("penetration", np.full(40, 1e5)), RADIAL_FACTOR: 5.0}
         others = {"sleeve_friction_factor": 0.0, REASON: ""}
-        recorded = xr.Dataset(curves | factors | deviator | others)
+        recorded = xr.Dataset(curves | factors | radial | others)
         stated = stated_beside_shaft(test, recorded, test.clay)
         names = [f"pore_pressure_factor_{it}_uncertainty" for it in ("face", "shoulder")]
         half_widths.append(np.array([float(stated[name].values) for name in names]))

@@ -16,7 +16,7 @@ from mpm_warp.scenes.sounding.curves import (
     sounding_curves,
 )
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.pore_pressure import shoulder_error
+from mpm_warp.uncertainty.pore_pressure import shoulder_pressure
 from mpm_warp.uncertainty.samples import why_not_known
 from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.sounding.conftest import changed
@@ -74,15 +74,14 @@ def test_u2_has_its_error_away_from_a_border() -> None:
     assert half_width.isnull().all()
     np.testing.assert_array_equal(pressure, 5e4)
     pressure, half_width = u2_of(sounding)
-    correction, of_laws = shoulder_error(
-        5.0,
-        -1.0,
+    factor, of_laws = shoulder_pressure(
+        4.0,
         cell_size=sounding.cell_size / sounding.cone_radius,
         adhesion_factor=0.5,
         rigidity_index=sounding.rigidity_index,
         inertia=sounding.dynamic_pressure / 1e4,
     )
-    assert float(pressure[0]) == pytest.approx(5e4 + 1e4 * float(correction))
+    assert float(pressure[0]) == pytest.approx(1e4 * float(factor))
     assert float(half_width[0]) == pytest.approx(np.hypot(1e4 * of_laws, 5e4 * PRESSURE_NOISE))
     near = half_width.sel(depth=slice(12.95, 13.1))
     assert near.isnull().all()
@@ -112,7 +111,7 @@ def u2_of(sounding: Sounding) -> tuple[xr.DataArray, xr.DataArray]:
     count = sounding.lead_count + len(sounding.samples)
     names = ("penetration_resistance", "sleeve_friction", "contact_share")
     simulated = dict.fromkeys((*names, "excess_pore_pressure_shoulder"), 5e4)
-    simulated["radial_deviator_shoulder"] = -1e4
+    simulated["excess_radial_stress_shaft"] = 4e4
     recorded = xr.Dataset({it: ("penetration", np.full(count, v)) for it, v in simulated.items()})
     found = sounding_curves(sounding, recorded, [])
     return found.excess_pore_pressure, found.excess_pore_pressure_uncertainty
