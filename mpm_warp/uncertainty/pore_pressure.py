@@ -17,7 +17,7 @@ radii above it, which meshes of 5 to 56 rows beside the face have alike within s
 C, what the pressure beside the filter has more, from 14 to 112 rows:
 
     u2 = F - S h + C + T,    C = B + 0.16 |Delta| + D,    D = w D_l + (1 - w) D_b
-    half width  0.045 h F, 0.18 S, B_l, 0.08 |Delta|, 0.2 (1 - r), 0.05, 0.05 (D_b - D_l),
+    half width  0.045 h F, 0.2 S, B_l, 0.08 |Delta|, 0.3 (1 - r), 0.05, 0.05 (D_b - D_l),
                 E_i i, 0.04, W
 
 S is the error of the mesh, B what the radial stress rises from there down to the filter, known to
@@ -26,10 +26,10 @@ gone round the shoulder forms a layer beside the shaft; D_l is the deviator in i
 yield allows, D_b that of the soil beside it, and w is the share of the 0.06 radii that the layer
 takes; no more of it is left open than there is. A mesh makes it by some half a row thicker, so w is
 drawn on from meshes of up to 112 rows. The strength of the soil at the shaft is r su; D is in
-proportion. On fewer than five rows 0.45 (h - 0.35) F is one more part of the half width; in very
+proportion. On fewer than five rows 0.42 (h - 0.385) F is one more part of the half width; in very
 stiff clay three rows tell nothing of u1 and u2. Half widths grow beyond the rigidity indices where
 they were measured. No law takes off what the inertia i = rho V^2 / su does: E i and E_i i are the
-most that it was found to do. A taller window adds T = 0.03 (1 - 2 Delta), nothing from Delta 0.5
+most that it was found to do. A taller window adds T = 0.035 (1 - 2 Delta), nothing from Delta 0.5
 on; below Ir 50 both it and its half width are in proportion to Ir. A window that is smaller than by
 default leaves open as much of u1 and u2 as of the cone factor, W. Nor is anything known where cells
 grow by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
@@ -70,7 +70,7 @@ SHOULDER_ERROR = (
 measured on five rows beside the face and more."""
 SHOULDER_MEASURED = SHOULDER_INDICES[0], SHOULDER_INDICES[-1]
 """The least and the greatest rigidity index among them."""
-WIDE, OF_THREE_ROWS = 0.35, 0.45
+WIDE, OF_THREE_ROWS = 0.385, 0.45
 """h above which cells are wide, and above which they are of three rows or less."""
 STIFFEST_OF_WIDE = {"face": 500.0, "shoulder": 300.0}
 """Rigidity indices up to which cells of three rows tell u1 and u2: above, quick tests had 3 to 7 %
@@ -113,9 +113,9 @@ FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
 RISE_LEFT = (100.0, 200.0, 450.0, 1000.0), (0.04, 0.06, 0.1, 0.2)
 """Half width of B over the rigidity index."""
-READ_IN_CELLS, SLOPE_LEFT, NEAR_SHAFT, LAYER_LEFT, SOFTENED = 0.045, 0.18, 0.05, 0.05, 0.2
+READ_IN_CELLS, SLOPE_LEFT, NEAR_SHAFT, LAYER_LEFT, SOFTENED = 0.045, 0.2, 0.05, 0.05, 0.3
 """Half widths of u2: over h F; over S, for the power of h; of D; of w; and over 1 - r."""
-READ_IN_WIDE_CELLS = 0.45
+READ_IN_WIDE_CELLS = 0.42
 """Half width of u2 over F and over what h is above WIDE."""
 SETTLING = 0.3
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
@@ -126,11 +126,11 @@ BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
 FACE_INERTIA = ((20.0, 100.0, 200.0, 500.0), (0.1, 0.45, 0.45, 0.2))
 """E over the rigidity index: what i = 0.1 to 2.4 changes of u1, over i."""
-SHOULDER_INERTIA = (20.0, 50.0), (0.6, 0.45)
+SHOULDER_INERTIA = (20.0, 50.0), (0.4, 0.3)
 """The same of u2."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
-SHOULDER_WINDOW, SHOULDER_WINDOW_LEFT = 0.03, 0.04
+SHOULDER_WINDOW, SHOULDER_WINDOW_LEFT = 0.035, 0.04
 """T of u2 at Delta 0 and its half width: a window twice as tall adds 0.00 to 0.08 between Ir 50 and
 400, most where Delta is least."""
 FACE_RANGE, SHOULDER_RANGE = 0.3, 0.8

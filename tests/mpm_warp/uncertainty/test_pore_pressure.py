@@ -109,23 +109,26 @@ INERTIA_OF_U1 = (
 
 
 INERTIA_OF_U2: dict[tuple[float, int], tuple[dict[float, float], ...]] = {
-    (22.0, 6): ({0.1: 3.321, 0.3: 3.204, 0.6: 3.062, 1.2: 2.635, 2.4: 2.083},),
-    (50.0, 6): ({0.04: 5.285, 0.2: 5.235, 0.4: 5.174}, {0.04: 4.941, 0.2: 4.933}),
+    (22.0, 6): (
+        {0.05: 3.433, 0.15: 3.478, 0.36: 3.447},
+        {0.05: 3.211, 0.15: 3.241, 0.36: 3.217},
+    ),
+    (50.0, 6): (
+        {0.05: 3.897, 0.15: 3.851, 0.36: 3.912},
+        {0.05: 3.604, 0.15: 3.606, 0.36: 3.648},
+    ),
     (100.0, 5): (
-        {0.04: 6.098, 0.2: 6.080, 0.4: 6.002},
-        {0.04: 5.535, 0.2: 5.630, 0.4: 5.613},
+        {0.05: 4.170, 0.15: 4.173, 0.36: 4.235},
+        {0.05: 3.876, 0.15: 3.901, 0.36: 3.971},
     ),
     (200.0, 5): (
-        {0.05: 6.358, 0.2: 6.296, 0.4: 6.374},
-        {0.05: 6.471, 0.2: 6.398, 0.4: 6.338},
+        {0.05: 4.702, 0.15: 4.693, 0.36: 4.662},
+        {0.05: 4.195, 0.15: 4.207, 0.36: 4.183},
     ),
-    (300.0, 5): ({0.05: 6.578, 0.3: 6.508},),
-    (500.0, 6): ({0.1: 7.400, 0.45: 7.359}, {0.1: 6.854, 0.45: 6.840}),
-    (500.0, 4): ({0.1: 7.264, 0.45: 7.467}, {0.1: 7.178, 0.45: 6.671}),
-    (900.0, 4): ({0.2: 9.22, 0.81: 8.72}, {0.2: 7.96, 0.81: 8.19}),
+    (300.0, 5): ({0.05: 4.958, 0.15: 4.920, 0.36: 4.927},),
 }
-"""F - s over i, by rigidity index and rows beside the face: means over 8 to 14 radii, adhesion
-factor 0.3 and 0.8 (0.5 at 300); u2 by default at 22, adhesion factor 0.8."""
+"""F over i, by rigidity index and rows beside the face: means over 12 radii, adhesion factor 0.3,
+0.8."""
 
 
 def test_what_inertia_changes_of_u1_is_within_the_half_width() -> None:
@@ -139,7 +142,7 @@ def test_what_inertia_changes_of_u1_is_within_the_half_width() -> None:
 
 
 def test_what_inertia_changes_of_u2_is_within_its_part_of_the_half_width() -> None:
-    """At any speed against the slowest, but for 0.6 % of both means."""
+    """At any speed against the slowest, but for the noise of both means."""
     for (index, rows), series in INERTIA_OF_U2.items():
         at = {
             "cell_size": math.sqrt(3.0) / rows,
@@ -152,15 +155,17 @@ def test_what_inertia_changes_of_u2_is_within_its_part_of_the_half_width() -> No
             for inertia, reading in readings.items():
                 _, half_width = radial_error(slowest, inertia=inertia, **at)
                 by_inertia = math.sqrt(half_width**2 - at_rest**2)
-                assert abs(reading - slowest) <= math.hypot(by_inertia, 0.006 * slowest)
+                assert abs(reading - slowest) <= math.hypot(
+                    by_inertia, math.sqrt(2.0) * law.NOISE["shoulder"] * slowest
+                )
 
 
 IN_SMALL_WINDOWS = (
-    (100.0, 0.5, 40.0, (9.209, 4.085), {6.0: (8.708, 3.346), 10.0: (9.082, 3.903)}),
-    (100.0, 0.0, 40.0, (9.289, 4.885), {6.0: (8.813, 4.194), 10.0: (9.170, 4.545)}),
-    (400.0, 0.3, 80.0, (12.16, 6.894), {6.0: (15.22, 11.13), 10.0: (11.69, 5.608)}),
+    (100.0, 0.5, 40.0, (9.163, 4.144), {6.0: (8.683, 4.955), 10.0: (8.960, 3.884)}),
+    (100.0, 0.0, 40.0, (8.927, 4.385), {6.0: (8.452, 5.359), 10.0: (8.749, 4.192)}),
+    (400.0, 0.3, 80.0, (12.033, 5.211), {6.0: (15.016, 11.264), 10.0: (11.438, 5.391)}),
 )
-"""u1 and u2 with the default radius of the window, and with others, by default otherwise."""
+"""u1 and F with the default radius of the window, and with others, by default otherwise."""
 
 
 def test_a_small_window_is_a_part_of_the_half_widths_of_u1_and_u2() -> None:
@@ -196,22 +201,14 @@ def test_what_a_taller_window_adds_to_u2_is_corrected() -> None:
     anisotropy, gained = np.concatenate([np.array(them) for them in TALLER.values()]).T
     known = law.SHOULDER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * anisotropy)
     for whole in (gained, 4.0 / 3.0 * gained):
-        assert (np.abs(whole - known) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.9
-    at = {"cell_size": 1e-9, "adhesion_factor": 0.0, "inertia": 0.0}
-    for index, anisotropy, added in ((100.0, 0.0, 1.0), (100.0, -0.5, 2.0), (25.0, 0.0, 0.5)):
-        excess = law.excess_at_filter(
-            rigidity_index=index, adhesion_factor=0.0, stress_anisotropy=anisotropy
-        )
-        correction, _ = radial_error(6.0, rigidity_index=index, stress_anisotropy=anisotropy, **at)
-        assert float(correction) - excess == pytest.approx(added * law.SHOULDER_WINDOW)
-    for half_width in (
-        radial_error(6.0, rigidity_index=100.0, stress_anisotropy=anisotropy, **at)[0]
-        - law.excess_at_filter(
-            rigidity_index=100.0, adhesion_factor=0.0, stress_anisotropy=anisotropy
-        )
-        for anisotropy in (0.5, 0.9)
-    ):
-        assert half_width == pytest.approx(0.0, abs=1e-6)
+        assert (np.abs(whole - known) <= law.SHOULDER_WINDOW_LEFT).mean() >= 0.95
+    at = {"cell_size": 1e-9, "adhesion_factor": 0.0}
+    cases = ((100.0, 0.0, 1.0), (100.0, -0.5, 2.0), (25.0, 0.0, 0.5), (100.0, 0.7, 0.0))
+    for index, anisotropy, added in cases:
+        soil = {"rigidity_index": index, "stress_anisotropy": anisotropy}
+        correction, _ = radial_error(6.0, **at, **soil)
+        excess = law.excess_at_filter(adhesion_factor=0.0, **soil)
+        assert correction - excess == pytest.approx(added * law.SHOULDER_WINDOW, abs=1e-6)
 
 
 @pytest.mark.parametrize(("place", "stiffest"), [("shoulder", 300.0), ("face", 500.0)])
