@@ -61,9 +61,9 @@ SHOULDER_ERROR = (
     (-0.3, -0.4, 0.0),
     (-0.1, -0.1, 0.2),
     (-0.1, -0.1, 0.2),
-    (0.5, 0.0, -0.2),
-    (0.5, 0.5, -0.9),
-    (0.9, 0.6, 0.1),
+    (0.5, 0.0, -0.4),
+    (0.5, 0.5, -0.6),
+    (0.9, 0.6, 0.2),
     (0.9, 0.7, 1.9),
 )
 """S at these rigidity indices (rows) and adhesion factors, fitted at once to all clays that were
@@ -126,7 +126,7 @@ BOUND = {"face": 1.5, "shoulder": 3.0}
 """P of u1 and u2, and their half widths."""
 FACE_INERTIA = ((20.0, 100.0, 200.0, 500.0), (0.1, 0.45, 0.45, 0.2))
 """E over the rigidity index: what i = 0.1 to 2.4 changes of u1, over i."""
-SHOULDER_INERTIA = (20.0, 50.0), (0.4, 0.3)
+SHOULDER_INERTIA = (20.0, 50.0, 100.0, 200.0, 300.0, 450.0), (0.4, 0.3, 0.3, 0.6, 0.6, 0.3)
 """The same of u2."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""

@@ -125,10 +125,17 @@ INERTIA_OF_U2: dict[tuple[float, int], tuple[dict[float, float], ...]] = {
         {0.05: 4.702, 0.15: 4.693, 0.36: 4.662},
         {0.05: 4.195, 0.15: 4.207, 0.36: 4.183},
     ),
-    (300.0, 5): ({0.05: 4.958, 0.15: 4.920, 0.36: 4.927},),
+    (300.0, 5): ({0.05: 4.958, 0.15: 4.920, 0.36: 4.927}, {0.09: 4.351, 0.36: 4.148}),
+    (200.0, 7): ({0.09: 3.908, 0.36: 3.984},),
+    (300.0, 7): ({0.09: 4.251, 0.36: 4.117},),
+    (450.0, 4): ({0.09: 4.960, 0.36: 4.945},),
+    (500.0, 4): (
+        {0.05: 5.390, 0.15: 5.392, 0.36: 5.370},
+        {0.05: 5.225, 0.15: 5.242, 0.36: 5.250},
+    ),
 }
-"""F over i, by rigidity index and rows beside the face: means over 12 radii, adhesion factor 0.3,
-0.8."""
+"""F over i, by rigidity index and rows beside the face: means over 8 to 12 radii, adhesion factor
+0.3 and 0.8, 1 where the slowest has 0.09."""
 
 
 def test_what_inertia_changes_of_u1_is_within_the_half_width() -> None:
