@@ -119,7 +119,7 @@ READ_IN_WIDE_CELLS = 0.42
 """Half width of u2 over F and over what h is above WIDE."""
 SETTLING = 0.3
 """Half width of what is still to come of u1 and u2, over the last change of their means."""
-NOISE = {"face": 0.006, "shoulder": 0.01}
+NOISE = {"face": 0.006, "shoulder": 0.013}
 """Half widths of the noise of these means, over F."""
 BOUND_EFFECT = {"face": BOUND_ERROR, "shoulder": 0.0}
 BOUND = {"face": 1.5, "shoulder": 3.0}
