@@ -218,7 +218,7 @@ def test_in_very_stiff_clay_three_rows_tell_nothing_of_u1() -> None:
     for index, rows, word in ((0.9, 3, ""), (1.1, 3, "mesh"), (1.1, 4, "")):
         stated = stated_of(
             why_none="",
-            rigidity_index=index * law.STIFFEST_OF_WIDE,
+            rigidity_index=index * 500.0,
             cell_size=math.sqrt(3.0) / rows,
         )
         name = "pore_pressure_factor_face"
