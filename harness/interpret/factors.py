@@ -55,9 +55,9 @@ SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, SLEEVE: 0.05}
 """Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
 the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
 that of u2 is by the law of its error in clay whose strength stays."""
-PRESSURE_CELL, PRESSURE_SPEED = 3.0**0.5 / 5.0, 0.045
+PRESSURE_CELL, PRESSURE_SPEED, PRESSURE_POISSON = 3.0**0.5 / 5.0, 0.045, 0.49
 """Width of the cells of the second table at the cone, over its radius; speed of its tests over that
-of shear waves."""
+of shear waves; Poisson's ratio."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,6 +179,7 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float
             table["radial_stress_factor_shaft"],
             cell_size=PRESSURE_CELL,
             inertia=table["rigidity_index"] * PRESSURE_SPEED**2,
+            poissons_ratio=PRESSURE_POISSON,
             **soil,
         )
         radial = pressure - excess_at_filter(**soil)

@@ -16,9 +16,9 @@ what happens at the shoulder. So u2 is stated by F, the radial stress on the sha
 radii above it, which meshes of 5 to 56 rows beside the face have alike within some percent, and by
 C, what the pressure beside the filter has more, from 14 to 112 rows:
 
-    u2 = F - S h + C + T,    C = B + 0.16 |Delta| + D,    D = w D_l + (1 - w) D_b
-    half width  0.045 h F, 0.2 S, B_l, 0.08 |Delta|, 0.3 (1 - r), 0.05, 0.05 (D_b - D_l),
-                E_i i, 0.04, W
+    u2 = F - S h + C + T,    C = B + 0.16 |Delta| - 1.2 (nu - 0.45) + D,    D = w D_l + (1 - w) D_b
+    half width  0.045 h F, 0.2 S, B_l, 0.08 |Delta|, 0.8 (nu - 0.45), 0.3 (1 - r), 0.05,
+                0.05 (D_b - D_l), E_i i, 0.04, W
 
 S is the error of the mesh, B what the radial stress rises from there down to the filter, known to
 B_l, and D the deviator of the radial stress within the 0.06 radii, tension positive. Soil that has
@@ -88,6 +88,8 @@ RISE = (
 """B at the rigidity indices of S and these adhesion factors, where Delta is 0."""
 RISE_BY_ANISOTROPY, RISE_BY_ANISOTROPY_LEFT = 0.16, 0.08
 """What B gains, over |Delta|, and its half width."""
+RISE_MEASURED_AT, RISE_BY_POISSON, RISE_BY_POISSON_LEFT = 0.45, 1.2, 0.8
+"""Poisson's ratio that B was measured at, what it loses over what nu is greater, its half width."""
 LAYER_INDICES, LAYER_ADHESION = (30.0, 100.0, 300.0, 600.0), (0.0, 0.25, 0.5, 1.0)
 LAYER_SHARE = (
     (0.78, 0.86, 0.9, 1.0),
@@ -161,6 +163,7 @@ def shoulder_pressure(
     adhesion_factor: Value,
     rigidity_index: Value,
     inertia: Value,
+    poissons_ratio: float,
     stress_anisotropy: Value = 0.0,
     strength_ratio: Value = 1.0,
     extent_ratio: float = 1.0,
@@ -173,6 +176,7 @@ def shoulder_pressure(
         adhesion_factor: of face and shaft, shape [...].
         rigidity_index: shape [...].
         inertia: rho V^2 / su, shape [...].
+        poissons_ratio: nu as simulated.
         stress_anisotropy: Delta, shape [...].
         strength_ratio: r, strength of the soil at the shaft over su, shape [...].
         extent_ratio: greatest ratio of an extent of the window that is by default to what it is.
@@ -183,6 +187,7 @@ def shoulder_pressure(
     excess = excess_at_filter(
         **soil, stress_anisotropy=stress_anisotropy, strength_ratio=strength_ratio
     )
+    stiffer = poissons_ratio - RISE_MEASURED_AT
     felt = np.minimum(1.0, rigidity_index / DOMAIN_FELT)
     of_window = SHOULDER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * stress_anisotropy) * felt
     half_width = _added(
@@ -190,6 +195,7 @@ def shoulder_pressure(
         SLOPE_LEFT * slope,
         _by_index(RISE_LEFT, rigidity_index),
         RISE_BY_ANISOTROPY_LEFT * np.abs(stress_anisotropy),
+        RISE_BY_POISSON_LEFT * stiffer,
         SOFTENED * (1.0 - strength_ratio),
         strength_ratio * np.minimum(share, LAYER_LEFT) * (beside - in_layer),
         NEAR_SHAFT,
@@ -198,7 +204,8 @@ def shoulder_pressure(
         window_uncertainty(extent_ratio),
         SHOULDER_WINDOW_LEFT * felt,
     )
-    return radial - slope * cell_size + excess + of_window, half_width
+    pressure = radial - slope * cell_size + excess + of_window
+    return pressure - RISE_BY_POISSON * stiffer, half_width
 
 
 def excess_at_filter(
@@ -208,7 +215,7 @@ def excess_at_filter(
     stress_anisotropy: Value = 0.0,
     strength_ratio: Value = 1.0,
 ) -> Value:
-    """C over su, shape [...]; arguments as in `shoulder_pressure`."""
+    """C over su where nu is 0.45, shape [...]; arguments as in `shoulder_pressure`."""
     rise = _of_table(RISE, SHOULDER_INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
     by_anisotropy = RISE_BY_ANISOTROPY * np.abs(stress_anisotropy)
     return (
@@ -238,13 +245,14 @@ def stated_pressures(
     strength: float,
     bounded: float,
     why_none: str,
+    poissons_ratio: float,
     stress_anisotropy: float,
     **of_cone: float,
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, and the noise of their means are added
-    to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio;
+    to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio nu;
     `of_cone` are the arguments of `face_error`. Where these laws do not hold there is no
     correction, the uncertainties are not numbers, and `why_none` says why.
     """
@@ -262,7 +270,10 @@ def stated_pressures(
                 read = float(recorded["radial_stress_factor_shaft"])
                 curve = recorded["excess_radial_stress_shaft"]
                 pressure, of_laws = shoulder_pressure(
-                    read, stress_anisotropy=stress_anisotropy, **of_cone
+                    read,
+                    poissons_ratio=poissons_ratio - bounded,
+                    stress_anisotropy=stress_anisotropy,
+                    **of_cone,
                 )
                 off = pressure - factor
             correction = float(off) + BOUND_EFFECT[place] * bounded

@@ -146,6 +146,7 @@ def stated_beside_shaft(
         cell_size=test.relative_cell_size,
         adhesion_factor=face,
         rigidity_index=test.rigidity_index,
+        poissons_ratio=test.poissons_ratio,
         stress_anisotropy=test.stress_anisotropy,
         inertia=test.inertia,
         extent_ratio=test.extent_ratio,

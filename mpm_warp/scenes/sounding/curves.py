@@ -151,6 +151,7 @@ def _pore_pressure(
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
+        poissons_ratio=sounding.poissons_ratio,
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         extent_ratio=sounding.extent_ratio,
     )

@@ -24,9 +24,9 @@ differs by [%]: 45 random clays, Ir 13 to 770 and Delta -0.95 to 0.95."""
 
 def test_the_deviator_near_the_shaft_goes_with_the_strength_there() -> None:
     """What else soil that has lost strength changes is left open."""
-    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0, "inertia": 0.0}
+    at = {"cell_size": 0.35, "adhesion_factor": 0.5, "rigidity_index": 100.0}
     (whole, of_whole), (half, of_half) = (
-        shoulder_pressure(4.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
+        radial_error(4.2, **at, strength_ratio=ratio) for ratio in (1.0, 0.5)
     )
     assert half - whole == pytest.approx(-0.5 * deviator_near_shaft(100.0, 0.5))
     assert of_half > of_whole
@@ -56,6 +56,20 @@ def test_the_rise_to_the_filter_goes_with_the_anisotropy() -> None:
             gained = law.RISE_BY_ANISOTROPY * abs(anisotropy)
             left = law.RISE_BY_ANISOTROPY_LEFT * abs(anisotropy)
             assert rise - without == pytest.approx(gained, abs=left)
+
+
+BY_POISSON = ((1.611 - 1.118, 1.537 - 1.114), (1.569 - 0.934, 1.524 - 0.914))
+"""C where nu is 0.45 and 0.49, on 10 rows at Ir 100: half rough, and smooth."""
+
+
+def test_what_the_filter_has_more_goes_with_poissons_ratio() -> None:
+    at = {"cell_size": 1e-9, "adhesion_factor": 0.5, "rigidity_index": 100.0}
+    (known, of_known), (other, of_other) = (
+        radial_error(4.2, **at, poissons_ratio=nu) for nu in (0.45, 0.49)
+    )
+    left = math.sqrt(of_other**2 - of_known**2)
+    for before, after in BY_POISSON:
+        assert after - before == pytest.approx(other - known, abs=left)
 
 
 def test_how_thick_the_layer_is_leaves_u2_open(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -235,7 +249,8 @@ def test_stated_pressures(is_known: bool) -> None:
     """
     at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.1}
     stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
-    pressure, of_pressure = shoulder_pressure(4.0, **at, stress_anisotropy=0.2)
+    of_soil = {"poissons_ratio": 0.47, "stress_anisotropy": 0.2}
+    pressure, of_pressure = shoulder_pressure(4.0, **at, **of_soil)
     errors = face_error(5.0, **at), (pressure - 5.0, of_pressure)
     for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
         off = of_mesh + 0.02 * law.BOUND_EFFECT[place]
@@ -267,6 +282,7 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
         strength=1e4,
         bounded=0.02,
         why_none=why_none,
+        poissons_ratio=0.49,
         stress_anisotropy=0.2,
         **given | of_cone,
     )

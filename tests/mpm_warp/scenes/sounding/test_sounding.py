@@ -80,6 +80,7 @@ def test_u2_has_its_error_away_from_a_border() -> None:
         adhesion_factor=0.5,
         rigidity_index=sounding.rigidity_index,
         inertia=sounding.dynamic_pressure / 1e4,
+        poissons_ratio=sounding.poissons_ratio,
     )
     assert float(pressure[0]) == pytest.approx(1e4 * float(factor))
     assert float(half_width[0]) == pytest.approx(np.hypot(1e4 * of_laws, 5e4 * PRESSURE_NOISE))
