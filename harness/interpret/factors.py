@@ -26,7 +26,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import excess_at_filter, shoulder_pressure
+from mpm_warp.uncertainty.pore_pressure import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""
@@ -176,7 +176,7 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float
             "strength_ratio": table[SLEEVE] / table["adhesion_factor"],
         }
         pressure, half_width = shoulder_pressure(
-            table["radial_stress_factor_shaft"],
+            table[RADIAL_FACTOR],
             cell_size=PRESSURE_CELL,
             inertia=table["rigidity_index"] * PRESSURE_SPEED**2,
             poissons_ratio=PRESSURE_POISSON,

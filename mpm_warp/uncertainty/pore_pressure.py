@@ -55,6 +55,8 @@ Value = Floats | float
 Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
+RADIAL_STRESS, RADIAL_FACTOR = "excess_radial_stress_shaft", "radial_stress_factor_shaft"
+"""The curve of the radial stress on the shaft, and its mean at the end over su, F."""
 SHOULDER_INDICES = (20.0, 50.0, 100.0, 200.0, 300.0, 450.0, 1000.0)
 SHOULDER_ADHESION = (0.0, 0.5, 1.0)
 SHOULDER_ERROR = (
@@ -113,7 +115,7 @@ FACE_ERROR = (
 """A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
 FACE, FACE_LEFT = 0.7, 0.01
 """Half widths of u1: over h, and over F."""
-RISE_LEFT = (100.0, 200.0, 450.0, 1000.0), (0.04, 0.06, 0.1, 0.2)
+RISE_LEFT = (50.0, 100.0, 200.0, 450.0, 1000.0), (0.06, 0.04, 0.06, 0.1, 0.2)
 """Half width of B over the rigidity index."""
 READ_IN_CELLS, SLOPE_LEFT, NEAR_SHAFT, LAYER_LEFT, SOFTENED = 0.045, 0.2, 0.05, 0.05, 0.3
 """Half widths of u2: over h F; over S, for the power of h; of D; of w; and over 1 - r."""
@@ -267,8 +269,8 @@ def stated_pressures(
                 read, curve = factor, recorded["excess_pore_pressure_face"]
                 off, of_laws = face_error(read, **of_cone)
             else:
-                read = float(recorded["radial_stress_factor_shaft"])
-                curve = recorded["excess_radial_stress_shaft"]
+                read = float(recorded[RADIAL_FACTOR])
+                curve = recorded[RADIAL_STRESS]
                 pressure, of_laws = shoulder_pressure(
                     read,
                     poissons_ratio=poissons_ratio - bounded,

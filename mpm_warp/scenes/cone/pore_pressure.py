@@ -33,7 +33,13 @@ from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penet
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, stated_pressures, stated_sleeve
+from mpm_warp.uncertainty.pore_pressure import (
+    LARGEST_GROWTH,
+    RADIAL_FACTOR,
+    RADIAL_STRESS,
+    stated_pressures,
+    stated_sleeve,
+)
 from mpm_warp.uncertainty.steadiness import steady_mean
 
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
@@ -47,14 +53,11 @@ PLACES: Mapping[str, str] = {
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
 """The places by their names in results."""
-RADIAL_STRESS, RADIAL_FACTOR = "excess_radial_stress_shaft", "radial_stress_factor_shaft"
-"""The curve of the radial stress on the shaft, and its mean at the end over su."""
-READ_FROM = 1.4
-"""Height above the shoulder, over the radius, from which on it is read, up to READ_TO."""
-SMEARED_ROWS = 2
-"""Rows above the shoulder that are not read."""
-READ_TO, LEAST_ROWS = 3.2, 3
-"""Height above the shoulder up to which u2 is read, over the radius; and the rows it takes."""
+SMEARED_ROWS, LEAST_ROWS = 2, 3
+"""Rows above the shoulder that are not read for u2, and the fewest that are."""
+READ_FROM, READ_TO = 1.4, 3.2
+"""Heights above the shoulder between which the radial stress is read, over the radius; u2 is read
+up to the upper one."""
 OFFSET = 0.15
 """Of the height in the logarithm, over the radius: from there on the pressure of 20 rows beside the
 face follows it down to the filter."""

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.cone.pore_pressure import RADIAL_STRESS, READ_TO
+from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import Condition
-from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, shoulder_pressure
+from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, RADIAL_STRESS, shoulder_pressure
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 

@@ -274,7 +274,7 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
     recorded = xr.Dataset(
         {f"excess_pore_pressure_{it}": curve for it in ("face", "shoulder")}
         | {f"pore_pressure_factor_{it}": 5.0 for it in ("face", "shoulder")}
-        | {"excess_radial_stress_shaft": curve, "radial_stress_factor_shaft": 4.0}
+        | {law.RADIAL_STRESS: curve, law.RADIAL_FACTOR: 4.0}
     )
     given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
     return law.stated_pressures(

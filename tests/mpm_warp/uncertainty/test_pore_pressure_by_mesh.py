@@ -168,10 +168,10 @@ def test_the_rise_to_the_filter_is_that_of_the_finest_rows() -> None:
 
 
 def test_the_rise_to_the_filter_drawn_on_is_that_of_the_law() -> None:
-    """As h^1.5, where it was measured on four meshes of 14 rows and more."""
+    """As h^1.5, where it was measured on three meshes of 14 rows and more."""
     drawn_on = 0
     for (index, adhesion), series in measured_u2("rise_to_filter").items():
-        if len(series) >= 4 or (index, adhesion) == (100.0, 0.25):
+        if len(series) >= 3:
             sizes = (math.sqrt(3.0) / np.array(list(series))) ** 1.5
             _, limit = np.polyfit(sizes, list(series.values()), 1)
             known = law._of_table(
@@ -179,7 +179,7 @@ def test_the_rise_to_the_filter_drawn_on_is_that_of_the_law() -> None:
             )
             assert limit == pytest.approx(known, abs=float(law._by_index(law.RISE_LEFT, index)))
             drawn_on += 1
-    assert drawn_on >= 3
+    assert drawn_on >= 6
 
 
 NEAR_SHAFT_ON_FINE_ROWS: dict[tuple[float, float], Series] = {

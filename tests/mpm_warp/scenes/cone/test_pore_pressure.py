@@ -11,8 +11,6 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.pore_pressure import (
     OFFSET,
     PLACES,
-    RADIAL_FACTOR,
-    RADIAL_STRESS,
     READ_FROM,
     READ_TO,
     SHAFT_FILTER,
@@ -23,6 +21,7 @@ from mpm_warp.scenes.cone.pore_pressure import (
 )
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.further_runs import REASON
+from mpm_warp.uncertainty.pore_pressure import RADIAL_FACTOR, RADIAL_STRESS
 
 ROUNDING = 1e-12
 TEST = ConePenetration(
