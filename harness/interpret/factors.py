@@ -26,7 +26,7 @@ import numpy as np
 from harness.study.files import studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.pore_pressure import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
+from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6
 """Shear strain rate at which the strength of the table holds [1/s]."""

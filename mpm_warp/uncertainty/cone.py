@@ -123,7 +123,7 @@ class ConeRun(TestRun):
         """What is still to come, more points; the limit of fine cells and the noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
-            "steadiness": STILL_TO_COME * last_change(resistance),
+            "steadiness": STILL_TO_COME * abs(last_change(resistance)),
             "limit": LIMIT,
             "points": POINTS * self.factor,
             "noise": NOISE * float(np.linalg.norm(weights)),

@@ -67,9 +67,9 @@ def steady_mean(curve: xr.DataArray) -> tuple[float, str]:
 
 
 def last_change(curve: Floats) -> float:
-    """How far the mean of a curve over two radii is from that over the two before; NaN if short."""
+    """What the mean of a curve over two radii is above that over the two before; NaN if short."""
     before, last = (
         curve[begin:end].mean() if curve.size >= 2 * STEADY_SAMPLES else math.nan
         for begin, end in ((-2 * STEADY_SAMPLES, -STEADY_SAMPLES), (-STEADY_SAMPLES, None))
     )
-    return abs(float(last - before))
+    return float(last - before)

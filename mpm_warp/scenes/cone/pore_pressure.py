@@ -33,13 +33,8 @@ from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penet
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.pore_pressure import (
-    LARGEST_GROWTH,
-    RADIAL_FACTOR,
-    RADIAL_STRESS,
-    stated_pressures,
-    stated_sleeve,
-)
+from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
+from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_FACTOR, RADIAL_STRESS
 from mpm_warp.uncertainty.steadiness import steady_mean
 
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN

@@ -16,8 +16,8 @@ from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import Condition
-from mpm_warp.uncertainty.pore_pressure import LARGEST_GROWTH, RADIAL_STRESS, shoulder_pressure
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
+from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_STRESS, shoulder_pressure
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
 FELT = 0.05

@@ -58,7 +58,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 27
+    version = 28
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""

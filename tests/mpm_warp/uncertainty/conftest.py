@@ -6,7 +6,10 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty.pore_pressure import Value, shoulder_pressure
+from mpm_warp.uncertainty.shoulder import Value, shoulder_pressure
+
+NOTHING_LEFT = (1.0,), (0.0,)
+"""A half width over the rigidity index that is none."""
 
 
 def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:

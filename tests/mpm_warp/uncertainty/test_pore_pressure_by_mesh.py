@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty import pore_pressure as law
-from mpm_warp.uncertainty.pore_pressure import deviator_near_shaft, face_error
-from tests.mpm_warp.uncertainty.conftest import radial_error
+from mpm_warp.uncertainty import shoulder as law
+from mpm_warp.uncertainty.pore_pressure import SHOULDER_NOISE, face_error
+from mpm_warp.uncertainty.shoulder import deviator_near_shaft
+from tests.mpm_warp.uncertainty.conftest import NOTHING_LEFT, radial_error
 
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
@@ -82,15 +83,19 @@ def test_u2_of_all_meshes_is_one_value(monkeypatch: pytest.MonkeyPatch) -> None:
 
     What all meshes have in common does not count.
     """
-    common = ("NEAR_SHAFT", "LAYER_LEFT", "SLOPE_LEFT", "RISE_LEFT", "SHOULDER_WINDOW_LEFT")
-    for left in common:
-        nothing = ((1.0,), (0.0,)) if left == "RISE_LEFT" else 0.0
-        monkeypatch.setattr(law, left, nothing)
+    for left in ("NEAR_SHAFT", "LAYER_LEFT", "SLOPE_LEFT", "WINDOW_LEFT"):
+        monkeypatch.setattr(law, left, 0.0)
+    for left in ("RISE_LEFT", "EXCESS_IN_SLOW_LEFT"):
+        monkeypatch.setattr(law, left, NOTHING_LEFT)
     over = [
         difference
         for (index, adhesion), series in measured_u2("radial_stress_factor").items()
         for difference in over_half_width(
-            radial_error, index, adhesion, series, law.NOISE["shoulder"]
+            radial_error,
+            index,
+            adhesion,
+            series,
+            float(law.by_index(SHOULDER_NOISE, index)),
         )
     ]
     assert len(over) >= 160
@@ -110,9 +115,9 @@ class Fit(NamedTuple):
 def fitted_to_all_clays(power: float) -> Fit:
     """With h to a power; half widths are those that the reading in cells has."""
     measured = measured_u2("radial_stress_factor")
-    units = np.eye(np.size(law.SHOULDER_ERROR)).reshape(-1, *np.shape(law.SHOULDER_ERROR))
-    at = law.SHOULDER_INDICES, law.SHOULDER_ADHESION
-    of_clays = np.array([[law._of_table(unit, *at, *case) for unit in units] for case in measured])
+    units = np.eye(np.size(law.ERROR)).reshape(-1, *np.shape(law.ERROR))
+    at = law.INDICES, law.ADHESION
+    of_clays = np.array([[law.of_table(unit, *at, *case) for unit in units] for case in measured])
     design, given = [], []
     for clay, series in enumerate(measured.values()):
         for rows, reading in series.items():
@@ -125,13 +130,13 @@ def fitted_to_all_clays(power: float) -> Fit:
     found = np.linalg.lstsq(np.array(design), np.array(given))[0]
     limits, slopes = np.split(found, [len(measured)])
     left = np.array(given) - np.array(design) @ found
-    return Fit(slopes.reshape(np.shape(law.SHOULDER_ERROR)), limits, of_clays @ slopes, left)
+    return Fit(slopes.reshape(np.shape(law.ERROR)), limits, of_clays @ slopes, left)
 
 
 def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
     """The code has one decimal; meshes deviate from it as far as the half widths tell."""
     fit = fitted_to_all_clays(1.0)
-    np.testing.assert_allclose(law.SHOULDER_ERROR, fit.slopes, atol=0.06)
+    np.testing.assert_allclose(law.ERROR, fit.slopes, atol=0.06)
     freedom = fit.left.size - fit.limits.size - fit.slopes.size
     assert sum(fit.left**2) / freedom == pytest.approx(1.0, abs=2.0 * (2.0 / freedom) ** 0.5)
 
@@ -160,8 +165,8 @@ def test_the_rise_to_the_filter_is_that_of_the_finest_rows() -> None:
     """Rows of 14 to 112 change it by up to 9 h^1.5: so much may 28 rows and more differ."""
     within = []
     for (index, adhesion, _, rows), rise in RISES.items():
-        known = law._of_table(law.RISE, law.SHOULDER_INDICES, law.RISE_ADHESION, index, adhesion)
-        left = float(law._by_index(law.RISE_LEFT, index))
+        known = law.of_table(law.RISE, law.INDICES, law.RISE_ADHESION, index, adhesion)
+        left = float(law.by_index(law.RISE_LEFT, index))
         within.append(abs(rise - known) <= math.hypot(left, 9.0 * (math.sqrt(3.0) / rows) ** 1.5))
     assert len(within) >= 30
     assert np.mean(within) >= 0.95
@@ -174,10 +179,8 @@ def test_the_rise_to_the_filter_drawn_on_is_that_of_the_law() -> None:
         if len(series) >= 3:
             sizes = (math.sqrt(3.0) / np.array(list(series))) ** 1.5
             _, limit = np.polyfit(sizes, list(series.values()), 1)
-            known = law._of_table(
-                law.RISE, law.SHOULDER_INDICES, law.RISE_ADHESION, index, adhesion
-            )
-            assert limit == pytest.approx(known, abs=float(law._by_index(law.RISE_LEFT, index)))
+            known = law.of_table(law.RISE, law.INDICES, law.RISE_ADHESION, index, adhesion)
+            assert limit == pytest.approx(known, abs=float(law.by_index(law.RISE_LEFT, index)))
             drawn_on += 1
     assert drawn_on >= 6
 
@@ -224,7 +227,7 @@ def test_u1_of_all_meshes_is_one_value(case: str) -> None:
 
 @pytest.mark.parametrize(
     ("adhesion_factor", "shares"),
-    [(0.0, (0.027, 0.027)), (0.5, (0.03, 0.03)), (1.0, (0.03, 0.03))],
+    [(0.0, (0.03, 0.03)), (0.5, (0.034, 0.034)), (1.0, (0.034, 0.034))],
 )
 def test_half_width_by_default_and_fine(
     adhesion_factor: float, shares: tuple[float, float]

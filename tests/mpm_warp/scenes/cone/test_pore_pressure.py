@@ -21,7 +21,7 @@ from mpm_warp.scenes.cone.pore_pressure import (
 )
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.pore_pressure import RADIAL_FACTOR, RADIAL_STRESS
+from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, RADIAL_STRESS
 
 ROUNDING = 1e-12
 TEST = ConePenetration(

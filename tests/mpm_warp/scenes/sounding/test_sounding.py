@@ -16,8 +16,8 @@ from mpm_warp.scenes.sounding.curves import (
     sounding_curves,
 )
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.pore_pressure import shoulder_pressure
 from mpm_warp.uncertainty.samples import why_not_known
+from mpm_warp.uncertainty.shoulder import shoulder_pressure
 from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.sounding.conftest import changed
 
