@@ -53,10 +53,6 @@ ERROR = (
 )
 """S at these rigidity indices (rows) and adhesion factors, fitted at once to all clays that were
 measured on five rows beside the face and more."""
-MEASURED = INDICES[0], INDICES[-1]
-"""The least and the greatest rigidity index among them."""
-WIDE = 0.385
-"""h above which cells are wide."""
 RISE_ADHESION = (0.0, 0.25, 0.5, 1.0)
 RISE = (
     (0.92, 0.88, 0.88, 1.01),
@@ -68,6 +64,8 @@ RISE = (
     (2.6, 2.5, 2.4, 2.4),
 )
 """B at the rigidity indices of S and these adhesion factors, where Delta is 0."""
+RISE_LEFT = (50.0, 100.0, 200.0, 450.0, 1000.0), (0.06, 0.04, 0.06, 0.1, 0.2)
+"""Half width of B over the rigidity index."""
 RISE_BY_ANISOTROPY, RISE_BY_ANISOTROPY_LEFT = 0.16, 0.08
 """What B gains, over |Delta|, and its half width."""
 SLOW_INDICES, SLOW_ADHESION = (20.0, 50.0, 100.0, 300.0), (0.0, 0.5, 1.0)
@@ -93,12 +91,10 @@ IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -0.56))
 """D_l over the adhesion factor, at any rigidity index."""
 BESIDE_LAYER = ((30.0, 100.0, 300.0, 600.0), (-0.6, 0.0, 0.45, 0.62))
 """D_b over the rigidity index, at any adhesion factor."""
-RISE_LEFT = (50.0, 100.0, 200.0, 450.0, 1000.0), (0.06, 0.04, 0.06, 0.1, 0.2)
-"""Half width of B over the rigidity index."""
 READ_IN_CELLS, SLOPE_LEFT, NEAR_SHAFT, LAYER_LEFT, SOFTENED = 0.045, 0.2, 0.05, 0.05, 0.3
 """Half widths of u2: over h F; over S, for the power of h; of D; of w; and over 1 - r."""
-READ_IN_WIDE_CELLS = 0.42
-"""Half width of u2 over F and over what h is above WIDE."""
+READ_IN_WIDE_CELLS, WIDE = 0.42, 0.385
+"""Half width of u2 over F and over what h is above that of wide cells."""
 INERTIA_ADHESION = (0.5, 1.0)
 INERTIA = (
     (0.1, 0.5),
@@ -117,7 +113,7 @@ WINDOW, WINDOW_LEFT = 0.025, 0.035
 """T of u2 at Delta 0 and its half width: a window twice as tall adds 0.00 to 0.05 between Ir 50 and
 400, most where Delta is least."""
 RANGE = 0.8
-"""Half width per ln(Ir) beyond the rigidity indices measured."""
+"""Half width per ln(Ir) beyond the rigidity indices of S."""
 
 
 def shoulder_pressure(
@@ -165,7 +161,7 @@ def shoulder_pressure(
         SOFTENED * (1.0 - strength_ratio),
         strength_ratio * np.minimum(share, LAYER_LEFT) * (beside - in_layer),
         NEAR_SHAFT,
-        RANGE * beyond_measured(MEASURED, rigidity_index),
+        RANGE * beyond_measured(INDICES, rigidity_index),
         by_inertia * inertia,
         window_uncertainty(extent_ratio),
         WINDOW_LEFT * felt,
