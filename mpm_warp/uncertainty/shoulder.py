@@ -68,11 +68,16 @@ RISE_LEFT = (50.0, 100.0, 200.0, 450.0, 1000.0), (0.06, 0.04, 0.06, 0.1, 0.2)
 """Half width of B over the rigidity index."""
 RISE_BY_ANISOTROPY, RISE_BY_ANISOTROPY_LEFT = 0.16, 0.08
 """What B gains, over |Delta|, and its half width."""
-SLOW_INDICES, SLOW_ADHESION = (20.0, 50.0, 100.0, 300.0), (0.0, 0.5, 1.0)
-EXCESS_IN_SLOW = ((0.0, 0.0, 0.0), (0.06, 0.01, -0.02), (0.13, -0.07, -0.04), (0.08, 0.08, -0.07))
-"""G at these rigidity indices (rows) and adhesion factors: what C gains at i = 0.05 over that of
-the speeds that B and D were measured at, 0.1 at Ir 20 and 0.36 from Ir 100 on; on 28 rows, 14 at
-Ir 300."""
+SLOW_INDICES = (20.0, 50.0, 100.0, 300.0)
+EXCESS_IN_SLOW = (
+    (0.0, 0.0, 0.0, 0.0),
+    (0.06, -0.01, 0.01, -0.02),
+    (0.13, -0.04, -0.07, -0.04),
+    (0.08, 0.08, 0.08, -0.07),
+)
+"""G at these rigidity indices (rows) and the adhesion factors of B: what C gains at i = 0.05 over
+that of the speeds at which B and D were measured, 0.1 at Ir 20 and 0.36 from Ir 100 on; on 28 rows,
+14 at Ir 300."""
 EXCESS_IN_SLOW_LEFT = (20.0, 100.0, 300.0), (0.05, 0.06, 0.1)
 """Half width of G over the rigidity index."""
 RISE_MEASURED_AT, RISE_BY_POISSON_LEFT = 0.45, 0.8
@@ -181,7 +186,7 @@ def excess_at_filter(
     rise = of_table(RISE, INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
     by_anisotropy = RISE_BY_ANISOTROPY * np.abs(stress_anisotropy)
     deviator = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
-    in_slow = of_table(EXCESS_IN_SLOW, SLOW_INDICES, SLOW_ADHESION, rigidity_index, adhesion_factor)
+    in_slow = of_table(EXCESS_IN_SLOW, SLOW_INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
     return rise + in_slow + by_anisotropy + deviator
 
 
