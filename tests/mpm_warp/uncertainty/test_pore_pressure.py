@@ -84,8 +84,8 @@ EXCESS_BY_SPEED = {
     (300.0, 0.5): (1.479 - 0.471, 1.498 - 0.391),
     (300.0, 1.0): (1.481 - 0.680, 1.423 - 0.749),
 }
-"""C where i is 0.36 and 0.05, by rigidity index and adhesion factor, on 28 rows, 14 at Ir 300. Beside
-the smooth shaft at Ir 100 it gains 0.12 on narrow columns and 56 rows too."""
+"""C where i is 0.36 and 0.05, by rigidity index and adhesion factor, on 28 rows, 14 at Ir 300.
+Beside the smooth shaft at Ir 100 it gains 0.12 on narrow columns and 56 rows too."""
 
 
 def test_what_the_filter_has_more_goes_with_the_speed(monkeypatch: pytest.MonkeyPatch) -> None:
