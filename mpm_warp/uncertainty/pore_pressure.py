@@ -12,7 +12,8 @@ open of the cone factor. In very stiff clay three rows tell nothing of u1. Nor i
 where cells grow by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
 
 Both have the error -P b of a bound of Poisson's ratio, as the cone factor has (`laws`), and the
-noise of a mean. Of what u2 changes over the last radii a quarter is still to come.
+noise of a mean over two radii. Where u2 has changed from the two radii before, a quarter of that
+change is still to come.
 
 Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
 
@@ -96,10 +97,10 @@ def stated_pressures(
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
-    What is still to come, by the last change of the curves, and the noise of their means are added
-    to the half widths. Strength is su [Pa], `bounded` what a bound takes off Poisson's ratio nu;
-    `of_cone` are the arguments of `face_error`. Where these laws do not hold there is no
-    correction, the uncertainties are not numbers, and `why_none` says why.
+    What is still to come, by the last change of the curves, is added to u2 and, like the noise of
+    their means, to both half widths. Strength is su [Pa], `bounded` what a bound takes off
+    Poisson's ratio nu; `of_cone` are the arguments of `face_error`. Where these laws do not hold
+    there is no correction, the uncertainties are not numbers, and `why_none` says why.
     """
     stated = {}
     for place in ("face", "shoulder"):

@@ -69,7 +69,7 @@ RISE_LEFT = (50.0, 100.0, 200.0, 450.0, 1000.0), (0.06, 0.04, 0.06, 0.1, 0.2)
 RISE_BY_ANISOTROPY, RISE_BY_ANISOTROPY_LEFT = 0.16, 0.08
 """What B gains, over |Delta|, and its half width."""
 SLOW_INDICES = (20.0, 50.0, 100.0, 300.0)
-EXCESS_IN_SLOW = (
+GAIN_IN_SLOW_TEST = (
     (0.0, 0.0, 0.0, 0.0),
     (0.06, -0.01, 0.01, -0.02),
     (0.13, -0.04, -0.07, -0.04),
@@ -78,7 +78,7 @@ EXCESS_IN_SLOW = (
 """G at these rigidity indices (rows) and the adhesion factors of B: what C gains at i = 0.05 over
 that of the speeds at which B and D were measured, 0.1 at Ir 20 and 0.36 from Ir 100 on; on 28 rows,
 14 at Ir 300."""
-EXCESS_IN_SLOW_LEFT = (20.0, 100.0, 300.0), (0.05, 0.06, 0.1)
+GAIN_IN_SLOW_TEST_LEFT = (20.0, 100.0, 300.0), (0.05, 0.06, 0.1)
 """Half width of G over the rigidity index."""
 RISE_MEASURED_AT, RISE_BY_POISSON_LEFT = 0.45, 0.8
 RISE_BY_POISSON = (20.0, 50.0), (-0.8, 1.2)
@@ -115,7 +115,7 @@ factors."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which u1 and u2 are known: they were measured with 0.4."""
 WINDOW, WINDOW_LEFT = 0.025, 0.035
-"""T of u2 at Delta 0 and its half width: a window twice as tall adds 0.00 to 0.05 between Ir 50 and
+"""T of u2 at Delta 0 and its half width: a window twice as tall adds -0.01 to 0.05 from Ir 50 to
 400, most where Delta is least."""
 RANGE = 0.8
 """Half width per ln(Ir) beyond the rigidity indices of S."""
@@ -160,7 +160,7 @@ def shoulder_pressure(
         (READ_IN_CELLS * cell_size + READ_IN_WIDE_CELLS * max(0.0, cell_size - WIDE)) * radial,
         SLOPE_LEFT * slope,
         by_index(RISE_LEFT, rigidity_index),
-        by_index(EXCESS_IN_SLOW_LEFT, rigidity_index),
+        by_index(GAIN_IN_SLOW_TEST_LEFT, rigidity_index),
         RISE_BY_ANISOTROPY_LEFT * np.abs(stress_anisotropy),
         RISE_BY_POISSON_LEFT * stiffer,
         SOFTENED * (1.0 - strength_ratio),
@@ -186,8 +186,8 @@ def excess_at_filter(
     rise = of_table(RISE, INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
     by_anisotropy = RISE_BY_ANISOTROPY * np.abs(stress_anisotropy)
     deviator = deviator_near_shaft(rigidity_index, adhesion_factor, strength_ratio)
-    in_slow = of_table(EXCESS_IN_SLOW, SLOW_INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
-    return rise + in_slow + by_anisotropy + deviator
+    gain = of_table(GAIN_IN_SLOW_TEST, SLOW_INDICES, RISE_ADHESION, rigidity_index, adhesion_factor)
+    return rise + gain + by_anisotropy + deviator
 
 
 def deviator_near_shaft(

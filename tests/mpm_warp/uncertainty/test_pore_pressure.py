@@ -93,9 +93,11 @@ def test_what_the_filter_has_more_goes_with_the_speed(monkeypatch: pytest.Monkey
         at = {"rigidity_index": index, "adhesion_factor": adhesion}
         _, whole = radial_error(4.2, cell_size=0.35, **at)
         with monkeypatch.context() as without:
-            without.setattr(law, "EXCESS_IN_SLOW_LEFT", NOTHING_LEFT)
+            without.setattr(law, "GAIN_IN_SLOW_TEST_LEFT", NOTHING_LEFT)
             _, rest = radial_error(4.2, cell_size=0.35, **at)
-        gained = law.of_table(law.EXCESS_IN_SLOW, law.SLOW_INDICES, law.RISE_ADHESION, *at.values())
+        gained = law.of_table(
+            law.GAIN_IN_SLOW_TEST, law.SLOW_INDICES, law.RISE_ADHESION, *at.values()
+        )
         assert slow - fast == pytest.approx(gained, abs=math.sqrt(whole**2 - rest**2))
 
 
@@ -233,8 +235,8 @@ def test_what_inertia_changes_of_u2_is_within_its_parts_of_the_half_width(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """At any speed against the slowest: that of the inertia, and that of C in slow clay."""
-    left = law.EXCESS_IN_SLOW_LEFT
-    monkeypatch.setattr(law, "EXCESS_IN_SLOW_LEFT", NOTHING_LEFT)
+    left = law.GAIN_IN_SLOW_TEST_LEFT
+    monkeypatch.setattr(law, "GAIN_IN_SLOW_TEST_LEFT", NOTHING_LEFT)
     for index, of_adhesions in INERTIA_OF_U2.items():
         for adhesion, readings in zip((0.0, 0.5, 1.0), of_adhesions, strict=True):
             at = {"cell_size": 0.35, "adhesion_factor": adhesion, "rigidity_index": index}

@@ -85,7 +85,7 @@ def test_u2_of_all_meshes_is_one_value(monkeypatch: pytest.MonkeyPatch) -> None:
     """
     for left in ("NEAR_SHAFT", "LAYER_LEFT", "SLOPE_LEFT", "WINDOW_LEFT"):
         monkeypatch.setattr(law, left, 0.0)
-    for left in ("RISE_LEFT", "EXCESS_IN_SLOW_LEFT"):
+    for left in ("RISE_LEFT", "GAIN_IN_SLOW_TEST_LEFT"):
         monkeypatch.setattr(law, left, NOTHING_LEFT)
     over = [
         difference
