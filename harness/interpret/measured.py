@@ -145,9 +145,10 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
     """Total vertical stress [Pa], water that stands on the ground with it, by the median weight."""
     weight, water = test.unit_weight, test.water
     if not isinstance(water, ByDepth):
-        above = WATER * max(0.0, -water)
+        at_surface = -WATER * water
     else:
-        above = water.value[0] if water.depth[0] == 0.0 else 0.0
+        at_surface = float(np.interp(0.0, water.depth, water.value, left=0.0))
+    above = max(0.0, at_surface)  # suction weighs nothing
     if not isinstance(weight, ByDepth):
         return above + median(weight) * depth
     # Linear between the depths given: fine steps integrate it to rounding of what is known.

@@ -50,6 +50,17 @@ def test_water_on_the_ground_weighs_on_it(folder: Path) -> None:
     np.testing.assert_allclose(*stresses, rtol=1e-6)
 
 
+def test_suction_at_the_surface_weighs_nothing(folder: Path) -> None:
+    """And water that stands on the ground weighs as much where u0 tells of it from above on."""
+    plain = interpret(load_site(folder / "site.toml"))
+    suction = "u0 = { depth = [0, 3, 12], value = [-20, 0, 88.29] }"
+    dry = interpret(load_site(changed(folder, ("water_level = 1.0", suction))))
+    np.testing.assert_array_equal(dry.vertical_stress, plain.vertical_stress)
+    sea = "u0 = { depth = [-3, 12], value = [0, 147.15] }"
+    below = interpret(load_site(changed(folder, (suction, sea))))
+    np.testing.assert_allclose(below.vertical_stress, plain.vertical_stress + 3.0 * WATER)
+
+
 def test_soil_without_effective_stress_is_refused(folder: Path, refusal: Refusal) -> None:
     artesian = "u0 = { depth = [0, 5, 12], value = [0, 49, 300] }"
     line = refusal(["interpret", str(changed(folder, ("water_level = 1.0", artesian)))])
