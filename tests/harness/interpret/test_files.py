@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from harness.study.tables import StudyError
-from tests.harness.conftest import Command
+from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import STRENGTH, changed
 from tests.harness.interpret.written_tests import (
     WRITERS,
@@ -87,6 +87,18 @@ def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
     assert without[0] in text
     found = columns_of(site_of(folder, kind, text.replace(*without)))
     np.testing.assert_allclose(found.values["depth"], [row[0] + 0.01 for row in rows])
+
+
+@pytest.mark.parametrize("quantity", [5, 7])
+def test_pore_pressure_of_another_filter_is_not_u2(
+    folder: Path, quantity: int, refusal: Refusal
+) -> None:
+    """Whatever a GEF calls it, unless the site file says so."""
+    text = as_gef(rows_of(folder)).replace("Waterspanning, 6", f"Pore pressure, {quantity}")
+    path = site_of(folder, "gef", text)
+    assert "has no u2, which the correction by area_ratio" in refusal(["interpret", str(path)])
+    named = changed(folder, ("[test]", '[test]\ncolumns = { u2 = "Pore pressure" }'))
+    assert np.isfinite(columns_of(named).values["u2"]).any()
 
 
 def test_a_column_of_a_gef_may_have_several_codes_of_a_missing_value(folder: Path) -> None:
