@@ -147,6 +147,11 @@ def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:
     stress = weight[0] * depth[0] + np.concatenate([[0.0], np.cumsum(between)])
     pressure = UNIT_WEIGHT_OF_WATER * np.maximum(0.0, depth - columns["ground_water"])
     effective: Floats = stress - pressure
+    if effective.min() < 0.0:
+        raise refused(
+            f"u0 is above sigma_v0 at {depth[int(effective.argmin())]:g} m; unit_weight is that of "
+            "soil with its water, 14 to 22 kN/m3"
+        )
     return effective
 
 

@@ -86,6 +86,10 @@ LIMITED = (
             f"{HEAD}, K0 [1], ground_water [m]; 9, 10, 0.4, 0",
             "stress_anisotropy by K0 in row 1 is 1.9413, must be > -1 and < 1",
         ),
+        (
+            f"{HEAD}, unit_weight [kN/m3], K0 [1], ground_water [m]; 0, 9, 7, 1, 0; 9, 9, 7, 1, 0",
+            "u0 is above sigma_v0 at 9 m; unit_weight is that of soil with its water, 14 to 22",
+        ),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(text: str, message: str) -> None:
