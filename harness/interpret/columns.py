@@ -118,7 +118,7 @@ def read_columns(test: MeasuredTest) -> Columns:
     if np.isnan(values["depth"]).any():
         raise StudyError(f"{path}: {places[np.isnan(values['depth'])][0]}: depth is missing")
     if test.ground_level is not None:
-        values["depth"] = test.ground_level - values["depth"]
+        values["depth"] = np.round(test.ground_level - values["depth"], 9)  # 0.3 and 0.6 are 0.9
     order = np.arange(len(places)) if file.in_order else np.argsort(values["depth"], kind="stable")
     kept = order[_downward(path, values["depth"][order], places[order], notes)]
     places, values = places[kept], {name: value[kept] for name, value in values.items()}

@@ -240,6 +240,13 @@ def test_levels_become_depths(folder: Path) -> None:
     np.testing.assert_allclose(found.values["depth"], [row[0] for row in rows])
 
 
+def test_depths_of_levels_are_without_rounding(folder: Path) -> None:
+    """0.3 and 0.6 are 0.9 m, where a layer may end or u0 begin."""
+    text = "depth [m],qc [MPa],fs [kPa],u2 [kPa]\n-0.6,0.2,5,0\n-0.7,0.2,5,0\n"
+    found = columns_of(site_of(folder, "csv", text, ("[test]", "[test]\nground_level = 0.3")))
+    assert found.values["depth"].tolist() == [0.9, 1.0]
+
+
 def test_of_several_soundings_one_is_named(folder: Path) -> None:
     text = as_ags(rows_of(folder), "CPT1", "CPT2")
     path = site_of(folder, "ags", text, ("[test]", '[test]\nsounding = "CPT2/1"'))
