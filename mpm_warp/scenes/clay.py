@@ -1,6 +1,7 @@
 """Scenes in undrained clay: perfectly plastic, or of a strength that strain and its rate change."""
 
 import functools
+import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, make_dataclass
@@ -126,6 +127,12 @@ class ClayScene(CatalogueScene):
         return self.own_clay.undrained_strength(self.own_clay.reference_test)
 
     @property
+    def has_own_stiffness(self) -> bool:
+        """Whether the law has a stiffness of its own too, by which the rigidity index follows."""
+        of_scene = self.law is None or "shear_modulus" in self.law.given
+        return not of_scene and self.own_strength is not None
+
+    @property
     def own_clay(self) -> Material:
         """The clay of a law that has a strength of its own, before anything changes it."""
         given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
@@ -142,8 +149,12 @@ class ClayScene(CatalogueScene):
         if isinstance(self.undrained_shear_strength, Derived):
             object.__setattr__(self, "undrained_shear_strength", Derived(strength))
         strength = self.undrained_shear_strength
-        if self.law is not None and "shear_modulus" not in self.law.given:
-            fill_in(self, {"rigidity_index": self.own_clay.ground_shear_modulus / strength})
+        if self.has_own_stiffness:
+            own = self.own_clay.ground_shear_modulus / strength
+            fill_in(self, {"rigidity_index": own})
+            if not math.isclose(self.rigidity_index, own):
+                has_own = f" with material = {self.material!r}, whose stiffness is its own"
+                self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
         if (deviator := self.own_clay.deviator_at_rest) is not None:
             if not hasattr(self, "stress_anisotropy"):
                 raise ParameterError(

@@ -58,7 +58,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 28
+    version = 29
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""
@@ -137,8 +137,10 @@ class Sounding(SoundingTest):
         self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any
     ) -> dict[str, Any]:
         """Parameters of a cone test in such clay, under such a vertical stress [Pa]."""
+        index = float(shear_modulus) / float(strength)
         return {
-            "rigidity_index": float(shear_modulus) / float(strength),
+            # Between rows of its ground that of a law is another.
+            "rigidity_index": Derived(index) if self.has_own_stiffness else index,
             "undrained_shear_strength": float(strength),
             "adhesion_factor": float(adhesion),
             "shaft_adhesion_factor": self.shaft_adhesion(float(adhesion)),

@@ -59,8 +59,11 @@ def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
     as_default = mpm_warp.ConePenetration(**given, undrained_shear_strength=20e3)
     assert as_default.undrained_shear_strength == 20e3
     assert replace(as_default, cone_radius=0.02).undrained_shear_strength == 20e3
-    index = mpm_warp.ConePenetration(**given, rigidity_index=100.0).rigidity_index
-    assert index == 100.0
+    stored = mpm_warp.ConePenetration(**given, rigidity_index=float(scene.rigidity_index))
+    assert stored.clay == scene.clay
+    for kind in (mpm_warp.ConePenetration, mpm_warp.TBarPenetration, mpm_warp.Sounding):
+        with pytest.raises(ParameterError, match=r"rigidity_index = 100 .* its own: 90.4703 su"):
+            kind(**given, rigidity_index=100.0)
     tresca = replace(scene, material="tresca", **dict.fromkeys(scene.of_other_laws))
     assert (tresca.undrained_shear_strength, tresca.rigidity_index) == (20e3, 100.0)
 

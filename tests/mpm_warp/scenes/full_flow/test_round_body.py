@@ -97,8 +97,6 @@ def test_normals_at_the_poles_are_vertical() -> None:
 
 
 def test_a_body_in_clay_with_a_stiffness_of_its_own_is_slower_than_its_waves() -> None:
-    """Whatever rigidity index and strength are given beside that law."""
-    bar = CyclicTBar(
-        material="modified_cam_clay", rigidity_index=4000, undrained_shear_strength=1e8
-    )
+    """Whatever strength is given beside that law."""
+    bar = CyclicTBar(material="modified_cam_clay", undrained_shear_strength=400.0)
     assert bar.window.speed == pytest.approx(bar.speed_ratio * bar.clay.shear_wave_speed)
