@@ -129,11 +129,18 @@ class SoundingTest(FittedToCone, FieldClayScene):
         depth = np.array([0.0, *np.repeat(inside, 2), LAST_DEPTH])
         weight = {"unit_weight": np.full_like(depth, self.unit_weight)}
         if self.own_strength is not None:
-            for name, absent in (("strength_gradient", 0.0), ("layer_top", None)):
-                if getattr(self, name) != absent:
+            by_depth = "give its parameters by depth in a profile"
+            for name, absent, instead in (
+                ("undrained_shear_strength", self.own_strength, "leave it out"),
+                ("strength_gradient", 0.0, by_depth),
+                ("layer_top", None, by_depth),
+            ):
+                value = getattr(self, name)
+                if value != absent and not isinstance(value, Derived):
                     has_own = f"material = {self.material!r} has its own strength"
-                    where = "give its parameters by depth in a profile"
-                    raise ParameterError(name, f"{name}: {has_own}; {where}")
+                    raise ParameterError(name, f"{name}: {has_own}; {instead}")
+            if not self.has_own_stiffness:
+                weight["rigidity_index"] = np.full_like(depth, self.rigidity_index)
             return Profile.of(with_strength(self, {"depth": depth} | weight))
         strength = self.undrained_shear_strength + self.strength_gradient * depth
         if inside:
@@ -282,7 +289,10 @@ def check_sounding(test: SoundingTest) -> None:
         )
     of_rows = ("adhesion_factor", "stress_anisotropy")
     taken = [name for name in of_rows if getattr(ground, name) is not None]
+    where = "law has it by K0" if test.profile is None else "profile has it by depth"
     for name in taken if test.profile is None else [*taken, *REPLACED]:
-        value = getattr(test, name)
-        if value != parameters_of(type(test))[name].default and not isinstance(value, Derived):
-            test.refuse(name, ": the profile has it by depth; keep one of them")
+        value, default = getattr(test, name), parameters_of(type(test))[name].default
+        # A case that is run again gives what the law said.
+        allowed = getattr(ground, name)[:1] if test.profile is None else [default]
+        if not isinstance(value, Derived) and value not in allowed:
+            test.refuse(name, f": the {where}; keep one of them")

@@ -1,7 +1,7 @@
 """The ground by depth: what a table says, and what is wrong with it in one line."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -301,6 +301,19 @@ def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
     assert sounding.stress_anisotropy == test.stress_anisotropy
     built, expected = sounding.build().material, test.clay
     assert (built.properties, built.variation) == (expected.properties, None)
+    values = {it.name: getattr(sounding, it.name) for it in fields(sounding)}
+    stored = {name: float(it) if isinstance(it, float) else it for name, it in values.items()}
+    assert offered(**stored) == sounding
+
+
+def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it() -> None:
+    by_direction: dict[str, Any] = {"material": "anisotropic", "strength_compression": 40e3}
+    by_direction |= {"strength_extension": 24e3, "strength_simple_shear": 32e3}
+    clays = [
+        scene(name, **by_direction, rigidity_index=250.0).build().material
+        for name in ("sounding", "cone_penetration")
+    ]
+    assert clays[0].ground_shear_modulus == clays[1].ground_shear_modulus
 
 
 @pytest.mark.parametrize(
@@ -343,6 +356,18 @@ def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
         ),
         ({"profile": K0}, "column strength is missing"),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
+        (
+            {"material": "modified_cam_clay", "undrained_shear_strength": 9e3},
+            "undrained_shear_strength: .* has its own strength; leave it out",
+        ),
+        (
+            {
+                "material": "modified_cam_clay",
+                "vertical_overconsolidation_ratio": 2.0,
+                "stress_anisotropy": 0.0,
+            },
+            "stress_anisotropy = 0 is not allowed: the law has it by K0",
+        ),
         ({"material": "von_mises", "stress_anisotropy": 0.9}, "must be <= 34641 Pa in compression"),
         ({"profile": LIMITED.format(2e9, 17e3)}, "row 2: undrained_shear_strength = .*, in Pa"),
         ({"profile": LIMITED.format(2e4, 17e6)}, "row 2: unit_weight = .* <= 1e.06, in N m-3"),
