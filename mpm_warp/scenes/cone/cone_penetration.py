@@ -334,7 +334,7 @@ class ConePenetration(ConeTestByDefault):
             | soundness.energy_error(simulation, curves.work)
         )
         results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
-        results = results.assign(pore_pressure.stated_beside_shaft(self, results, built.material))
+        results = results.assign(pore_pressure.stated_beside_shaft(self, results, built))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         if self.friction_coefficient > 0.0:
             results = results.assign(labelled(dims=(), role=None, **self.interface_as_built))

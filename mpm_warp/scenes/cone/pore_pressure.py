@@ -23,13 +23,19 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.grid.fitted import Floats, Grid, Integers
-from mpm_warp.materials.material import Material
+from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.parts.window import Window
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import PORE_PRESSURE_IS, Samples, excess_pore_pressure, soil_scene
+from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.defaults import ConeTestByDefault
 from mpm_warp.scenes.cone.penetration import penetration_axis, without_slowing
-from mpm_warp.scenes.cone.penetrometer import SLEEVE_BEGIN, SLEEVE_LENGTH, Penetrometer
+from mpm_warp.scenes.cone.penetrometer import (
+    SLEEVE_BEGIN,
+    SLEEVE_LENGTH,
+    Penetrometer,
+    PenetrometerContact,
+)
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.built import MEASURED_LAWS
 from mpm_warp.uncertainty.further_runs import REASON
@@ -124,15 +130,22 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
 
 
 def stated_beside_shaft(
-    test: ConeTestByDefault, results: xr.Dataset, material: Material
+    test: ConeTestByDefault, results: xr.Dataset, built: Scene
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2, corrected, with their uncertainty; and that of sleeve friction.
 
-    Results are those as simulated, and `cone_factor_uncertainty`; the material is what was built.
+    Results are those as simulated, and `cone_factor_uncertainty`. What was built says by how much
+    less than its adhesion the shaft may bear, not the parameters of the test.
     """
-    face, shaft, friction = test.interface
-    slips_at_adhesion = test.rate_factor == 0.0 and friction == 0.0
-    is_bounded = slips_at_adhesion and isinstance(material, MEASURED_LAWS)
+    face, shaft, _ = test.interface
+    material, contact = built.material, built[PenetrometerContact]
+    is_told = contact.shaft_adhesion == shaft * test.undrained_shear_strength
+    slips_at_adhesion = is_told and contact.friction == 0.0
+    is_bounded = slips_at_adhesion and type(material) in MEASURED_LAWS
+    remoulded = 1.0
+    if isinstance(material, EinavRandolph):
+        is_bounded &= not material.depends_on_rate
+        remoulded = material.remoulded_strength_ratio
     why_none = str(results[REASON].values)
     if shaft != face:
         why_none = why_none or "shaft: its adhesion is another than that of the face"
@@ -150,9 +163,7 @@ def stated_beside_shaft(
         extent_ratio=test.extent_ratio,
         bounded=test.bounded,
         why_none=why_none,
-    ) | stated_sleeve(
-        results, remoulded=shaft * test.remoulded_strength_ratio if is_bounded else math.nan
-    )
+    ) | stated_sleeve(results, remoulded=shaft * remoulded if is_bounded else math.nan)
 
 
 def _middles(edges: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """Excess pore pressure on a penetrometer: where it is read, relative to what, and what is given."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import xarray as xr
 
 from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import (
     OFFSET,
     PLACES,
@@ -119,17 +121,39 @@ def test_factors_are_means_over_the_last_two_radii() -> None:
     assert "last 2 radii" in factors["pore_pressure_factor_face"].attrs["description"]
 
 
+RECORDED = xr.Dataset(
+    {f"excess_pore_pressure_{it}": ("penetration", np.full(40, 1e5)) for it in PLACES}
+    | {f"pore_pressure_factor_{it}": 5.0 for it in PLACES}
+    | {RADIAL_STRESS: ("penetration", np.full(40, 1e5)), RADIAL_FACTOR: 5.0}
+    | {"sleeve_friction_factor": 0.4, REASON: ""}
+)
+
+
+def test_how_far_sleeve_friction_may_be_lower_is_by_what_was_built() -> None:
+    """The parameters of a scene that is derived from this one may say another clay or contact."""
+    test = ConePenetration(adhesion_factor=0.5)
+    scene, told = test.build(), []
+    softer = ConePenetration(remoulded_strength_ratio=0.2, ductility=30.0).clay
+    rated = ConePenetration(rate_factor=0.1, reference_strain_rate=1.0).clay
+    contact = scene[PenetrometerContact]
+    for built in (
+        scene,
+        dataclasses.replace(scene, material=softer),
+        dataclasses.replace(scene, material=rated),
+        scene.with_parts(dataclasses.replace(contact, friction=0.2)),
+        scene.with_parts(dataclasses.replace(contact, shaft_adhesion=1e3)),
+    ):
+        stated = stated_beside_shaft(test, RECORDED, built)
+        told.append(float(stated["sleeve_friction_factor_uncertainty"].values))
+    np.testing.assert_allclose(told, [0.1, 0.3, math.nan, math.nan, math.nan])
+
+
 def test_u1_and_u2_are_less_certain_in_a_small_window() -> None:
     """A radius of 10 instead of 40, each by default otherwise."""
     half_widths = []
     for radius in (40.0, 10.0):
         test = ConePenetration(domain_radius=radius)
-        curves = {f"excess_pore_pressure_{it}": ("penetration", np.full(40, 1e5)) for it in PLACES}
-        factors = {f"pore_pressure_factor_{it}": 5.0 for it in PLACES}
-        radial = {RADIAL_STRESS: ("penetration", np.full(40, 1e5)), RADIAL_FACTOR: 5.0}
-        others = {"sleeve_friction_factor": 0.0, REASON: ""}
-        recorded = xr.Dataset(curves | factors | radial | others)
-        stated = stated_beside_shaft(test, recorded, test.clay)
+        stated = stated_beside_shaft(test, RECORDED, test.build())
         names = [f"pore_pressure_factor_{it}_uncertainty" for it in ("face", "shoulder")]
         half_widths.append(np.array([float(stated[name].values) for name in names]))
     default, small = half_widths
