@@ -19,6 +19,7 @@ from harness.archive.conventions import (
     case_dims,
     is_there,
     over_cases,
+    parameter_of,
     varied_names,
 )
 from harness.archive.netcdf_files import read_attributes
@@ -100,7 +101,7 @@ def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:
-    return [name for name in varied_names(dataset) if name in method]
+    return [name for name in varied_names(dataset) if parameter_of(name) in method]
 
 
 def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> str:
@@ -132,7 +133,7 @@ def _measured(
         judged = np.isfinite(errors) | ~done[cases]
         if judged.any():
             worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
-            own = zip(varied, values, strict=True)
+            own = zip(map(parameter_of, varied), values, strict=True)
             found.append(
                 Recommendation(
                     settings=fixed | {name: _setting(value, method[name]) for name, value in own},

@@ -29,6 +29,7 @@ from harness.archive.conventions import (
     labels_of,
     over_cases,
     parameter_names,
+    parameter_of,
     reasons_of,
     scenes_of,
     spoken,
@@ -262,7 +263,7 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
     names, values = varied_names(dataset), np.array(_headlines(dataset))
     scene = scenes_of(dataset)[0]
     method = scene_class(scene).method if scene in scene_names() else ()
-    if len(names) != 1 or names[0] in (*method, *PARTS):
+    if len(names) != 1 or parameter_of(names[0]) in (*method, *PARTS):
         return []
     (name,), places = names, over_cases(dataset, names[0])
     if places.dtype.kind not in "if" or not np.isfinite(values).all() or len(values) < 2:

@@ -152,6 +152,15 @@ def test_recommend_from_the_command_line(
     assert ("cells_per_radius = 2.0" in told) == (code == 0)
 
 
+def test_a_setting_that_shares_its_name_with_a_result_is_told(
+    tmp_path: Path, two_soils: xr.Dataset
+) -> None:
+    far = two_soils.rename(cells_per_radius="penetration_parameter")
+    found = recommend("cone_penetration", 0.05, [written(tmp_path, far)])
+    assert found is not None
+    assert (found.settings, found.case_count) == ({"penetration": 2.0}, 2)
+
+
 def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
     file = written(tmp_path, two_scenes())
     strange = xr.Dataset({"error": 0.1})

@@ -199,8 +199,9 @@ def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
     )
     assert said in result_table(known).splitlines()
     assert "difference" not in result_table(footings(["completed", "completed"]))
-    meshes = known.rename(adhesion_factor="cells_per_radius").assign_attrs(scene="cone_penetration")
-    assert "difference" not in result_table(meshes)
+    for name in ("cells_per_radius", "penetration_parameter"):
+        method = known.rename(adhesion_factor=name).assign_attrs(scene="cone_penetration")
+        assert "difference" not in result_table(method)
 
 
 SIZES = [0.8, 0.4, 0.2, 0.1]
