@@ -149,7 +149,8 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
 
     Both are definitions, or what stands in them under [scenes.NAME]. Tables are joined key by key.
     A parameter that `own` fixes, varies or derives is no longer what `base` makes of it; but one
-    that `own` varies keeps its fixed value where a case of the design has that.
+    that `own` varies keeps its fixed value where a case of the design has that. What `own` says for
+    all scenes takes the place of what `base` says for one.
     """
     result = dict(base)
     for name in ASSIGNING:
@@ -158,6 +159,12 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
         said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
+    if isinstance(scenes := result.get("scenes"), dict):
+        of_all = {key: own[key] for key in ASSIGNING if key in own}
+        result["scenes"] = {
+            name: joined(of_scene, of_all, design) if isinstance(of_scene, dict) else of_scene
+            for name, of_scene in scenes.items()
+        }
     for key, value in own.items():
         inherited = result.get(key)
         if not (isinstance(inherited, dict) and isinstance(value, dict)):

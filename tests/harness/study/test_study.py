@@ -295,6 +295,21 @@ def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
     assert part.varied == {"cell_count": (10, 20)}
 
 
+@pytest.mark.parametrize(
+    "table", ["fixed = { rigidity_index = 300 }", "vary.rigidity_index = [300]"]
+)
+def test_what_a_study_says_for_all_scenes_holds_before_what_its_base_says_for_one(
+    tmp_path: Path, table: str
+) -> None:
+    study_in(tmp_path, SEVERAL, name="base")
+    text = f'base = "base.toml"\n{table}\n'
+    footing, _ = study_in(tmp_path, text).parts
+    assert values(study_in(tmp_path, text), "rigidity_index") == [(300,)] * 3
+    assert footing.varied["cells_per_radius"] == (4, 8)
+    own = "[scenes.strip_footing.fixed]\nrigidity_index = 400\n"
+    assert values(study_in(tmp_path, text + own), "rigidity_index") == [(400,), (400,), (300,)]
+
+
 NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
 
 
