@@ -80,9 +80,11 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
         if isinstance(reference, OwnReference):
             known |= {OWN_LABEL: reference.label, "range": json.dumps(reference.ranges)}
         label = f"cone factor of {reference.label}"
+        with np.errstate(divide="ignore"):  # a formula of a study's own may be 0
+            deviations = computed.values / values - 1
         for role, numbers, meaning in (
             (Role.REFERENCE, values, label),
-            (Role.DEVIATION, computed.values / values - 1, f"deviation from the {label}"),
+            (Role.DEVIATION, deviations, f"deviation from the {label}"),
         ):
             attributes = known | {"long_name": meaning, "role": role}
             added[f"{role}_{reference.id}"] = computed.dims, numbers, attributes

@@ -62,6 +62,12 @@ def test_it_has_its_value_within_its_range_and_none_outside(computed: Computed) 
     np.testing.assert_allclose(result.deviation_our_lab[1:], [-0.15 / 11.5, 0.85 / 11.5])
 
 
+def test_a_formula_that_is_0_has_no_deviation_and_no_remark(computed: Computed) -> None:
+    """A warning of NumPy is an error of every test."""
+    result = computed(STUDY.replace("10 + alpha_c", "0 * alpha_c - 1"))
+    assert np.isinf(result.deviation_our_lab[1:]).all()
+
+
 def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) -> None:
     table = result_table(computed(STUDY))
     (outside, *_), (within, *_) = (
