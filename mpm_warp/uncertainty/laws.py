@@ -39,10 +39,10 @@ APEX_ANGLE = 60.0
 RIGIDITY_INDICES = (20.0, 30.0, 50.0, 100.0, 300.0, 1000.0)
 """Where the error of the mesh was measured."""
 SLOPES = (
-    (-1.70, -1.95, -1.92, -1.89, -1.69, -1.46),
-    (-1.15, -1.02, -1.27, -1.34, -1.31, -1.29),
+    (-1.71, -1.95, -1.92, -1.89, -1.69, -1.46),
+    (-1.04, -1.02, -1.27, -1.34, -1.31, -1.29),
 )
-CURVATURES = ((1.55, *(1.96,) * 5), (1.14, 1.14, 1.49, 1.55, 1.59, 1.75))
+CURVATURES = ((1.56, *(1.96,) * 5), (1.01, 1.14, 1.49, 1.55, 1.59, 1.75))
 """B and Q of E_mesh at these rigidity indices, dimensionless, of a smooth cone and of one with
 adhesion factor 1; between the two they go with the square of the adhesion factor."""
 CURVATURE_POWER = 1.7
@@ -72,7 +72,7 @@ NEAREST_BOTTOM = 0.74
 BOUND_ERROR, BOUND = 4.5, 0.8
 """P of E_bound, and its half width: between Ir 25 and 500, smooth and rough, Delta -0.5 and 0.5 a
 Poisson's ratio of 0.45 in place of 0.49 takes off 3.7 to 5.4 times the difference."""
-LIMIT = (20.0, 30.0, 300.0, 1000.0), (0.02, 0.015, 0.015, 0.03)
+LIMIT = (300.0, 1000.0), (0.015, 0.03)
 """Half width of the limit of fine cells over the rigidity index: all meshes of 5 rows beside the
 face and more are, corrected, within it and that of B of the limits that powers of h from 1.5 to 2
 have. Up to 300 there are meshes of 28 to 56 rows, at 1000 of 14 to 20."""

@@ -66,7 +66,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 36
+    version = 37
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 
