@@ -72,24 +72,24 @@ def test_the_rise_to_the_filter_goes_with_the_anisotropy() -> None:
 
 
 EXCESS_BY_SPEED = {
-    (20.0, 0.0): (0.932 - 1.229, 0.951 - 1.211),
-    (20.0, 0.5): (0.791 - 1.145, 0.868 - 1.177),
-    (20.0, 1.0): (0.925 - 0.614, 0.958 - 0.641),
-    (50.0, 0.5): (1.091 - 1.101, 1.172 - 1.166),
-    (100.0, 0.0): (1.340 - 1.135, 1.379 - 1.044),
-    (100.0, 0.25): (1.298 - 1.182, 1.279 - 1.201),
-    (100.0, 0.5): (1.214 - 1.082, 1.205 - 1.140),
-    (100.0, 1.0): (1.252 - 0.635, 1.197 - 0.623),
-    (300.0, 0.0): (1.700 + 0.162, 1.767 + 0.212),
-    (300.0, 0.5): (1.479 - 0.471, 1.498 - 0.391),
-    (300.0, 1.0): (1.481 - 0.680, 1.423 - 0.749),
+    (20.0, 0.0): [(0.932 - 1.229, 0.951 - 1.211), (0.921 - 1.189, 0.915 - 1.179)],
+    (20.0, 0.5): [(0.791 - 1.145, 0.868 - 1.177), (0.881 - 1.157, 0.870 - 1.158)],
+    (20.0, 1.0): [(0.925 - 0.614, 0.958 - 0.641), (1.014 - 0.603, 0.997 - 0.603)],
+    (50.0, 0.5): [(1.091 - 1.101, 1.172 - 1.166), (1.093 - 1.137, 1.103 - 1.118)],
+    (100.0, 0.0): [(1.340 - 1.135, 1.379 - 1.044), (1.317 - 0.783, 1.392 - 0.735)],
+    (100.0, 0.25): [(1.298 - 1.182, 1.279 - 1.201)],
+    (100.0, 0.5): [(1.214 - 1.082, 1.205 - 1.140), (1.120 - 1.064, 1.160 - 1.026)],
+    (100.0, 1.0): [(1.252 - 0.635, 1.197 - 0.623), (1.141 - 0.536, 1.174 - 0.542)],
+    (300.0, 0.0): [(1.700 + 0.162, 1.767 + 0.212)],
+    (300.0, 0.5): [(1.479 - 0.471, 1.498 - 0.391)],
+    (300.0, 1.0): [(1.481 - 0.680, 1.423 - 0.749)],
 }
-"""C where i is 0.36 and 0.05, by rigidity index and adhesion factor, on 28 rows, 14 at Ir 300.
-Beside the smooth shaft at Ir 100 it gains 0.12 on narrow columns and 56 rows too."""
+"""C where i is 0.36 and 0.05, by rigidity index and adhesion factor, on 28 rows, 14 at Ir 300, and
+on narrow columns of 56 rows."""
 
 
 def test_what_the_filter_has_more_goes_with_the_speed(monkeypatch: pytest.MonkeyPatch) -> None:
-    for (index, adhesion), (fast, slow) in EXCESS_BY_SPEED.items():
+    for (index, adhesion), meshes in EXCESS_BY_SPEED.items():
         at = {"rigidity_index": index, "adhesion_factor": adhesion}
         _, whole = radial_error(4.2, cell_size=0.35, **at)
         with monkeypatch.context() as without:
@@ -98,7 +98,9 @@ def test_what_the_filter_has_more_goes_with_the_speed(monkeypatch: pytest.Monkey
         gained = law.of_table(
             law.GAIN_IN_SLOW_TEST, law.SLOW_INDICES, law.RISE_ADHESION, *at.values()
         )
-        assert slow - fast == pytest.approx(gained, abs=math.sqrt(whole**2 - rest**2))
+        left = math.sqrt(whole**2 - rest**2)
+        for fast, slow in meshes:
+            assert slow - fast == pytest.approx(gained, abs=left)
 
 
 BY_POISSON = {
