@@ -14,6 +14,7 @@ from harness.archive.conventions import (
     labels_of,
     over_cases,
     parameter_names,
+    scenes_of,
     with_role,
 )
 from harness.errors import HarnessError
@@ -175,8 +176,8 @@ def misses(dataset: xr.Dataset) -> list[str]:
     """What the tolerances that are stored in `dataset` do not allow, a line each.
 
     The tolerance of a reference bounds the size of the deviation from it, in the cases that it
-    applies to; that of a result bounds its size. What is not a number, or nowhere to be found, is
-    missed too: a check that was not made is not passed.
+    applies to; that of a result bounds its size, in the scenes that have it. What is not a number,
+    or nowhere to be found, is missed too: a check that was not made is not passed.
     """
     tolerances: dict[str, float] = json.loads(dataset.attrs.get(TOLERANCES, "{}"))
     return [line for name, limit in tolerances.items() for line in _misses_of(dataset, name, limit)]
@@ -195,6 +196,11 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
     size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
     sizes, held = over_cases(dataset, size), over_cases(dataset, applies)
+    # Of several scenes one does not have it whose cases completed without it.
+    scenes, known = np.array(scenes_of(dataset)), ~np.isnan(sizes)
+    done = over_cases(dataset, "status") == COMPLETED
+    lacking = {*scenes[done]} - {*scenes[known]} if known.any() else set()
+    held = held & ~np.isin(scenes, [*lacking])
     if not held.any():
         return [f"{name}: applies to no case"]
     return [

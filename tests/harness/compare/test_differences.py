@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import differences, differing, unshared
 from mpm_warp.parameters import parameter
 from tests.harness.compare.conftest import FACTORS, Two, collected
-from tests.harness.conftest import Command, Refusal
+from tests.harness.conftest import Command, Refusal, as_collected
 
 
 def test_equal_results_do_not_differ(two: Two) -> None:
@@ -193,6 +194,19 @@ def test_a_reference_is_not_asked_outside_its_validity(tmp_path: Path) -> None:
 def test_what_failed_is_missed(tmp_path: Path) -> None:
     (line,) = missed(collected(tmp_path, (10.0, np.nan, 12.0)), error=1.0)
     assert line.startswith("error: adhesion_factor=0.5: nan")
+
+
+def test_a_scene_that_does_not_have_a_result_does_not_miss_its_tolerance() -> None:
+    """One of which no case completed may have it."""
+    errors = {"error": ("case", [0.01, np.nan, np.nan, np.nan])}
+    scenes = ["cone_penetration", "cone_penetration", "cavity_expansion", "cavity_expansion"]
+    made = xr.Dataset(errors, {"case": range(4), "scene": ("case", scenes)})
+    both = as_collected(made, "case", [COMPLETED, "failed", COMPLETED, "failed"], scene="two")
+    (line,) = missed(both, error=0.02)
+    assert line == "error: scene=cone_penetration: nan is beyond the tolerance 0.02"
+    none = as_collected(made, "case", [COMPLETED, COMPLETED, "failed", "failed"], scene="two")
+    assert len(missed(none, error=0.02)) == 3
+    assert len(missed(both.assign(error=both.error * np.nan), error=0.02)) == 4
 
 
 @pytest.mark.parametrize(("limit", "code"), [(0.02, 0), (0.011, 1)])
