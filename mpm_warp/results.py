@@ -124,7 +124,7 @@ def parameter_variables(scene: object, results: Collection[object]) -> dict[str,
     return {
         stored_name(name, results): variable(
             _stored(getattr(scene, name), definition),
-            unit=definition.unit,
+            unit=None if definition.kind is str else definition.unit,
             meaning=name.replace("_", " "),
             description=f"{definition.meaning}; {definition.allowed}",
             role="parameter",

@@ -87,6 +87,8 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
         if values.dtype.kind != "U":
             assert values.attrs["units"], label
             assert values.attrs["long_name"], label
+        else:
+            assert "units" not in values.attrs, label
         assert _role(values) in {None, *ROLES}
         if _role(values) == "exact":
             assert result[values.attrs["exact_of"]].dims == values.dims
