@@ -158,8 +158,8 @@ def comparisons(datasets: list[xr.Dataset]) -> list[dict[str, Any]]:
 def _comparison(scene: str, group: list[Studied]) -> dict[str, Any]:
     soils = [_by_soil(studied) for studied in group]
     shared = [key for key, count in Counter(itertools.chain(*soils)).items() if count > 1]
-    counts = Counter(name for name, _ in {pair for key in shared for pair in key})
-    varied = [name for key in shared[:1] for name, _ in key if counts[name] > 1]
+    counts = Counter(name for name, _ in dict.fromkeys(itertools.chain(*shared)))
+    varied = [name for name, count in counts.items() if count > 1]
     first = group[0]
     unit = words.unit(first.dataset, first.headline)
     parameters = dict.fromkeys(name for it in group for name in parameter_names(it.dataset))
@@ -181,7 +181,7 @@ def _row(key: Key, varied: list[str], soils: list[dict[Key, float]]) -> list[str
     found = [soil.get(key, np.nan) for soil in soils]
     known = [value for value in found if np.isfinite(value)]
     change = known[-1] / known[0] - 1.0 if len(known) > 1 and known[0] else np.nan
-    values = (dict(key)[name] for name in varied)
+    values = (dict(key).get(name, words.MISSING) for name in varied)
     return [*values, *(words.text(entry, digits=3) for entry in found), words.percent(change)]
 
 

@@ -104,6 +104,21 @@ def test_in_which_order_results_hold_their_parameters_does_not_matter(
     assert found["shared"] == expected["shared"]
 
 
+def test_studies_of_scenes_with_other_parameters_share_cases_two_by_two(
+    results: list[xr.Dataset],
+) -> None:
+    """As those of two versions of the simulator."""
+    later = [it.assign(ductility=((), 15.0, {"role": "parameter"})) for it in results]
+    (found,) = comparisons([*results, *later])
+    assert found["varied"] == ["rigidity index"]
+    assert found["shared"][0] == ["50", "9", "9.2", "-", "-", "+2.2 %"]
+    assert found["shared"][3] == ["50", "-", "-", "9", "9.2", "+2.2 %"]
+    softer = [it.assign(ductility=it.ductility + 5.0) for it in later]
+    (found,) = comparisons([*later, *softer, *results])
+    assert set(found["varied"]) == {"rigidity index", "ductility"}
+    assert [{*row[:2]} for row in found["shared"][::3]] == [{"50", "15"}, {"50", "20"}, {"50", "-"}]
+
+
 def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     other = results[1].copy()
     other["adhesion_factor"] = (), 1.0, results[1]["adhesion_factor"].attrs
