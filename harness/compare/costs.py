@@ -42,7 +42,7 @@ class Recommendation:
     settings: dict[str, Value]  # of the method that differ between cases, or are not as by default
     run_time: float  # longest wall-clock time of the time loop, over all cases with them [s]
     error: float  # greatest of these cases, see `credited_error`
-    case_count: int
+    case_count: int  # of those whose error is known, or that did not complete
     file: Path  # the result that they are from
 
     def __str__(self) -> str:
@@ -139,7 +139,7 @@ def _measured(
                     settings=fixed | {name: _setting(value, method[name]) for name, value in own},
                     run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
                     error=worst,
-                    case_count=len(cases),
+                    case_count=int(judged.sum()),
                     file=file,
                 )
             )
