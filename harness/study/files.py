@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.study.designs import EITHER_FIXED_OR_VARIED
+from harness.study.scene_part import OF_SCENE
 from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
@@ -160,7 +161,7 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
     if isinstance(scenes := result.get("scenes"), dict):
-        of_all = {key: own[key] for key in ASSIGNING if key in own}
+        of_all = {key: own[key] for key in OF_SCENE if key in own}
         result["scenes"] = {
             name: joined(of_scene, of_all, design) if isinstance(of_scene, dict) else of_scene
             for name, of_scene in scenes.items()

@@ -32,6 +32,8 @@ MOST_EXCLUSIONS = 100
 
 SNAPSHOTS = "snapshots"
 """Key of the moments at which the soil is kept."""
+OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
+"""Keys that may stand under [scenes.NAME] as well, for that scene alone."""
 
 Scene = type[CatalogueScene]
 

@@ -19,8 +19,15 @@ from harness.study.compared import (
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.distributions import FORMS, PERCENTILE
 from harness.study.expressions import LONGEST
-from harness.study.scene_part import LARGEST_STUDY, SNAPSHOTS, Scene, loaded_scenes, moment_of
-from harness.study.study import LARGEST_SEED, MOST_REPEATS, OF_SCENE, STABILITY_MAP
+from harness.study.scene_part import (
+    LARGEST_STUDY,
+    OF_SCENE,
+    SNAPSHOTS,
+    Scene,
+    loaded_scenes,
+    moment_of,
+)
+from harness.study.study import LARGEST_SEED, MOST_REPEATS, STABILITY_MAP
 from mpm_warp.arguments import Range
 from mpm_warp.parameters import Parameter, parameters_of
 from mpm_warp.scenes.sounding.table import PROFILE

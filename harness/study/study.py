@@ -16,6 +16,7 @@ from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME,
 from harness.study.files import find_study, joined, lineage, study_names, with_profile
 from harness.study.scene_part import (
     LARGEST_STUDY,
+    OF_SCENE,
     SNAPSHOTS,
     Scene,
     ScenePart,
@@ -37,8 +38,6 @@ OF_STUDY = (
     *("title", "base", "scene", "scenes", "design", "samples", "seed"),
     *("compare", OWN_REFERENCES, "timing", STABILITY_MAP),
 )
-OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
-"""Keys that may stand under [scenes.NAME] as well, for that scene alone."""
 
 
 @dataclass(frozen=True, kw_only=True)

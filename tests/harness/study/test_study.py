@@ -310,6 +310,19 @@ def test_what_a_study_says_for_all_scenes_holds_before_what_its_base_says_for_on
     assert values(study_in(tmp_path, text + own), "rigidity_index") == [(400,), (400,), (300,)]
 
 
+def test_so_do_its_exclusions_snapshots_and_listed_cases(tmp_path: Path) -> None:
+    own = "[scenes.cone_penetration]\nexclude = ['adhesion_factor == 0']\nsnapshots = [1]\n"
+    varied = "[vary]\nadhesion_factor = [0, 1]\n"
+    study_in(tmp_path, HEAD + varied + own, name="base")
+    text = 'base = "base.toml"\nexclude = ["adhesion_factor == 1"]\nsnapshots = [2]\n'
+    (case,) = study_in(tmp_path, text).cases
+    assert (case.parameters["adhesion_factor"], case.snapshots) == (0, (2,))
+    listed = f'{HEAD}design = "list"\n[[scenes.cone_penetration.case]]\nadhesion_factor = 0\n'
+    study_in(tmp_path, listed, name="base")
+    text = 'base = "base.toml"\ncase = [{ adhesion_factor = 1 }]\n'
+    assert values(study_in(tmp_path, text), "adhesion_factor") == [(1,)]
+
+
 NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
 
 
