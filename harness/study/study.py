@@ -139,11 +139,10 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     for name, scene in scenes.items():
         of_scene = own.table(name)
         of_scene.allow(*OF_SCENE)
-        where = of_scene.where if of_scene.values else document.where
         _check_derived(document, of_scene)
-        said = joined(shared, of_scene.values, design.kind)
-        table = Table(where, said, parameters_of(scene))
-        parts.append(read_part(name, scene, table, design, settings))
+        parts.append(
+            _part(name, scene, of_scene, replace(document, values=shared), design, settings)
+        )
     timing = document.table("timing")
     timing.allow("repeats")
     return Study(
@@ -156,6 +155,27 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         source=path,
         stability_map=_asks_for_map(document, design, len(scenes)),
     )
+
+
+def _part(
+    name: str,
+    scene: Scene,
+    own: Table,
+    shared: Table,
+    design: Design,
+    settings: Mapping[str, Any],
+) -> ScenePart:
+    """What a study does with a scene; what is wrong in what all share is told of its place."""
+    said, known = joined(shared.values, own.values, design.kind), parameters_of(scene)
+    try:
+        return read_part(name, scene, Table(own.where, said, known), design, settings)
+    except StudyError as error:
+        try:
+            read_part(name, scene, replace(shared, known=known), design, settings)
+        except StudyError as of_all:
+            if str(of_all).removeprefix(shared.where) == str(error).removeprefix(own.where):
+                raise of_all from None
+        raise
 
 
 def _scenes(document: Table) -> dict[str, Scene]:

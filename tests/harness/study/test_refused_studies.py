@@ -12,6 +12,7 @@ SCENE = 'scene = "cone_penetration"\n'
 ALLOWED = {name: it.allowed for name, it in parameters_of(ConePenetration).items()}
 MANY = list(range(1001, 2001))
 OURS = '[references.it]\nformula = "Ir"\nlabel = "l"\nsource = "s"\n'
+OWN_TABLE = "[scenes.cone_penetration.vary]\nrigidity_index = [50, 60]\n"
 DRAWN = 'design = "latin_hypercube"\nsamples = 4\nseed = 1\n[vary]\n'
 
 OF_A_CONE = [
@@ -84,6 +85,8 @@ OF_A_CONE = [
     ('design = "list"\n[[case]]\ndensity = [1]', "[[case]] 1: density = [1] is not allowed"),
     ("[scenes.material_point]", "unknown key"),
     ('[scenes.cone_penetration]\ntitle = "x"', "[scenes] [cone_penetration] title"),
+    ("fixed.density = -1\n" + OWN_TABLE, "s.toml: [fixed] density = -1"),
+    (OWN_TABLE + "density = [-1]", "s.toml: [scenes] [cone_penetration] [vary] density = -1"),
     # Keys.
     ("[varry]\ndensity = [1]", "unknown key; did you mean 'vary'?"),
     ("scenne = 1", "unknown key; did you mean 'scene'?"),
