@@ -175,7 +175,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     approach_speed_ratio: float = parameter(
         None,
         "approach speed over shear wave speed (default: the lesser of 0.25 and "
-        "sqrt(7 / Ir)); not above speed_ratio: no approach",
+        "sqrt(7 / Ir), sqrt(1.4 / Ir) where apex_angle is above 90); not above speed_ratio: no "
+        "approach",
         above=0,
         maximum=0.5,
     )
@@ -189,19 +190,18 @@ class ConeTest(FittedToCone, FieldClayScene):
     speed_ratio: float = parameter(
         None,
         "penetration speed V over shear wave speed, rho V^2 at most 50 su (default: 0.03, 0.045 "
-        "where accuracy is quick, less above Ir 1481, where it is fine less above Ir 222; in "
-        "perfectly plastic Tresca clay, accuracy standard, 0.3 / sqrt(Ir) below Ir 100, at most "
-        "0.05)",
+        "where accuracy is quick; in perfectly plastic Tresca clay less where it is quick above Ir "
+        "1481 and fine above Ir 222, and 0.3 / sqrt(Ir), at most 0.05, standard below Ir 100)",
         minimum=1e-4,
         maximum=0.5,
         sane=(1e-4, 0.1),
     )
     accuracy: str = parameter(
         "standard",
-        "what cells, window and speed are by default: fine halves the cells and widens the "
-        "window by 1.3, takes some ten times as long, and has two thirds of the uncertainty; "
-        "quick takes a fifth to a tenth of the time, and has up to twice the uncertainty, at Delta "
-        "-0.5 up to 2.3 times",
+        "what cells, window and speed are by default: fine halves the cells, has 1.3 times the "
+        "window, takes some ten times as long, and has two thirds of the uncertainty; quick has "
+        "0.75 times the window, takes a fifth to a tenth of the time, and adds 50 to 80 % to the "
+        "uncertainty",
         choices=("quick", "standard", "fine"),
     )
     cells_per_radius: float = parameter(
