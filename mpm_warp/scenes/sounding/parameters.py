@@ -10,7 +10,7 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
-from mpm_warp.scenes.cone.parameters import FittedToCone
+from mpm_warp.scenes.cone.parameters import ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, refused, with_strength
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
@@ -93,6 +93,11 @@ class SoundingTest(FittedToCone, FieldClayScene):
         "penetration speed over that of shear waves in the softest soil",
         minimum=1e-4,
         maximum=0.5,
+    )
+    time_step_fraction: float = redefined(
+        ConeInGround,
+        "time_step_fraction",
+        meaning="time step over the critical one; from the surface 0.7 at most",
     )
     cells_per_radius: float = parameter(
         3.0, "cells per cone radius at the cone, about", minimum=1, maximum=100

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SimulationDiverged
+from mpm_warp.parameters import parameters_of
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.sounding.curves import (
     PRESSURE_NOISE,
@@ -15,7 +16,7 @@ from mpm_warp.scenes.sounding.curves import (
     layer_values,
     sounding_curves,
 )
-from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.scenes.sounding.sounding import TIME_STEP_FRACTION, Sounding
 from mpm_warp.uncertainty.samples import why_not_known
 from mpm_warp.uncertainty.shoulder import shoulder_pressure
 from tests.mpm_warp.conftest import refused
@@ -52,6 +53,12 @@ def test_the_window_is_that_of_the_greatest_rigidity_index() -> None:
     assert sounding.domain_below == 20.0
     assert -grid.rows[0] / sounding.cone_radius == pytest.approx(20.0, abs=0.2)
     assert grid.outer_radius / sounding.cone_radius == pytest.approx(80.0, rel=0.1)
+
+
+def test_the_time_step_of_a_sounding_from_the_surface_is_bounded_as_told() -> None:
+    assert Sounding(from_depth=0).build().time_step_fraction == TIME_STEP_FRACTION
+    told = parameters_of(Sounding)["time_step_fraction"].meaning
+    assert f"from the surface {TIME_STEP_FRACTION:g} at most" in told
 
 
 def test_curves_stand_at_the_middles_of_their_samples_in_metres(layered: xr.Dataset) -> None:
