@@ -113,16 +113,20 @@ def completed(
 ) -> tuple[dict[str, Value | None], ParameterError | None]:
     """All parameters of a scene with these values, and why the scene refuses them, if it does.
 
-    Where it does, nothing is worked out from others.
+    Where it does, nothing is worked out from others; nor where it only lacks what is still to come.
     """
-    try:
-        for name, expression in (derived or {}).items():
-            value = expression.value(_parameters(scene(**given)))
-            given = given | {name: rounded(value) if isinstance(value, float) else value}
-        return _parameters(scene(**given)), None
-    except ParameterError as error:
-        defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
-        return {**defaults, **given}, error
+    defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
+    to_come = dict(derived or {})
+    while True:
+        try:
+            complete, refusal = _parameters(scene(**given)), None
+        except ParameterError as error:
+            complete, refusal = {**defaults, **given}, error
+        if not to_come or (refusal is not None and refusal.key not in to_come):
+            return complete, refusal
+        name = next(iter(to_come))
+        value = to_come.pop(name).value(complete)
+        given = given | {name: rounded(value) if isinstance(value, float) else value}
 
 
 def _parameters(scene: CatalogueScene) -> dict[str, Value | None]:

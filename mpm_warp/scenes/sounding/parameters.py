@@ -139,6 +139,8 @@ class SoundingTest(FittedToCone, FieldClayScene):
                 ("undrained_shear_strength", self.own_strength, "leave it out"),
                 ("strength_gradient", 0.0, by_depth),
                 ("layer_top", None, by_depth),
+                ("layer_thickness", None, by_depth),
+                ("layer_strength_ratio", 1.0, by_depth),
             ):
                 value = getattr(self, name)
                 if value != absent and not isinstance(value, Derived):
@@ -268,6 +270,11 @@ def check_sounding(test: SoundingTest) -> None:
     """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
     if test.profile is not None:
         _check_limits(test, columns_of(test.profile))
+    elif test.layer_top is None:
+        for name, absent in ("layer_thickness", None), ("layer_strength_ratio", 1.0):
+            if (value := getattr(test, name)) != absent:
+                needed = f"{name} = {value:g} needs layer_top, the depth of the layer's top in m"
+                raise ParameterError("layer_top", f"{needed}: give both")
     spacing = f"{SAMPLE_SPACING:g} radii"
     if test.to_depth < test.from_depth + SAMPLE_SPACING * test.cone_radius:
         test.refuse("to_depth", f": must be > from_depth = {test.from_depth:g} by {spacing}")

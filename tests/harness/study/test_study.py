@@ -108,6 +108,10 @@ DERIVED = f"""{HEAD}
 derived = {{ domain_radius = "6 * sqrt(rigidity_index)", domain_above = "domain_radius / 3" }}
 vary = {{ rigidity_index = [25, 100] }}
 """
+NEEDED = f"""{HEAD}
+derived = {{ ductility = "20 * remoulded_strength_ratio" }}
+vary = {{ remoulded_strength_ratio = [0.2, 0.5] }}
+"""
 EXCLUDING = f"""{HEAD}
 exclude = ["rigidity_index > 100 and adhesion_factor == 1"]
 vary = {{ adhesion_factor = [0, 1], rigidity_index = [50, 500] }}
@@ -163,6 +167,7 @@ CASES: dict[str, tuple[str, list[str], dict[str, list[object]]]] = {
         {"adhesion_factor": [0, 0.5, 1, 0, 0], "cells_per_radius": [2, 2, 2, 1, 3]},
     ),
     "derived in their order": (DERIVED, [], {"domain_radius": [30, 60], "domain_above": [10, 20]}),
+    "derived though others need it": (NEEDED, [], {"ductility": [4, 10]}),
     "exclusions": (EXCLUDING, [], {"adhesion_factor": [0, 0, 1], "rigidity_index": [50, 500, 50]}),
     "several scenes": (SEVERAL, [], {"rigidity_index": [200, 200, 100]}),
     "a setting is for the scenes that have the parameter": (

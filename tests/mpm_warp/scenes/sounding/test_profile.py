@@ -357,6 +357,10 @@ def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it
         ({"profile": K0}, "column strength is missing"),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
         (
+            {"material": "modified_cam_clay", "layer_strength_ratio": 0.5},
+            "layer_strength_ratio: .* in a profile",
+        ),
+        (
             {"material": "modified_cam_clay", "undrained_shear_strength": 9e3},
             "undrained_shear_strength: .* has its own strength; leave it out",
         ),
