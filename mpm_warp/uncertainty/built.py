@@ -101,7 +101,7 @@ def why_not_as_measured(
             word, what = _called(other)
             reasons[word] = f"{word}: the error is not known with the {what} built, {difference}"
     if not reasons:
-        return _why_law_not_measured(built.material, laws)
+        return why_law_not_measured(built.material, laws)
     # What comes first in this order may be why the others differ: a stiffer soil has faster waves.
     first = next(word for word in (*(word for _, word, _ in PARTS), OTHER) if word in reasons)
     return [reasons[first]]
@@ -117,7 +117,10 @@ def why_not_tresca(material: Material) -> list[str]:
     return [f"law: the error is known in tresca, not in {name}, but {measured}"]
 
 
-def _why_law_not_measured(material: Material, laws: tuple[type[Material], ...]) -> list[str]:
+def why_law_not_measured(
+    material: Material, laws: tuple[type[Material], ...] = MEASURED_LAWS
+) -> list[str]:
+    """What `why_not_as_measured` says of the law; where it says something, no run measures it."""
     if type(material) not in laws:
         return [f"law: the error is not known in {built_name(material)}"]
     if not isinstance(material, EinavRandolph):

@@ -28,7 +28,12 @@ from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
-from mpm_warp.uncertainty.built import LAWS_OF_CONES, expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.built import (
+    LAWS_OF_CONES,
+    expected_scene,
+    why_law_not_measured,
+    why_not_as_measured,
+)
 from mpm_warp.uncertainty.laws import APEX_ANGLE
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, forgetting, steady_penetration
 
@@ -204,7 +209,9 @@ class ConePenetration(ConeTestByDefault):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
-        further = {} if self.uncertainty == "known" else self.further_tests()
+        is_measured = self.uncertainty == "measured"
+        is_measured &= not why_law_not_measured(self.clay, LAWS_OF_CONES)
+        further = self.further_tests() if is_measured else {}
         return of_several([test.own_size for test in (self, *further.values())])
 
     @property
@@ -338,7 +345,7 @@ class ConePenetration(ConeTestByDefault):
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         if self.friction_coefficient > 0.0:
             results = results.assign(labelled(dims=(), role=None, **self.interface_as_built))
-        soundness.check_energy(results)
+        soundness.check_energy(results, longer="penetration")
         if balances:
             soundness.check_balance(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():

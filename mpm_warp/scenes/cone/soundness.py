@@ -63,14 +63,17 @@ def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
     return {"energy_error": error}
 
 
-def check_energy(results: xr.Dataset) -> None:
-    """Raise `InaccurateRun` where transfers took over `LARGEST_ENERGY_ERROR` of the work."""
+def check_energy(results: xr.Dataset, longer: str = "") -> None:
+    """Raise `InaccurateRun` where transfers took over `LARGEST_ENERGY_ERROR` of the work.
+
+    `longer` is what a scene has to make its run longer, where that helps.
+    """
     share = float(results.energy_error)
     if not abs(share) <= LARGEST_ENERGY_ERROR:
         raise InaccurateRun(
             f"the transfers between material points and grid took {-share:.1%} of the "
             f"penetrometer's work, more than {LARGEST_ENERGY_ERROR:.0%}: try a lower "
-            "speed_ratio, more cells_per_radius or a longer penetration",
+            f"speed_ratio, or more cells_per_radius{longer and f' or {longer}'}",
             results,
         )
 

@@ -28,7 +28,11 @@ from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty import full_flow, further_runs
-from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.built import (
+    expected_scene,
+    why_law_not_measured,
+    why_not_as_measured,
+)
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES, steady_mean
 
 SPARE_FRACTION = 0.4
@@ -87,7 +91,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
-        tests = [] if self.uncertainty == "none" else self.further_tests().values()
+        is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
+        tests = self.further_tests().values() if is_measured else ()
         return of_several([test.own_size for test in (self, *tests)])
 
     @property
@@ -165,7 +170,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
             | labelled(empty_cells=(empty, "1", near, holes))
             | energy_error(simulation, curve.work)
         )
-        check_energy(results)
+        check_energy(results, longer="penetration")
         change = float(results.resistance_factor_change)
         if not abs(change) <= LARGEST_CHANGE:
             raise UnfinishedRun(

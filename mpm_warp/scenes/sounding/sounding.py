@@ -27,7 +27,11 @@ from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
 from mpm_warp.simulation import Simulation
 from mpm_warp.step.points import seed_rows
-from mpm_warp.uncertainty.built import expected_scene, why_not_as_measured
+from mpm_warp.uncertainty.built import (
+    expected_scene,
+    why_law_not_measured,
+    why_not_as_measured,
+)
 from mpm_warp.uncertainty.further_runs import FAILURES, one_after_the_other, with_cost
 from mpm_warp.uncertainty.samples import MeasuredError, measured_by, why_not_known
 
@@ -231,7 +235,8 @@ class Sounding(SoundingTest):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
-        tests = () if self.uncertainty == "known" else self.tests_by_depth.values()
+        is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
+        tests = self.tests_by_depth.values() if is_measured else ()
         return of_several([self._run_size, *(test.run_size() for test in tests)])
 
     @property

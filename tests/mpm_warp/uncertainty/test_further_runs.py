@@ -13,6 +13,7 @@ from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
+from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone, full_flow, further_runs
 from mpm_warp.uncertainty.laws import curvature_error
 from tests.mpm_warp.conftest import MEASURABLE
@@ -238,6 +239,22 @@ def test_a_cone_is_run_with_its_further_runs() -> None:
     size, whole = known.run_size(), test.run_size()
     assert whole.particle_updates > 5.0 * size.particle_updates
     assert whole.byte_count > size.byte_count
+
+
+CAM_CLAY = {"material": "modified_cam_clay"}
+
+
+@pytest.mark.parametrize(
+    ("scene", "clay"),
+    [
+        (ConePenetration, {"remoulded_strength_ratio": 0.2, "ductility": 5.0}),
+        (Sounding, CAM_CLAY),
+        (TBarPenetration, CAM_CLAY),
+    ],
+)
+def test_runs_that_are_not_made_are_not_counted(scene: Any, clay: dict[str, Any]) -> None:
+    alone, asked = scene.offered()(**clay), scene.offered()(uncertainty="measured", **clay)
+    assert asked.run_size() == alone.run_size()
 
 
 def test_a_bar_is_run_with_its_further_runs() -> None:

@@ -168,6 +168,7 @@ def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     with pytest.raises(InaccurateRun, match=r"took \d+\.\d% of the penetrometer's work") as end:
         hasty.run()
     assert end.value.status == "inaccurate"
+    assert str(end.value).endswith("or more cells_per_radius or penetration")
     assert end.value.curves.sizes["penetration"] == 10
     assert end.value.curves.cone_factor > 0.0
 
