@@ -119,8 +119,7 @@ class ClayScene(CatalogueScene):
     def own_strength(self) -> float | None:
         """Strength [Pa] of a law that has its own; None where the scene gives it.
 
-        It is that in the law's `reference_test`, and su of the scene where none is given. The
-        rigidity index is the law's too where it has a stiffness of its own.
+        It is that in the law's `reference_test`, and su of the scene where none is given.
         """
         if self.law is None or "strength" in self.law.given:
             return None
@@ -128,26 +127,27 @@ class ClayScene(CatalogueScene):
 
     @property
     def has_own_stiffness(self) -> bool:
-        """Whether the law has a stiffness of its own too, by which the rigidity index follows."""
-        of_scene = self.law is None or "shear_modulus" in self.law.given
-        return not of_scene and self.own_strength is not None
+        """Whether the law has a stiffness of its own, by which the rigidity index follows."""
+        return self.law is not None and "shear_modulus" not in self.law.given
 
     @property
     def own_clay(self) -> Material:
-        """The clay of a law that has a strength of its own, before anything changes it."""
+        """The clay of a law that has its own strength or stiffness, before anything changes it."""
         given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
+        of_scene = self.law is not None and "strength" in self.law.given
+        strength = self.undrained_shear_strength if of_scene else 1.0
         try:
-            return self._intact({**given, "density": 1.0, "strength": 1.0})
+            return self._intact({**given, "density": 1.0, "strength": strength})
         except SceneError as refusal:
             raise ParameterError("material", str(refusal)) from None
 
     def _follow_law(self) -> None:
         """Let su, rigidity index and Delta be those of a law that has its own, and what follows."""
-        strength = self.own_strength
-        if strength is None:
+        own_strength = self.own_strength
+        if own_strength is None and not self.has_own_stiffness:
             return
-        if isinstance(self.undrained_shear_strength, Derived):
-            object.__setattr__(self, "undrained_shear_strength", Derived(strength))
+        if own_strength is not None and isinstance(self.undrained_shear_strength, Derived):
+            object.__setattr__(self, "undrained_shear_strength", Derived(own_strength))
         strength = self.undrained_shear_strength
         if self.has_own_stiffness:
             own = self.own_clay.ground_shear_modulus / strength

@@ -7,8 +7,10 @@ import os
 import shutil
 import subprocess
 import sys
+from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +18,11 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.materials import other_laws
+from mpm_warp.materials.tresca import Tresca
+from mpm_warp.scenes import clay
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
+from mpm_warp.scenes.full_flow.penetration import BallPenetration
+from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.conftest import finished
 from tests.mpm_warp.conftest import layers
 from tests.mpm_warp.materials import bonded_clay
@@ -79,6 +86,26 @@ def test_a_law_with_the_name_of_another_is_refused(
     monkeypatch.setattr(other_laws, "entry_points", lambda group: points)
     with pytest.raises(ParameterError, match=f"'{names[0]}': the entry point 'their_clay:Clay'"):
         other_laws.other_laws.__wrapped__()
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfOneStiffness(Tresca):
+    """Its strength is that of the scene, its stiffness is not."""
+
+    shear_modulus: float = field(init=False, default=5e6)
+
+
+def test_the_rigidity_index_is_that_of_a_law_whose_stiffness_alone_is_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    law = other_laws.OtherLaw(name="modified_cam_clay", kind=OfOneStiffness, parameters={})
+    monkeypatch.setattr(clay, "other_law", lambda name: law)
+    for kind in (ConePenetration, Sounding, BallPenetration):
+        test: Any = kind(material="modified_cam_clay", undrained_shear_strength=25e3)
+        assert test.rigidity_index == 200.0
+        assert test.clay.ground_shear_modulus == 5e6
+        with pytest.raises(ParameterError, match=r"rigidity_index = 50 .* is its own: 250 su"):
+            kind(material="modified_cam_clay", rigidity_index=50.0)
 
 
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(offered: Path) -> None:
