@@ -302,8 +302,10 @@ def check_sounding(test: SoundingTest) -> None:
     of_rows = ("adhesion_factor", "stress_anisotropy")
     taken = [name for name in of_rows if getattr(ground, name) is not None]
     where = "law has it by K0" if test.profile is None else "profile has it by depth"
-    for name in taken if test.profile is None else [*taken, *REPLACED]:
-        value, default = getattr(test, name), parameters_of(type(test))[name].default
+    definitions = {**parameters_of(type(test)), **(test.law.parameters if test.law else {})}
+    for name in taken if test.profile is None else [*taken, *REPLACED, *ground.of_law]:
+        default = definitions[name].default
+        value = getattr(test, name, default)
         # A case that is run again gives what the law said.
         allowed = getattr(ground, name)[:1] if test.profile is None else [default]
         if not isinstance(value, Derived) and value not in allowed:

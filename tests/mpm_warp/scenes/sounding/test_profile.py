@@ -355,6 +355,10 @@ def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it
             "has K0 with ground_water and mean_effective_stress; keep one of them",
         ),
         ({"profile": K0}, "column strength is missing"),
+        (
+            {"material": "modified_cam_clay", "profile": CAM, "mean_effective_stress": 99e3},
+            "mean_effective_stress = 99000 is not allowed: the profile has it by depth",
+        ),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
         (
             {"material": "modified_cam_clay", "layer_strength_ratio": 0.5},
