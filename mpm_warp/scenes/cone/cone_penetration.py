@@ -21,7 +21,7 @@ from mpm_warp.sampling import Sampler, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
-from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, ConeTestByDefault
+from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR, RAMP, SLOWING, ConeTestByDefault
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
@@ -35,14 +35,11 @@ from mpm_warp.uncertainty.built import (
     why_not_as_measured,
 )
 from mpm_warp.uncertainty.laws import APEX_ANGLE
-from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, forgetting, steady_penetration
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, forgetting
 
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
 the middle of the volume that it puts into the ground."""
-RAMP, SLOWING = 1.0, 2.0
-"""Penetration in which the speed rises from rest, and that in which it falls to the final one, in
-cone radii."""
 SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
 """Slots for material points beside those that fill the grid, over their number: the cells along a
 rough shaft come to hold the many small ones from near the axis, with friction more of them."""
@@ -71,7 +68,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 37
+    version = 38
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 
@@ -131,14 +128,10 @@ class ConePenetration(ConeTestByDefault):
 
     @property
     def window(self) -> Window:
-        """The travel of the grid; without an approach where that would be no faster, or too short.
-
-        The last of the way, in which the resistance may become steady, is at the final speed.
-        """
+        """The travel of the grid."""
         speed = self.speed_ratio * self.clay.shear_wave_speed
-        travel = min(self.approach, self.penetration - steady_penetration(self.rigidity_index))
-        faster = None
-        if travel > RAMP + SLOWING and self.approach_speed_ratio > self.speed_ratio:
+        travel, faster = self.approach_travel, None
+        if travel > 0.0:
             faster = Approach(
                 speed=speed * self.approach_speed_ratio / self.speed_ratio,
                 travel=travel * self.cone_radius,

@@ -46,6 +46,9 @@ SPARE = 4.5
 """Penetration that is left for a resistance that becomes steady late, in cone radii."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 """What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+RAMP, SLOWING = 1.0, 2.0
+"""Penetration in which the speed rises from rest, and that in which it falls to the final one, in
+cone radii."""
 BLUNT, INERTIA_OF_BLUNT_APPROACH = 90.0, 1.4
 """Apex angle above which it is less [degrees], and what it is then: soil is thrown off the tip of a
 rough cone of 120 degrees at 6, on four rows of cells beside its face."""
@@ -148,9 +151,20 @@ class ConeTestByDefault(ConeTest):
         return self.rigidity_index * self.speed_ratio * self.speed_ratio
 
     @property
+    def approach_travel(self) -> float:
+        """Penetration of the approach; 0 where it would be no faster, or too short.
+
+        The last of the way, in which the resistance may become steady, is at the final speed.
+        """
+        travel = min(self.approach, self.penetration - steady_penetration(self.rigidity_index))
+        is_made = travel > RAMP + SLOWING and self.approach_speed_ratio > self.speed_ratio
+        return travel if is_made else 0.0
+
+    @property
     def approach_inertia(self) -> float:
         """See `FittedToCone`."""
-        return self.rigidity_index * self.approach_speed_ratio**2 if self.approach > 0.0 else 0.0
+        is_made = self.approach_travel > 0.0
+        return self.rigidity_index * self.approach_speed_ratio**2 if is_made else 0.0
 
     @property
     def bounded(self) -> float:

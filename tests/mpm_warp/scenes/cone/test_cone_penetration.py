@@ -161,6 +161,13 @@ def test_a_blunt_rough_cone_throws_no_soil_off() -> None:
     assert ConePenetration().window.stray_speed is None
 
 
+@pytest.mark.parametrize("given", [{"approach": 2.0}, {"penetration": 8.0}, {"speed_ratio": 0.5}])
+def test_an_approach_that_is_not_made_has_no_inertia(given: dict[str, float]) -> None:
+    cone = ConePenetration(rigidity_index=20, approach_speed_ratio=0.5, **given)
+    assert cone.window.approach is None
+    assert cone.approach_inertia == 0.0
+
+
 def test_an_inaccurate_run_says_so_and_leaves_its_curves() -> None:
     hasty = ConePenetration(
         **SMALL_WINDOW, cells_per_radius=1.5, penetration=1, speed_ratio=0.5, approach=0
