@@ -57,7 +57,10 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
     u0 = water_pressure(test, depth)
     stress = vertical_stress(test, depth)
-    by_u2 = 1.0 - read.area_ratio
+    by_u2, notes = 1.0 - read.area_ratio, [*read.notes]
+    if by_u2 == 0.0 and not u2.any():
+        u2 = np.full_like(u2, np.nan)
+        notes.append("u2 is 0 in all rows, and taken as not measured")
     qt = qc + by_u2 * u2 if by_u2 > 0.0 else qc
     qt_error = np.hypot(error_of(test, "qc", qc), by_u2 * np.nan_to_num(error_of(test, "u2", u2)))
     net = qt - stress
@@ -110,7 +113,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
     }
     found["reason"] = xr.Variable("depth", reason.astype(np.int8), flags)
-    return found.assign_attrs(notes="; ".join(read.notes), cone_radius=read.cone_radius)
+    return found.assign_attrs(notes="; ".join(notes), cone_radius=read.cone_radius)
 
 
 def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:

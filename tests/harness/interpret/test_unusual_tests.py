@@ -132,6 +132,15 @@ def test_a_dead_filter_is_told_to_the_last_row(folder: Path) -> None:
     assert set(reasons(found)[ROW:]) == {"filter not saturated"}
 
 
+def test_u2_of_zeros_is_none(folder: Path) -> None:
+    """Where nothing is corrected by it."""
+    rewritten(folder, "u2", "0")
+    assert "used" not in reasons(interpret(load_site(folder / "site.toml")))
+    found = interpret(load_site(changed(folder, ("area_ratio = 0.8", "area_ratio = 1"))))
+    assert set(reasons(found)) == {"no layer", "used"}
+    assert found.attrs["notes"] == "u2 is 0 in all rows, and taken as not measured"
+
+
 def test_only_what_tells_something_is_named(folder: Path) -> None:
     rewritten(folder, "fs", "-1")
     path = changed(folder, ("[test]", 'use = ["tip", "sleeve", "pore_pressure"]\n[test]'))
