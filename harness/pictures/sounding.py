@@ -231,7 +231,7 @@ def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure
     deepest = max(float(sounding.depth.max()) for sounding in found)
     axes = figure.axes[0]
     axes.set_ylabel("depth of the tip [m]")
-    axes.set_ylim(min(deepest, asked.max() + 1.0), max(0.0, asked.min() - 1.0))
+    axes.set_ylim(min(deepest or 1.0, asked.max() + 1.0), max(0.0, asked.min() - 1.0))
     figure.set_figwidth(9.0)
     figure.supxlabel(words, fontsize=7)
     return figure

@@ -141,6 +141,13 @@ def test_u2_of_zeros_is_none(folder: Path) -> None:
     assert found.attrs["notes"] == "u2 is 0 in all rows, and taken as not measured"
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_row_at_the_surface_alone_has_a_picture(folder: Path) -> None:
+    (folder / "test.csv").write_text("depth [m],qc [MPa],fs [kPa],u2 [kPa]\n0,0.5,20,30\n")
+    figure = interpretation_figure(interpret(load_site(folder / "site.toml")), [])
+    assert figure.axes[0].get_ylim() == (1.0, 0.0)
+
+
 def test_only_what_tells_something_is_named(folder: Path) -> None:
     rewritten(folder, "fs", "-1")
     path = changed(folder, ("[test]", 'use = ["tip", "sleeve", "pore_pressure"]\n[test]'))
