@@ -134,6 +134,8 @@ def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
     for number in range(len(site.layers)):
         own = found.misfit[(in_layer == number) & found.misfit.notnull().values]
         if not own.size:
+            title = found.layer.values[number]
+            sentences.append(f"{title}: no depth with a strength is in the simulated sounding")
             continue
         worst = own[int(np.argmax(np.abs(own.values)))]
         error = (found.total_resistance_error / found.net_resistance).sel(depth=own.depth)

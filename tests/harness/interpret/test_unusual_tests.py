@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from harness.cli.commands.interpret import read_points
+from harness.interpret.check import checked, misfit_in_words
 from harness.interpret.measured import REASONS, WATER
 from harness.interpret.result import in_words
 from harness.interpret.site import load_site
@@ -146,6 +147,14 @@ def test_a_row_at_the_surface_alone_has_a_picture(folder: Path) -> None:
     (folder / "test.csv").write_text("depth [m],qc [MPa],fs [kPa],u2 [kPa]\n0,0.5,20,30\n")
     figure = interpretation_figure(interpret(load_site(folder / "site.toml")), [])
     assert figure.axes[0].get_ylim() == (1.0, 0.0)
+
+
+def test_depths_beyond_the_simulated_sounding_are_told(folder: Path) -> None:
+    site = load_site(folder / "site.toml")
+    names = ("net_resistance", "sleeve_friction", "excess_pore_pressure", "strength")
+    far = xr.Dataset({name: ("depth", [1.0, 1.0]) for name in names}, {"depth": [50.0, 51.0]})
+    (told,) = misfit_in_words(site, checked(interpret(site), far))
+    assert told == "2 to 10 m: no depth with a strength is in the simulated sounding"
 
 
 def test_only_what_tells_something_is_named(folder: Path) -> None:
