@@ -290,13 +290,14 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
             f"{path}: {places[-1]}: depth {depth[-1]:g} m must be <= {LARGEST_DEPTH:g}; look at "
             "its unit"
         )
+    levels = "; where the file has levels, give ground_level" if depth[-1] < depth[0] else ""
     before = np.maximum.accumulate(np.concatenate([[-1.0], depth[:-1]]))
     kept, back = depth > before, before - depth
     if back.max() > REBOUND:
         row = int(np.argmax(back > REBOUND))
         raise StudyError(
             f"{path}: {places[row]}: depth goes back from {before[row]:g} to {depth[row]:g} m; at "
-            f"most {REBOUND:g} m are allowed, for a change of rods"
+            f"most {REBOUND:g} m are allowed, for a change of rods{levels}"
         )
     if not kept.all():
         notes.append(f"rows left out in which the tip stands or goes back: {np.sum(~kept)}")

@@ -52,6 +52,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),
     "no u2": ("csv", replaced("u2 [MPa]", "other [MPa]"), "has no u2"),
     "unknown unit": ("csv", replaced("[MPa]", "[lb]"), "has unit 'lb'; allowed: Pa, kPa, MPa"),
+    "levels": ("csv", replaced("\n1.0,", "\n12.5,"), "has levels, give ground_level"),
     "back": ("csv", replaced("\n1.5,", "\n1.3,"), "line 7: depth goes back from 1.4 to 1.3 m"),
     "no depth": ("csv", replaced("\n1.5,", "\n,"), "line 7: depth is missing"),
     "code": ("csv", replaced("\n1.5,", "\n1.5,-9.99,0,0\n1.51,"), "belongs under `missing`"),
