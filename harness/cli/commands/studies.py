@@ -17,6 +17,7 @@ from harness.errors import HarnessError, tell
 from harness.interpret.columns import columns_in
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import NotNamedError, read_file
+from harness.interpret.keys import TEST_KEYS
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -69,7 +70,9 @@ def _site_text(test: Path) -> str:
         columns_in(test, file.headings, columns={}, units={})
     except NotNamedError as error:
         tell(str(error))
-    return site_text(str(test), told)
+    # What is not allowed is refused, with its place, once the test is read.
+    allowed = {key: it for key, it in told.items() if TEST_KEYS[key].allowed.holds(it, it)}
+    return site_text(str(test), allowed)
 
 
 def list_names(options: argparse.Namespace) -> int:

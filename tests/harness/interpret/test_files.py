@@ -75,6 +75,16 @@ def test_a_file_of_each_kind_is_interpreted_in_one_command(
     assert ("\narea_ratio = 0.8" in (here / "mine.toml").read_text()) == (kind != "csv")
 
 
+def test_a_new_site_file_leaves_out_what_a_test_says_that_cannot_be(
+    here: Path, command: Command, refusal: Refusal
+) -> None:
+    text = as_gef(rows_of(here)).replace(" 0.80,", " 0,")
+    (here / "test.gef").write_text(text, encoding="latin-1")
+    command("new", "mine", "--interpret", "test.gef")
+    assert "\n#area_ratio = ..." in (here / "mine.toml").read_text()
+    assert "test.gef: area_ratio = 0: must be > 0" in refusal(["interpret", "mine.toml"])
+
+
 @pytest.mark.parametrize(
     ("kind", "without"),
     [("gef", ("Gecorrigeerde diepte, 11", "x, 99")), ("xml", ("<c:depth>ja", "<c:depth>nee"))],
