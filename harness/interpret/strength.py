@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from harness.archive.netcdf_files import memory_of_machine
 from harness.interpret.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.columns import GAP
 from harness.interpret.factors import (
@@ -62,6 +63,8 @@ MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_we
 """Causes of an error that are no inputs of a layer."""
 TOGETHER = "together"
 """The share that no single input has."""
+DRAW_BYTES = 160
+"""Memory of a draw at a depth while a layer is interpreted [byte]: twenty numbers, as measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +120,12 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         if not len(here):
             arrays["draws"][number] = 0.0
             continue
+        if DRAW_BYTES * len(here) * site.samples > (most := memory_of_machine()):
+            raise StudyError(
+                f"{site.name}.toml: samples = {site.samples}: with {len(here)} depths in the layer "
+                f"{layer.title} at most {int(most / DRAW_BYTES / len(here))} fit into "
+                f"{most / 1e9:.3g} GB of memory"
+            )
         drawn = draw(site, number, used, here)
         chosen, arrays["draws"][number] = _chosen(drawn.log_likelihood, site.seed)
         kept = {name: it[chosen] for name, it in drawn.inputs.items()}

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from harness.cli.commands.interpret import read_points
+from harness.interpret import strength
 from harness.interpret.check import checked, misfit_in_words
 from harness.interpret.measured import REASONS, WATER
 from harness.interpret.result import in_words
@@ -131,6 +132,14 @@ def test_a_dead_filter_is_told_to_the_last_row(folder: Path) -> None:
     path = changed(folder, (LAYER_ENDS, "from = 2\nto = 12"))
     found = interpret(load_site(path))
     assert set(reasons(found)[ROW:]) == {"filter not saturated"}
+
+
+def test_more_draws_than_the_memory_holds_are_refused(
+    folder: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(strength, "memory_of_machine", lambda: 20e6)
+    line = refusal(["interpret", str(folder / "site.toml")])
+    assert "site.toml: samples = 2048: with 81 depths in the layer 2 to 10 m at most 1543" in line
 
 
 def test_u2_of_zeros_is_none(folder: Path) -> None:
