@@ -191,8 +191,10 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     stand = results.outcomes(study, out)
     pending = _pending(study, stand, folder)
     done_count = len(study.cases) - len(pending)
-    tell(f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already")
     try:
+        tell(
+            f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already"
+        )
         results.tell_of_other_sources(study, stand)
         tell_of_long_cases(pending)
         tell_of_likely_failures(pending)
