@@ -113,7 +113,8 @@ def completed(
 ) -> tuple[dict[str, Value | None], ParameterError | None]:
     """All parameters of a scene with these values, and why the scene refuses them, if it does.
 
-    Where it does, nothing is worked out from others; nor where it only lacks what is still to come.
+    Where it does, nothing is worked out from others. That it lacks a parameter which an expression
+    still gives is no refusal.
     """
     defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
     to_come = dict(derived or {})

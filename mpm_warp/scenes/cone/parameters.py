@@ -190,8 +190,8 @@ class ConeTest(FittedToCone, FieldClayScene):
     speed_ratio: float = parameter(
         None,
         "penetration speed V over shear wave speed, rho V^2 at most 50 su (default: 0.03, 0.045 "
-        "where accuracy is quick; in perfectly plastic Tresca clay less where it is quick above Ir "
-        "1481 and fine above Ir 222, and 0.3 / sqrt(Ir), at most 0.05, standard below Ir 100)",
+        "where accuracy is quick; in perfectly plastic Tresca clay quick has less above Ir 1481, "
+        "fine above Ir 222, and standard 0.3 / sqrt(Ir), at most 0.05, below Ir 100)",
         minimum=1e-4,
         maximum=0.5,
         sane=(1e-4, 0.1),
