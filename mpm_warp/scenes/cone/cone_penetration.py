@@ -68,7 +68,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 38
+    version = 39
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 
