@@ -40,42 +40,16 @@ BULK_VISCOSITY = 1.0
 """Of the column: it spreads a shock over some cells."""
 
 
-@dataclass(frozen=True)
-class Shock:
-    """A bar of speed V comes to rest behind a shock, its stress being M ln l at the stretch l.
+@dataclass(frozen=True, kw_only=True)
+class Impact(CatalogueScene):
+    """A bar along the second axis that moves down on a wall and comes to rest behind a shock.
 
-    With c^2 = M / rho, a shock that passes the length U of the unstrained bar in a unit of time
-    leaves, by mass and momentum (Rankine and Hugoniot; the law of energy is not needed where stress
-    does not depend on heat),
+    The bar has the speed V, its stress is M ln l at the stretch l. With c^2 = M / rho, a shock that
+    passes the length U of the unstrained bar in a unit of time leaves, by mass and momentum
+    (Rankine and Hugoniot; the law of energy is not needed where stress does not depend on heat),
 
         l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
     """
-
-    modulus: float  # M, of uniaxial strain [Pa], > 0
-    density: float  # rho of the unstrained bar [kg/m3], > 0
-    speed: float  # V [m/s], > 0
-
-    @cached_property
-    def shortening(self) -> float:
-        """V / U: the share of the length that is lost behind the shock."""
-        square = self.speed**2 * self.density / self.modulus
-        found = scipy.optimize.brentq(lambda it: -it * math.log1p(-it) - square, 0.0, 1.0 - 1e-12)
-        return float(found)
-
-    @property
-    def front_speed(self) -> float:
-        """Speed U of the shock through the unstrained bar [m/s]."""
-        return self.speed / self.shortening
-
-    @property
-    def stress(self) -> float:
-        """Stress behind the shock, tension positive [Pa]."""
-        return self.modulus * math.log1p(-self.shortening)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Impact(CatalogueScene):
-    """A bar along the second axis that moves down on a wall and comes to rest behind a shock."""
 
     method = ("cell_count",)
     loads_solvers = True  # for the shock
@@ -104,15 +78,31 @@ class Impact(CatalogueScene):
         return math.sqrt(self.modulus / self.density)
 
     @property
-    def shock(self) -> Shock:
-        """The shock of this impact, exact."""
-        speed = self.speed_ratio * self.wave_speed
-        return Shock(modulus=self.modulus, density=self.density, speed=speed)
+    def speed(self) -> float:
+        """Speed V of the impact [m/s]."""
+        return self.speed_ratio * self.wave_speed
+
+    @cached_property
+    def shortening(self) -> float:
+        """V / U: the share of the length that is lost behind the shock."""
+        square = self.speed**2 * self.density / self.modulus
+        found = scipy.optimize.brentq(lambda it: -it * math.log1p(-it) - square, 0.0, 1.0 - 1e-12)
+        return float(found)
+
+    @property
+    def front_speed(self) -> float:
+        """Speed U of the shock through the unstrained bar [m/s]."""
+        return self.speed / self.shortening
+
+    @property
+    def shock_stress(self) -> float:
+        """Stress behind the shock, tension positive [Pa]."""
+        return self.modulus * math.log1p(-self.shortening)
 
     @property
     def end_time(self) -> float:
         """Time until the shock has passed the bar, up to a section's height [s]."""
-        return TRAVEL * LENGTH / self.shock.front_speed
+        return TRAVEL * LENGTH / self.front_speed
 
     @abstractmethod
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
@@ -124,9 +114,9 @@ class Impact(CatalogueScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Give the bar its speed, and follow the shock until it has passed most of the bar."""
-        (heights, weights), shock = self.sections(simulation), self.shock
+        heights, weights = self.sections(simulation)
         velocity = simulation.array("particle.velocity").copy()
-        velocity[: weights.size, 1] = -shock.speed
+        velocity[: weights.size, 1] = -self.speed
         simulation.assign("particle.velocity", velocity)
 
         def along_bar(name: str) -> Floats:
@@ -135,56 +125,59 @@ class Impact(CatalogueScene):
 
         def front() -> tuple[float, float]:
             """Time, and height in the unstrained bar at which half of the velocity is gone."""
-            velocity, half = along_bar("velocity"), -0.5 * shock.speed
+            velocity, half = along_bar("velocity"), -0.5 * self.speed
             first = int(np.flatnonzero(velocity < half)[0])
             around = [first, first - 1]
             return simulation.time, float(np.interp(half, velocity[around], heights[around]))
 
         def at_end(time: Floats, front: Floats) -> xr.Dataset:
             stress, velocity = along_bar("stress"), along_bar("velocity")
-            passed = heights < shock.front_speed * simulation.time
+            passed = heights < self.front_speed * simulation.time
             recorded = curves(
                 "place",
                 (heights, "m", "place in the unstrained bar"),
                 stress=(stress, "Pa", "stress at the end"),
-                stress_exact=(np.where(passed, shock.stress, 0.0), "Pa", "stress, exact"),
+                stress_exact=(np.where(passed, self.shock_stress, 0.0), "Pa", "stress, exact"),
                 velocity=(velocity, "m s-1", "velocity at the end"),
-                velocity_exact=(np.where(passed, 0.0, -shock.speed), "m s-1", "velocity, exact"),
+                velocity_exact=(np.where(passed, 0.0, -self.speed), "m s-1", "velocity, exact"),
             )
             # Between what the first touch has left at the wall and the width of the shock.
             behind = (heights > 0.25 * front[-1]) & (heights < 0.75 * front[-1])
             if time.size < 2:  # the run has ended before
                 return recorded
             speed = (front[1] - front[0]) / (time[1] - time[0])
-            return recorded.assign(shock_errors(shock, speed, stress[behind], velocity[behind]))
+            return recorded.assign(self._errors(speed, stress[behind], velocity[behind]))
 
-        moments = [share * TRAVEL * heights[-1] / shock.front_speed for share in (0.5, 1.0)]
+        moments = [share * TRAVEL * heights[-1] / self.front_speed for share in (0.5, 1.0)]
         samples = Samples(front, at_end)
         return follow(simulation, moments, simulation.advance_to, [samples], progress)
 
-
-def shock_errors(
-    shock: Shock, front_speed: float, stress: Floats, velocity: Floats
-) -> dict[str, xr.Variable]:
-    """Errors of the speed of the shock [m/s], and of stress and velocity behind it."""
-    of_speed = abs(front_speed / shock.front_speed - 1.0)
-    of_stress = abs(stress.mean() / shock.stress - 1.0)
-    of_velocity = abs(velocity.mean()) / shock.speed
-    greatest = max(of_speed, of_stress, of_velocity)
-    in_words = "standard deviation of the stress behind the shock over its mean"
-    return (
-        labelled(
-            role="error",
-            front_speed_error=(of_speed, "1", "error of its speed"),
-            stress_error=(of_stress, "1", "error of the mean stress behind it"),
-            velocity_error=(of_velocity, "1", "mean velocity behind it over that of the impact"),
+    def _errors(
+        self, front_speed: float, stress: Floats, velocity: Floats
+    ) -> dict[str, xr.Variable]:
+        """Errors of the speed of the shock [m/s], and of stress and velocity behind it."""
+        of_speed = abs(front_speed / self.front_speed - 1.0)
+        of_stress = abs(stress.mean() / self.shock_stress - 1.0)
+        of_velocity = abs(velocity.mean()) / self.speed
+        greatest = max(of_speed, of_stress, of_velocity)
+        in_words = "standard deviation of the stress behind the shock over its mean"
+        return (
+            labelled(
+                role="error",
+                front_speed_error=(of_speed, "1", "error of its speed"),
+                stress_error=(of_stress, "1", "error of the mean stress behind it"),
+                velocity_error=(
+                    of_velocity,
+                    "1",
+                    "mean velocity behind it over that of the impact",
+                ),
+            )
+            | labelled(
+                role="headline",
+                error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
+            )
+            | labelled(stress_scatter=(stress.std() / abs(self.shock_stress), "1", in_words))
         )
-        | labelled(
-            role="headline",
-            error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
-        )
-        | labelled(stress_scatter=(stress.std() / abs(shock.stress), "1", in_words))
-    )
 
 
 @dataclass(frozen=True, kw_only=True)
