@@ -23,12 +23,13 @@ their width. In clay that does not soften both are the same.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.results import labelled, variable
-from mpm_warp.uncertainty.laws import BOUND_ERROR, window_uncertainty
+from mpm_warp.uncertainty.laws import BOUND_ERROR, ErrorLaws, window_uncertainty
 from mpm_warp.uncertainty.shoulder import (
     RADIAL_FACTOR,
     RADIAL_STRESS,
@@ -87,28 +88,25 @@ def face_error(
 
 
 def stated_pressures(
-    recorded: xr.Dataset,
-    *,
-    strength: float,
-    bounded: float,
-    why_none: str,
-    poissons_ratio: float,
-    stress_anisotropy: float,
-    **of_cone: float,
+    recorded: xr.Dataset, laws: ErrorLaws, *, strength: float, why_none: str
 ) -> dict[str, xr.Variable]:
     """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
 
     What is still to come, by the last change of the curves, is added to u2 and, like the noise of
-    their means, to both half widths. Strength is su [Pa], `bounded` what a bound takes off
-    Poisson's ratio nu; `of_cone` are the arguments of `face_error`. Where these laws do not hold
-    there is no correction, the uncertainties are not numbers, and `why_none` says why.
+    their means, to both half widths. Of the laws of the cone factor are taken cone, clay and grid.
+    Strength is su [Pa]. Where the laws here do not hold there is no correction, the uncertainties
+    are not numbers, and `why_none` says why.
     """
+    names = ("cell_size", "adhesion_factor", "rigidity_index", "inertia", "extent_ratio")
+    of_cone: dict[str, Any] = {name: getattr(laws, name) for name in names}
+    is_too_wide = laws.cell_size > OF_THREE_ROWS and laws.rigidity_index > STIFFEST_OF_WIDE
+    too_wide = f"mesh: above Ir {STIFFEST_OF_WIDE:g} cells of three rows are too wide for u1"
     stated = {}
     for place in ("face", "shoulder"):
         name = f"pore_pressure_factor_{place}"
         simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
-        why = why_none or (_why_too_wide(**of_cone) if place == "face" else "")
+        why = why_none or (too_wide if is_too_wide and place == "face" else "")
         if not why:
             if place == "face":
                 read, curve = factor, recorded["excess_pore_pressure_face"]
@@ -116,19 +114,19 @@ def stated_pressures(
                 off, of_laws = face_error(read, **of_cone)
             else:
                 read, curve = float(recorded[RADIAL_FACTOR]), recorded[RADIAL_STRESS]
-                noise = float(by_index(SHOULDER_NOISE, of_cone["rigidity_index"]))
+                noise = float(by_index(SHOULDER_NOISE, laws.rigidity_index))
                 pressure, of_laws = shoulder_pressure(
                     read,
-                    poissons_ratio=poissons_ratio - bounded,
-                    stress_anisotropy=stress_anisotropy,
+                    poissons_ratio=laws.poissons_ratio,
+                    stress_anisotropy=laws.stress_anisotropy,
                     **of_cone,
                 )
                 off = pressure - factor
             comes, comes_left = STILL_TO_COME[place]
             change = last_change(curve.values / strength)
-            correction = float(off) + BOUND_EFFECT[place] * bounded + comes * change
+            correction = float(off) + BOUND_EFFECT[place] * laws.bounded + comes * change
             of_mean = math.hypot(comes_left * change, noise * read)
-            half_width = math.hypot(float(of_laws), of_mean, BOUND_LEFT * bounded)
+            half_width = math.hypot(float(of_laws), of_mean, BOUND_LEFT * laws.bounded)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,
@@ -146,12 +144,6 @@ def stated_pressures(
             "nothing is known",
         )
     return stated
-
-
-def _why_too_wide(*, cell_size: float, rigidity_index: float, **_: float) -> str:
-    if cell_size > OF_THREE_ROWS and rigidity_index > STIFFEST_OF_WIDE:
-        return f"mesh: above Ir {STIFFEST_OF_WIDE:g} cells of three rows are too wide for u1"
-    return ""
 
 
 def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Variable]:

@@ -138,8 +138,9 @@ def stated_beside_shaft(
     less than its adhesion the shaft may bear, not the parameters of the test.
     """
     face, shaft, _ = test.interface
+    laws, strength = test.laws(way=test.penetration), test.undrained_shear_strength
     material, contact = built.material, built[PenetrometerContact]
-    is_told = contact.shaft_adhesion == shaft * test.undrained_shear_strength
+    is_told = contact.shaft_adhesion == shaft * strength
     slips_at_adhesion = is_told and contact.friction == 0.0
     is_bounded = slips_at_adhesion and type(material) in MEASURED_LAWS
     remoulded = 1.0
@@ -149,21 +150,10 @@ def stated_beside_shaft(
     why_none = str(results[REASON].values)
     if shaft != face:
         why_none = why_none or "shaft: its adhesion is another than that of the face"
-    if test.cell_growth > LARGEST_GROWTH:
+    if laws.cell_growth > LARGEST_GROWTH:
         why_none = why_none or f"mesh: cell_growth is above {LARGEST_GROWTH:g}"
-    return stated_pressures(
-        results,
-        strength=test.undrained_shear_strength,
-        cell_size=test.relative_cell_size,
-        adhesion_factor=face,
-        rigidity_index=test.rigidity_index,
-        poissons_ratio=test.poissons_ratio,
-        stress_anisotropy=test.stress_anisotropy,
-        inertia=test.inertia,
-        extent_ratio=test.extent_ratio,
-        bounded=test.bounded,
-        why_none=why_none,
-    ) | stated_sleeve(results, remoulded=shaft * remoulded if is_bounded else math.nan)
+    sleeve = stated_sleeve(results, remoulded=shaft * remoulded if is_bounded else math.nan)
+    return stated_pressures(results, laws, strength=strength, why_none=why_none) | sleeve
 
 
 def _middles(edges: Floats) -> Floats:

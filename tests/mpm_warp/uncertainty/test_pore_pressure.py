@@ -1,11 +1,13 @@
 """What else than the mesh leaves u1, u2 and sleeve friction open, and what is stated of them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import shoulder as law
 from mpm_warp.uncertainty.pore_pressure import (
     BOUND_EFFECT,
@@ -20,6 +22,14 @@ from mpm_warp.uncertainty.pore_pressure import (
 from mpm_warp.uncertainty.shoulder import deviator_near_shaft, shoulder_pressure
 from tests.mpm_warp.uncertainty.conftest import NOTHING_LEFT, radial_error
 
+LAWS = replace(
+    ConePenetration(stress_anisotropy=0.2).laws(way=30.0),
+    cell_size=0.2,
+    adhesion_factor=1.0,
+    inertia=0.0,
+    poissons_ratio=0.47,
+    bounded=0.02,
+)
 RIGIDITY_INDEX = """
 13 20 23 26 28 30 35 36 40 44 47 51 54 56 64 68 71 76 82 94 96 106 112 128 132 140 163 164 177 215
 225 226 264 285 307 367 389 398 406 510 517 604 723 760 768"""
@@ -360,16 +370,8 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
         | {f"pore_pressure_factor_{it}": 5.0 for it in ("face", "shoulder")}
         | {law.RADIAL_STRESS: curve, law.RADIAL_FACTOR: 4.0}
     )
-    given = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.0}
-    return stated_pressures(
-        recorded,
-        strength=1e4,
-        bounded=0.02,
-        why_none=why_none,
-        poissons_ratio=0.49,
-        stress_anisotropy=0.2,
-        **given | of_cone,
-    )
+    laws = replace(LAWS, **of_cone)
+    return stated_pressures(recorded, laws, strength=1e4, why_none=why_none)
 
 
 def test_what_still_comes_of_u2_is_known_within_its_half_width() -> None:
