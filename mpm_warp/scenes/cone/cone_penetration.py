@@ -337,7 +337,13 @@ class ConePenetration(ConeTestByDefault):
         results = results.assign(pore_pressure.stated_beside_shaft(self, results, built))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         if self.friction_coefficient > 0.0:
-            results = results.assign(labelled(dims=(), role=None, **self.interface_as_built))
+            face, shaft, friction = self.interface
+            built_interface = labelled(
+                adhesion_factor_built=(face, "1", "adhesion factor of the face as built"),
+                shaft_adhesion_factor_built=(shaft, "1", "adhesion factor of the shaft as built"),
+                friction_coefficient_built=(friction, "1", "friction coefficient as built"),
+            )
+            results = results.assign(built_interface)
         soundness.check_energy(results, longer="penetration")
         if balances:
             soundness.check_balance(results)

@@ -136,16 +136,6 @@ class ConeTestByDefault(ConeTest):
         return Interface(*adhesion, self.friction_coefficient)
 
     @property
-    def interface_as_built(self) -> dict[str, tuple[float, str, str]]:
-        """The interface as results have it, beside the parameters: value, unit and meaning."""
-        face, shaft, friction = self.interface
-        return {
-            "adhesion_factor_built": (face, "1", "adhesion factor of the face as built"),
-            "shaft_adhesion_factor_built": (shaft, "1", "adhesion factor of the shaft as built"),
-            "friction_coefficient_built": (friction, "1", "friction coefficient as built"),
-        }
-
-    @property
     def inertia(self) -> float:
         """Inertia of the soil over its strength, rho V^2 / su."""
         return self.rigidity_index * self.speed_ratio * self.speed_ratio
