@@ -29,11 +29,10 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.results import labelled, variable
-from mpm_warp.uncertainty.laws import BOUND_ERROR, ErrorLaws, window_uncertainty
+from mpm_warp.uncertainty.laws import BOUND_ERROR, ErrorLaws, Value, window_uncertainty
 from mpm_warp.uncertainty.shoulder import (
     RADIAL_FACTOR,
     RADIAL_STRESS,
-    Value,
     added,
     beyond_measured,
     by_index,

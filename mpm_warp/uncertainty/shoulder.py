@@ -32,10 +32,8 @@ measured is in `uncertainty/README.md`.
 import numpy as np
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.laws import DOMAIN_FELT, window_uncertainty
+from mpm_warp.uncertainty.laws import DOMAIN_FELT, Row, Value, window_uncertainty
 
-Value = Floats | float
-Row = tuple[float, ...]
 Table = tuple[Row, ...]
 
 RADIAL_STRESS, RADIAL_FACTOR = "excess_radial_stress_shaft", "radial_stress_factor_shaft"

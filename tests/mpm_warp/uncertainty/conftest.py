@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty.shoulder import Value, shoulder_pressure
+from mpm_warp.uncertainty.laws import Value
+from mpm_warp.uncertainty.shoulder import shoulder_pressure
 
 NOTHING_LEFT = (1.0,), (0.0,)
 """A half width over the rigidity index that is none."""

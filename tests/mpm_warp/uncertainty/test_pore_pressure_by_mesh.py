@@ -11,13 +11,14 @@ import pytest
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty import shoulder as law
+from mpm_warp.uncertainty.laws import Value
 from mpm_warp.uncertainty.pore_pressure import SHOULDER_NOISE, face_error
 from mpm_warp.uncertainty.shoulder import deviator_near_shaft
 from tests.mpm_warp.uncertainty.conftest import NOTHING_LEFT, radial_error
 
 Series = dict[int, float]
 """As simulated over su, by the rows of cells beside the face."""
-ErrorLaw = Callable[..., tuple[law.Value, law.Value]]
+ErrorLaw = Callable[..., tuple[Value, Value]]
 """Gives the correction of a value, and its half width."""
 MEASURED = Path(__file__).parents[3] / "studies" / "mesh_error_u2.csv"
 FEWEST_ROWS, OF_MEANS = 5, 0.0045
