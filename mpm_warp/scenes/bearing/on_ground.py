@@ -271,8 +271,8 @@ class ConeBearing(OnGround):
 
     def load(self, scene: Scene, nodal: Floats) -> float:
         """The upward force on the face, over base area and su0."""
-        forces = scene[PenetrometerContact].forces(nodal)
-        return (forces.face_normal + forces.face_shear) / (0.5 * RADIUS**2 * STRENGTH)
+        on_face = scene[PenetrometerContact].forces(nodal).on_face
+        return on_face / (0.5 * RADIUS**2 * STRENGTH)
 
     @property
     def _penetrometer(self) -> Penetrometer:

@@ -115,7 +115,7 @@ class ConeSelfSimilar(CatalogueScene):
             """Depth, and mean load since the sample before."""
             forces = contact.forces(contact_forces.take())
             reached.append(simulation.travel)
-            return reached[-1], 2.0 * math.pi * (forces.face_normal + forces.face_shear)
+            return reached[-1], 2.0 * math.pi * forces.on_face
 
         def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
             # A mean over the travel since the sample before stands in its middle.
