@@ -227,13 +227,6 @@ def alike(dataset: xr.Dataset, names: Iterable[str]) -> dict[tuple[object, ...],
     return groups
 
 
-def curves_over_cases(dataset: xr.Dataset, name: str) -> np.ndarray:
-    """The values of a variable with dims of its own, shape [case, ...] with the cases in order."""
-    dims = case_dims(dataset)
-    values = dataset[name].transpose(*dims, ...).values
-    return np.reshape(values, (-1, *values.shape[len(dims) :]))
-
-
 def by_case(dataset: xr.Dataset) -> xr.Dataset:
     """A result over the one dim `case`, which comes first and numbers them; what varies is left."""
     dims = case_dims(dataset)

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
     by_case,
-    curves_over_cases,
     is_there,
     over_cases,
     scenes_of,
@@ -60,7 +59,8 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     """
     if not {RESISTANCE, STRENGTH} <= set(dataset.variables):
         return None
-    curves = curves_over_cases(dataset, RESISTANCE) / over_cases(dataset, STRENGTH)[:, None]
+    resistance = by_case(dataset[["status", RESISTANCE]])[RESISTANCE].values
+    curves = resistance / over_cases(dataset, STRENGTH)[:, None]
     drawn = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist()
     last = {case: int(np.flatnonzero(np.isfinite(curves[case]))[-1]) for case in drawn}
     ends = {case: float(curves[case][place]) for case, place in last.items()}
@@ -144,7 +144,8 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
     if not {STRAIN, SHEAR, DEVIATOR} <= set(dataset.variables):
         return None
     names = [name for name in (SHEAR, DEVIATOR, EFFECTIVE, WATER) if name in dataset]
-    curves = {name: curves_over_cases(dataset, name) / KILO for name in names}
+    cases = by_case(dataset[["status", *names]])
+    curves = {name: cases[name].values / KILO for name in names}
     stress = curves[SHEAR]
     lines, left_out = series_of(dataset, stress)
     shown = [line.place for line in lines]
