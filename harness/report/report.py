@@ -16,6 +16,7 @@ from harness.archive.conventions import (
     COMPLETED,
     HALF_WIDTH,
     Role,
+    known_digits,
     over_cases,
     spoken,
     uncertainty_of,
@@ -148,7 +149,7 @@ def _summary(dataset: xr.Dataset) -> str:
     if studied is not None and np.isfinite(studied.computed).any():
         half_widths = uncertainty_of(dataset)
         ends = (np.nanargmin(studied.computed), np.nanargmax(studied.computed))
-        known = [words.known(studied.computed[end], half_widths[end]) for end in ends]
+        known = [known_digits(studied.computed[end], half_widths[end]) for end in ends]
         range_text = " to ".join(dict.fromkeys(known))
         unit = words.unit(dataset, studied.headline)
         parts.append(f"{words.title(dataset, studied.headline)} {range_text} {unit}".rstrip())

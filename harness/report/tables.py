@@ -15,6 +15,7 @@ from markupsafe import Markup
 from harness.archive.conventions import (
     Role,
     is_there,
+    known_digits,
     limits_of,
     over_cases,
     parameter_names,
@@ -120,7 +121,7 @@ def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> s
     if text == words.MISSING:
         return text
     if math.isfinite(half_width):
-        return f"{words.known(value, half_width)} ± {words.known(half_width, half_width)}"
+        return f"{known_digits(value, half_width)} ± {known_digits(half_width, half_width)}"
     return f"{text} ({without_half_width(reason)})" if reason else text
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup, escape
 
-from harness.archive.conventions import known_digits, spoken
+from harness.archive.conventions import spoken
 from harness.pictures.drawing.quantities import SYMBOLS, unit_of
 
 MISSING = "-"
@@ -45,11 +45,6 @@ def text(value: object, digits: int = 4) -> str:
     if not np.isfinite(value):
         return MISSING
     return str(value) if isinstance(value, int) else f"{value:.{digits}g}"
-
-
-def known(value: float, half_width: float) -> str:
-    """A value with the digits that its uncertainty leaves; a dash where there is none."""
-    return known_digits(value, half_width) if np.isfinite(value) else MISSING
 
 
 def percent(value: float) -> str:
