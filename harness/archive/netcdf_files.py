@@ -88,7 +88,7 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
         ArchiveError: it is no file, damaged, of another format version, not built as results are,
             or says that it holds more than its bytes or this machine's memory can.
     """
-    with _reported(path):
+    try:
         content = _content(path)
         _check_digest(path, content)
         # What was checked is what is read, whatever becomes of the file meanwhile.
@@ -106,6 +106,10 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
             if as_result and (fault := malformed(stored)) is not None:
                 raise ArchiveError(f"{path}: is no whole result: {fault}")
             yield stored
+    except UNREADABLE as error:
+        told = getattr(error, "strerror", None) or error
+        reason = " ".join(str(told).split()) or type(error).__name__
+        raise ArchiveError(f"{path}: cannot be read: {reason}") from None
 
 
 def _check_kinds(file: netCDF4.Dataset) -> None:
@@ -130,17 +134,6 @@ def _check_size(stored: Stored, byte_count: int) -> None:
 def memory_of_machine() -> int:
     """Bytes of memory that this machine has."""
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-
-
-@contextmanager
-def _reported(path: Path) -> Iterator[None]:
-    """What the netCDF library raises inside the ``with`` becomes an `ArchiveError`."""
-    try:
-        yield
-    except UNREADABLE as error:
-        told = getattr(error, "strerror", None) or error
-        reason = " ".join(str(told).split()) or type(error).__name__
-        raise ArchiveError(f"{path}: cannot be read: {reason}") from None
 
 
 def _content(path: Path) -> bytes:
