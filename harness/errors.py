@@ -39,17 +39,16 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
-def shortened(text: str, longest: int) -> str:
-    """A text of at most about `longest` characters, without its middle if it has more."""
-    half = longest // 2
+def shortened(text: str, longest: int = LONGEST_LINE) -> str:
+    """A printable text of at most about `longest` characters, without its middle if it has more."""
+    text, half = printable(text), longest // 2
     # The end of a message names the remedy.
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
 def tell(message: str) -> None:
     """Print one line of bounded length on standard error, where it does not mix with results."""
-    line = shortened(printable(" ".join(message.split())), LONGEST_LINE)
-    print("harness:", line, file=sys.stderr)
+    print("harness:", shortened(" ".join(message.split())), file=sys.stderr)
 
 
 GREEN, RED, PLAIN = (f"\0{secrets.token_hex(8)}\0" for _ in range(3))

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from harness.cli.help import HELP, Option, epilog
 from harness.cli.process import BAD_INPUT
-from harness.errors import LONGEST_LINE, printable, shortened
+from harness.errors import shortened
 from mpm_warp.execution import THREAD_COUNTS
 
 BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
@@ -107,8 +107,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End the process: a value is not allowed, or a word is missing."""
-        line = shortened(printable(message), LONGEST_LINE)
-        self.exit(BAD_INPUT, f"{self.prog}: {line}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {shortened(message)}; see {self.prog} --help\n")
 
 
 def make_parser() -> Parser:

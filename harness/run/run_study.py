@@ -18,7 +18,7 @@ from tqdm import tqdm
 from harness.archive.atomic_files import ArchiveError, abandoned, prepare, remove_file
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
-from harness.errors import LONGEST_LINE, HarnessError, coloured, printable, shortened, tell
+from harness.errors import HarnessError, coloured, shortened, tell
 from harness.run import collect_and_clean as results
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.resources import (
@@ -74,9 +74,7 @@ class Display(AbstractContextManager["Display"]):
         self.done += 1
         self.running.pop(case.key, None)
         status = coloured(outcome.status, is_good=outcome.status == COMPLETED, stream=self.stream)
-        label, message = (
-            shortened(printable(text), LONGEST_LINE) for text in (case.label, outcome.message)
-        )
+        label, message = map(shortened, (case.label, outcome.message))
         told = ", ".join(filter(None, (status, outcome.headline, message)))
         line = f"[{self.done}/{self.total}] {label}: {told}, {_times(outcome)}"
         self._update()

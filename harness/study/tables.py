@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeGuard
 
-from harness.errors import HarnessError, printable, shortened
+from harness.errors import HarnessError, shortened
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
 
@@ -23,7 +23,7 @@ class StudyError(HarnessError):
     """What is read of a study or a setting is wrong; one printable line of bounded length."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(shortened(printable(message), LONGEST_MESSAGE))
+        super().__init__(shortened(message, LONGEST_MESSAGE))
 
 
 @dataclass(frozen=True)
