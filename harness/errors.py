@@ -46,6 +46,11 @@ def shortened(text: str, longest: int = LONGEST_LINE) -> str:
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
+def counted(count: int, noun: str) -> str:
+    """A number of things in words: ``1 file``, ``2 files``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def tell(message: str) -> None:
     """Print one line of bounded length on standard error, where it does not mix with results."""
     print("harness:", shortened(" ".join(message.split())), file=sys.stderr)

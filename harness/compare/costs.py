@@ -26,7 +26,7 @@ from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study
 from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
-from harness.errors import HarnessError
+from harness.errors import HarnessError, counted
 from harness.study.scene_part import method_of
 from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import scene_class
@@ -47,10 +47,9 @@ class Recommendation:
 
     def __str__(self) -> str:
         text = ", ".join(f"{name} = {value}" for name, value in self.settings.items())
-        cases = "case" if self.case_count == 1 else "cases"
         return (
             f"{text or 'default settings'}: error {self.error:.2%} and {self.run_time:.3g} s at "
-            f"most, over {self.case_count} {cases} of {self.file}"
+            f"most, over {counted(self.case_count, 'case')} of {self.file}"
         )
 
 

@@ -26,6 +26,7 @@ from harness.archive.provenance import OF_CASE
 from harness.compare.compared import misses, stored_references
 from harness.compare.result_table import which_strength
 from harness.compare.spread import spread_rows, spreads_of
+from harness.errors import counted
 from harness.pictures.drawing.caption import SOIL_AND_CONE
 from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import Failures, rendered
@@ -143,7 +144,7 @@ def _summary(dataset: xr.Dataset) -> str:
     """How many cases there are, how many did not complete, and the range of the headline."""
     status = over_cases(dataset, "status")
     lost = int(np.sum(status != COMPLETED))
-    parts = [f"{status.size} case{'s' * (status.size > 1)}"]
+    parts = [counted(status.size, "case")]
     parts += [f"{lost} not completed"] if lost else []
     studied = Studied.of(dataset)
     if studied is not None and np.isfinite(studied.computed).any():

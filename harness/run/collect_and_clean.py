@@ -39,7 +39,7 @@ from harness.compare.compared import (
     with_tolerances,
 )
 from harness.compare.finest_error import with_finest_error
-from harness.errors import coloured, tell
+from harness.errors import coloured, counted, tell
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.parameters import Value
@@ -172,11 +172,6 @@ def summary(outcomes: Sequence[Outcome]) -> str:
     told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
     seconds = sum(end.seconds for end in outcomes)
     return f"{counted(len(outcomes), 'case')}: {told}; {seconds:.1f} s in all"
-
-
-def counted(count: int, noun: str) -> str:
-    """A number of things in words: ``1 file``, ``2 files``."""
-    return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
 Parameters = Mapping[str, Value | None]

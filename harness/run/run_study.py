@@ -18,7 +18,7 @@ from tqdm import tqdm
 from harness.archive.atomic_files import ArchiveError, abandoned, prepare, remove_file
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
-from harness.errors import HarnessError, coloured, shortened, tell
+from harness.errors import HarnessError, coloured, counted, shortened, tell
 from harness.run import collect_and_clean as results
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.resources import (
@@ -190,9 +190,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     pending = _pending(study, stand, folder)
     done_count = len(study.cases) - len(pending)
     try:
-        tell(
-            f"{study.name}: {results.counted(len(study.cases), 'case')}, {done_count} done already"
-        )
+        tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
         results.tell_of_other_sources(study, stand)
         tell_of_long_cases(pending)
         tell_of_likely_failures(pending)

@@ -9,7 +9,7 @@ from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, 
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.study_files import read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
-from harness.errors import HarnessError, tell
+from harness.errors import HarnessError, counted, tell
 from harness.run import collect_and_clean as results
 from harness.study.files import study_names
 from harness.study.study import load_study
@@ -92,11 +92,11 @@ def clean(options: argparse.Namespace) -> int:
     if not found:
         tell("nothing to remove")
         return DONE
-    if not options.yes and not _confirmed(f"remove {results.counted(len(found), 'file')}?"):
+    if not options.yes and not _confirmed(f"remove {counted(len(found), 'file')}?"):
         tell("nothing removed")
         return INCOMPLETE
     count = results.remove_stray(found)
-    tell(f"{results.counted(count, 'file')} removed")
+    tell(f"{counted(count, 'file')} removed")
     return DONE if count == len(found) else INCOMPLETE
 
 

@@ -23,11 +23,10 @@ from harness.benchmark.score import case_rows, formulas, scores, summary_rows
 from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
 from harness.compare.costs import bench_rows
-from harness.errors import HarnessError, tell
+from harness.errors import HarnessError, counted, tell
 from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
-from harness.run.collect_and_clean import counted
 from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device, spoken_time, usable_cores
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
