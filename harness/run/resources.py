@@ -20,7 +20,7 @@ from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.execution.execution import device_names
 from mpm_warp.results import variable
-from mpm_warp.scenes import CatalogueScene, scene_class
+from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.run_size import RunSize
 
 LONG = 24 * 3600.0
@@ -125,7 +125,7 @@ def tell_of_likely_failures(cases: Sequence[Case]) -> None:
 def likely_failure(case: Case) -> str:
     """Why a case is likely not to complete; "" where no cause is known, or it is refused."""
     try:
-        return scene_class(case.scene)(**case.parameters).likely_failure
+        return case.built().likely_failure
     except (ParameterError, SceneError):
         return ""
 
@@ -137,7 +137,7 @@ UPDATE_RATE = 20e6
 def predicted_time(case: Case) -> float:
     """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
     try:
-        size = scene_class(case.scene)(**case.parameters).run_size()
+        size = case.built().run_size()
     except (ParameterError, SceneError):
         return 0.0
     return 0.0 if size is None else size.particle_updates / UPDATE_RATE

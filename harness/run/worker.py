@@ -203,7 +203,7 @@ def _run(
             f"version {case.scene_version} of {case.scene} is asked for; here is {scene.version}"
         )
     limit = options.memory_limit or default_memory_limit()
-    check_memory(scene(**case.parameters), limit, len(case.snapshots))
+    check_memory(case.built(), limit, len(case.snapshots))
     run_count = options.repeats + 1
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
@@ -211,7 +211,7 @@ def _run(
             if progress is not None:
                 progress((number + fraction) / run_count)
 
-        return scene(**case.parameters).run(report, execution, snapshots)
+        return case.built().run(report, execution, snapshots)
 
     dataset = run(0, snapshots).assign_attrs({SOURCES: sources_digest(scene)})
     samples = []

@@ -20,7 +20,7 @@ from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, parameters_of
-from mpm_warp.scenes import CatalogueScene
+from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY = 10_000
 """Cases beyond which a study takes seconds to read, and says so."""
@@ -44,6 +44,10 @@ class Case:
         identity = [self.scene, self.scene_version, self.parameters]
         canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
+
+    def built(self) -> CatalogueScene:
+        """Its scene with its parameters; a `ParameterError` says why the scene refuses them."""
+        return scene_class(self.scene)(**self.parameters)
 
 
 def most_cases(parts: Sequence[ScenePart], design: Design) -> int:

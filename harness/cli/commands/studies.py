@@ -33,7 +33,7 @@ from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.plan.plan import Launch, Plan
-from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
+from mpm_warp.scenes import scene_class, scene_names
 
 
 def new(options: argparse.Namespace) -> int:
@@ -137,7 +137,7 @@ def show_plan(options: argparse.Namespace) -> int:
         _show_cases(study.cases)
         return DONE
     (case,) = study.cases
-    scene = _scene_of(case)
+    scene = case.built()
     size = scene.run_size()  # refuses what has more steps than can be counted
     with _at_work(1, f"planning {study.name}") as bar:
         plan = scene.plan()
@@ -148,10 +148,6 @@ def show_plan(options: argparse.Namespace) -> int:
         memory = predicted_memory(scene, size, len(case.snapshots))
         print(f"memory of the process: {memory / 1e6:.1f} MB")
     return DONE
-
-
-def _scene_of(case: Case) -> CatalogueScene:
-    return scene_class(case.scene)(**case.parameters)
 
 
 def _at_work(count: int, what: str) -> "tqdm[Any]":
@@ -178,7 +174,7 @@ def _show_cases(cases: Sequence[Case]) -> None:
 def _case_row(case: Case) -> tuple[str, float | None]:
     """What a case takes, and its time [s]; None where the steps are not known beforehand."""
     try:
-        scene = _scene_of(case)
+        scene = case.built()
         size = scene.run_size()
         if size is not None:
             points, steps = size.particle_count, size.step_count

@@ -175,7 +175,7 @@ def test_the_plan_says_the_memory_by_which_a_run_refuses(
     told = "".join(command("plan", small_file, "--set", setting).out for setting in settings)
     (taken,) = {float(megabytes) for megabytes in re.findall(r"([\d.]+) MB", told)}
     (case,) = load_study(str(small_file), settings[:1]).cases
-    scene = scene_class(case.scene)(**case.parameters)
+    scene = case.built()
     check_memory(scene, (taken + 0.1) * 1e6)
     with pytest.raises(TooLarge):
         check_memory(scene, (taken - 0.1) * 1e6)
