@@ -14,7 +14,6 @@ from scipy.integrate import cumulative_trapezoid
 from harness.interpret.columns import read_columns
 from harness.interpret.keys import COLUMNS
 from harness.interpret.site import ByDepth, MeasuredTest
-from harness.study.distributions import Input
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves
@@ -139,11 +138,6 @@ def water_pressure(test: MeasuredTest, depth: Floats) -> Floats:
     return np.interp(depth, test.water.depth, test.water.value)
 
 
-def median(weight: Input) -> float:
-    """Unit weight of soil [N/m3] where it is not known exactly."""
-    return float(weight.quantiles(np.array(0.5)))
-
-
 def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
     """Total vertical stress [Pa], water that stands on the ground with it, by the median weight."""
     weight, water = test.unit_weight, test.water
@@ -153,7 +147,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
         at_surface = float(np.interp(0.0, water.depth, water.value, left=0.0))
     above = max(0.0, at_surface)  # suction weighs nothing
     if not isinstance(weight, ByDepth):
-        return above + median(weight) * depth
+        return above + weight.at(0.5) * depth
     # Linear between the depths given: fine steps integrate it to rounding of what is known.
     fine = np.linspace(0.0, depth[-1], 4001)
     values = np.interp(fine, weight.depth, weight.value)

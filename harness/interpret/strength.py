@@ -34,7 +34,7 @@ from harness.interpret.factors import (
     at_table_rate,
     factors,
 )
-from harness.interpret.measured import OTHER_LAYER, REASONS, error_of, measured, median
+from harness.interpret.measured import OTHER_LAYER, REASONS, error_of, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
@@ -186,7 +186,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
     stress = at["vertical_stress"]
     if not isinstance(weight, ByDepth):
-        stress = stress + at["depth"] * (inputs[WEIGHT] - median(weight))
+        stress = stress + at["depth"] * (inputs[WEIGHT] - weight.at(0.5))
     qt_error = at["total_resistance_error"] * inputs[MEASUREMENT]
     net = at["total_resistance"] + qt_error - stress
     net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])

@@ -328,7 +328,7 @@ def _given(part: ScenePart, name: str) -> list[float]:
         case Range():
             values += [varied.start, varied.stop]
         case Input():
-            values += varied.quantiles(np.array([0.05, 0.95])).tolist()
+            values += [varied.at(0.05), varied.at(0.95)]
         case _:
             values += varied
     values += [case[name] for case in part.listed if name in case]

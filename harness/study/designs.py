@@ -10,8 +10,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from harness.study.distributions import Input
 from mpm_warp.parameters import Parameter, Value
 
@@ -125,7 +123,7 @@ def _sampled(values: Variation, fraction: float, kind: type) -> Value:
     if isinstance(values, tuple):
         return values[int(fraction * len(values))]
     if isinstance(values, Input):
-        return rounded(float(values.quantiles(np.array(fraction))))
+        return rounded(values.at(fraction))
     if kind is not int:
         return values.at(fraction)
     # Every integer has the same share, those at the ends too.

@@ -47,6 +47,10 @@ class Input:
     text: str
     quantiles: Quantiles
 
+    def at(self, share: float) -> float:
+        """The value that a share, 0 to 1, lies below."""
+        return float(self.quantiles(np.array(share)))
+
 
 def known(value: float) -> Input:
     """An input that is one number."""
