@@ -50,7 +50,7 @@ MIDDLE = 2.0
 """Length in the middle of the stroke over which the resistance of a passage is a mean, in radii."""
 FIRST_CYCLE = 0.25
 """Number of the cycle in the middle of the first passage; each further passage adds a half."""
-BEYOND = "not a number where the test ends before n_95"
+BEYOND = "not a number where the test ends before n_95, or no falling curve fits"
 """What is said of all that is fitted."""
 
 
@@ -145,11 +145,12 @@ class CyclicPenetration(FullFlowPenetrometer):
             return ratio
         fit = fitted_degradation(factor["cycle"].values, factor.values)
         # What lies beyond the end of the test is not a number.
-        known = fit.cycles <= self.cycle_count
+        known = fit.falls and fit.cycles <= self.cycle_count
         cycles, remoulded, intact = (
             values if known else math.nan
             for values in (fit.cycles, fit.remoulded_share, fit.intact)
         )
+        misfit = fit.misfit if fit.falls else math.nan
         of_remoulded = "remoulded over intact resistance, fitted"
         before = f"{BEYOND}; the intact one is that before any softening, drawn on to cycle 0"
         of_intact = "resistance factor of intact clay, fitted"
@@ -158,7 +159,7 @@ class CyclicPenetration(FullFlowPenetrometer):
             fitted_cycles=(cycles, "1", "cycles n_95 to 95 % of the loss of resistance", BEYOND),
             fitted_remoulded_ratio=(remoulded, "1", of_remoulded, before),
             fitted_resistance_factor=(intact, "1", of_intact, BEYOND),
-            fit_misfit=(fit.misfit, "1", "misfit of the fit", of_misfit),
+            fit_misfit=(misfit, "1", "misfit of the fit", of_misfit),
         )
         if not self.body.planar:
             return fitted
@@ -176,7 +177,7 @@ class CyclicBall(Ball, CyclicPenetration):
     """
 
     summary = "ball without a shaft, pushed down and pulled up in undrained clay"
-    version = 3
+    version = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,7 +188,7 @@ class CyclicTBar(TBar, CyclicPenetration):
     """
 
     summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
-    version = 5
+    version = 6
 
 
 class ResistanceLoops(ResistanceSamples):
@@ -254,6 +255,14 @@ class Degradation:
     remoulded_share: float  # delta, dimensionless
     cycles: float  # n_95, dimensionless
     misfit: float  # root mean square of what the fit leaves of N over N_0
+
+    @property
+    def falls(self) -> bool:
+        """Whether the curve falls, from its first passage on to what is left.
+
+        Where the clay hardly softens noise is fitted, by any curve.
+        """
+        return 0.0 <= self.remoulded_share <= 1.0 and self.cycles > FIRST_CYCLE
 
     def resistance_factor(self, cycle: Floats) -> Floats:
         """N at numbers of cycles, dimensionless, of their shape."""

@@ -15,7 +15,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import Condition
+from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH, Condition
 from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_STRESS, shoulder_pressure
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
@@ -35,6 +35,9 @@ BORDER = "border: the resistance feels another layer, where nothing was tested"
 """Why samples have no uncertainty near a jump of the ground."""
 UNDISTURBED = 20
 """Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
+PAST_LAYER = 1.5
+"""Way below a thin layer by which its greatest change, a mean over a radius, has come, over the
+radius: that of layers one radius thick comes up to one radius below them."""
 
 
 def sounding_curves(
@@ -188,18 +191,24 @@ def layer_values(
 ) -> dict[str, xr.Variable]:
     """Scalars of a sounding through a layer of the scene's parameters; none where there is none.
 
-    There are none of a sounding from the surface either, which has no resistance of undisturbed
-    ground to compare it with. `is_known` says whether laws of the error hold for its clay.
+    There are none of a sounding from the surface either, nor of one whose curves begin where the
+    layer is felt: they have no resistance of undisturbed ground to compare it with. Where they do
+    not pass the layer the greatest change is still to come. `is_known` says whether laws of the
+    error hold for its clay.
     """
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
     if top is None or sounding.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
         return {}
     depth = recorded.depth.values
+    distance = (depth - top) / sounding.cone_radius
+    thickness = (sounding.layer_thickness or math.inf) / sounding.cone_radius
+    is_passed = math.isinf(thickness) or distance[-1] > thickness + PAST_LAYER
+    if distance[:UNDISTURBED][-1] > -WITHIN_HALF_WIDTH[0] or not is_passed:
+        return {}
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
     factor = recorded.net_resistance.values / without
     share = change_of_resistance(factor, ratio)
-    distance = (depth - top) / sounding.cone_radius
-    if sounding.layer_thickness is None:
+    if math.isinf(thickness):
         # From where above the border, and to where below it, the resistance feels it.
         before, behind = _first(-distance, share > FELT), _first(distance, share > 1.0 - FELT)
         changed = f"the resistance has changed by {FELT:.0%} of its whole change"
@@ -209,8 +218,8 @@ def layer_values(
         return labelled(
             felt_before=(before, "1", above, changed), felt_behind=(behind, "1", below, lacks)
         )
-    in_layer = (distance > 0.0) & (distance < sounding.layer_thickness / sounding.cone_radius + 5.0)
-    reached = float(np.nanmax(share[in_layer], initial=-math.inf))
+    in_layer = (distance > 0.0) & (distance < thickness + 5.0)
+    reached = float(np.nanmax(share[in_layer]))
     half_width = _half_width(sounding, reached) if is_known else math.nan
     meaning = "share of the layer's resistance that is reached"
     what = "greatest change, mean over a radius, over that in a layer without end"

@@ -62,7 +62,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 29
+    version = 30
 
     def check_clay(self) -> None:
         """See `ClayScene`; of ground by depth it is the clay in each row."""

@@ -172,6 +172,17 @@ def test_what_lies_beyond_the_end_of_the_test_is_not_told() -> None:
         assert np.isnan(results[name])
 
 
+def test_noise_of_clay_that_hardly_softens_is_no_degradation() -> None:
+    """The fit had -125 as the resistance factor of intact clay, and ended at its least n_95."""
+    cycle = [0.25, 0.75, 1.25, 1.75]
+    factor = xr.DataArray([13.85, 13.93, 13.93, 13.93], {"cycle": cycle}, "cycle")
+    recorded = xr.Dataset({"cyclic_resistance_factor": factor, "built_law": "EinavRandolph"})
+    results = SENSITIVE._ratio(recorded)
+    fitted = [name for name in results if name.startswith("fit")]
+    assert len(fitted) == 5
+    assert all(np.isnan(results[name].values) for name in fitted)
+
+
 PASSAGES = 0.25 + 0.5 * np.arange(10)
 SEARCHED_TO = 1e-4
 """The logarithm of n_95 is found to 1e-5 by the search; the others hang on it linearly."""

@@ -205,7 +205,7 @@ def test_the_change_of_the_resistance_is_a_share_of_the_whole_change() -> None:
 
 
 def test_a_border_is_felt_before_and_behind_it() -> None:
-    result = changed(from_depth=20.0, to_depth=40.0, layer_top=26.0, layer_strength_ratio=2.0).run()
+    result = changed(from_depth=20.0, to_depth=46.0, layer_top=32.0, layer_strength_ratio=2.0).run()
     assert 0.0 < float(result.felt_before) < 6.0
     assert 0.0 < float(result.felt_behind) < 14.0
 
@@ -213,7 +213,7 @@ def test_a_border_is_felt_before_and_behind_it() -> None:
 def test_a_thin_layer_is_run_for_the_share_that_is_reached() -> None:
     """Thinner than what the cone feels: a part of its resistance, with a half width."""
     result = changed(
-        from_depth=16, to_depth=24, layer_top=20, layer_thickness=1, layer_strength_ratio=3
+        from_depth=16, to_depth=32, layer_top=28, layer_thickness=1, layer_strength_ratio=3
     ).run()
     share = result.layer_share
     assert 0.05 < float(share) < 0.7
@@ -245,12 +245,27 @@ def test_what_ends_before_its_curves_begin_has_none_and_says_why() -> None:
     assert ended.value.curves is None
 
 
-def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
-    depth = np.arange(16.0, 24.0, 0.1)
+def through_layer(
+    begin: float, end: float, *, without_end: bool = False
+) -> tuple[Sounding, xr.Dataset]:
+    """A sounding through a layer of twice the strength from 30 to 32 m, and curves of it."""
+    depth = np.arange(begin, end, 0.1)
     recorded = xr.Dataset(coords={"depth": depth}).assign(
-        net_resistance=("depth", np.where(abs(depth - 21.0) < 1.0, 300e3, 200e3))
+        net_resistance=("depth", np.where(abs(depth - 31.0) < 1.0, 300e3, 200e3))
     )
-    through = changed(to_depth=24.0, layer_top=20.0, layer_thickness=2.0, layer_strength_ratio=2.0)
+    thickness = None if without_end else 2.0
+    through = changed(
+        from_depth=begin,
+        to_depth=end,
+        layer_top=30.0,
+        layer_thickness=thickness,
+        layer_strength_ratio=2.0,
+    )
+    return through, recorded
+
+
+def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
+    through, recorded = through_layer(16.0, 34.0)
     soft = dataclasses.replace(through, remoulded_strength_ratio=0.2, ductility=10.0)
     known, unknown = (
         layer_values(it, recorded, is_known=not why_not_known(it.build(), it.build()))
@@ -259,3 +274,18 @@ def test_the_share_of_a_layer_that_softens_has_no_half_width() -> None:
     assert np.isfinite(known["layer_share_uncertainty"])
     assert np.isnan(unknown["layer_share_uncertainty"])
     assert unknown["layer_share"] == known["layer_share"]
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "without_end"),
+    [(19.0, 34.0, False), (36.0, 40.0, False), (16.0, 33.0, False), (19.0, 40.0, True)],
+    ids=["felt at the begin", "above the begin", "not passed", "border felt at the begin"],
+)
+def test_nothing_is_said_of_a_layer_that_the_curves_do_not_tell(
+    begin: float, end: float, without_end: bool
+) -> None:
+    """One without end that is felt at the begin had 0.3 of its change, one above it minus infinity.
+
+    Their resistance without the layer is not that of undisturbed ground.
+    """
+    assert layer_values(*through_layer(begin, end, without_end=without_end), is_known=True) == {}
