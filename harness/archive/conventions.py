@@ -54,6 +54,11 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 CHANGED = "changed"
 """Text of each case of one parameter at a time: that parameter, "" in the case of fixed values."""
+DRAWS = "draws"
+"""Number of samples of a Latin hypercube that are the same case; only where some case has several.
+
+It is the weight of the case in means and percentiles.
+"""
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
 NUMERICAL = "numerical error only, of this clay, not of your soil"

@@ -14,9 +14,18 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import CHANGED, COMPLETED, PER_CASE, TOLERANCES, Role, parameter_of
+from harness.archive.conventions import (
+    CHANGED,
+    COMPLETED,
+    DRAWS,
+    PER_CASE,
+    TOLERANCES,
+    Role,
+    parameter_of,
+)
 from harness.archive.provenance import OF_CASE
 from harness.study.files import STUDY_NAME
+from harness.study.scene_part import LARGEST_STUDY
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
@@ -97,10 +106,18 @@ def _faulty_study(result: Stored, over: tuple[Hashable, ...]) -> Iterator[str]:
         TOLERANCES: isinstance(tolerances, dict)
         and all(isinstance(tolerance, int | float) for tolerance in tolerances.values()),
         **{name: name in forms and forms[name].dims == over for name in PER_CASE},
+        DRAWS: DRAWS not in forms or _are_counts(forms[DRAWS], over),
     }
     for name, is_sound in sound.items():
         if not is_sound:
             yield f"{name} is missing or malformed; collect it again"
+
+
+def _are_counts(form: xr.Variable, over: tuple[Hashable, ...]) -> bool:
+    """Whether a variable has a positive count for each case, not more than a study may have."""
+    if form.dims != over or form.dtype.kind not in "iu":
+        return False
+    return bool((form.values >= 1).all() and form.values.sum(dtype=float) <= LARGEST_STUDY)
 
 
 def _faulty_dims(forms: Forms, name: str, over: tuple[Hashable, ...]) -> Iterator[str]:

@@ -15,6 +15,7 @@ from harness.archive.conventions import (
     COMPLETED,
     DAMAGED,
     DISTRIBUTION,
+    DRAWS,
     FORMAT_VERSION,
     MISSING,
     Role,
@@ -112,7 +113,13 @@ def _records(
     if study.design.kind == ONE_AT_A_TIME:
         changed = [" ".join(names[it] for it in case.changed) for case in study.cases]
         texts[CHANGED] = "parameter that the study changes in the case", changed
-    return {name: _over_cases(meaning, values) for name, (meaning, values) in texts.items()}
+    records: Variables = {
+        name: _over_cases(meaning, values) for name, (meaning, values) in texts.items()
+    }
+    if any(case.draws > 1 for case in study.cases):
+        draws = [case.draws for case in study.cases]
+        records[DRAWS] = _over_cases("samples of the Latin hypercube that are the case", draws)
+    return records
 
 
 def _over_cases(meaning: str, values: Sequence[object]) -> xr.Variable:

@@ -1,7 +1,8 @@
 """The spread of a study whose parameters are distributions: what is not known, in numbers.
 
-The cases of such a study are a Latin hypercube of its inputs, so mean, deviation and percentiles
-are those of the cases. The numerical error of each case, a deviation U / 1.96, is added as squares:
+The samples of such a study are a Latin hypercube of its inputs, so mean, deviation and percentiles
+are those of the samples; a case that is several of them counts as often. The numerical error of
+each, a deviation U / 1.96, is added as squares:
 
     combined U = 1.96 sqrt(deviation^2 + mean of (U / 1.96)^2)
 
@@ -23,6 +24,7 @@ import xarray as xr
 
 from harness.archive.conventions import (
     DISTRIBUTION,
+    DRAWS,
     headlines_of,
     known_digits,
     over_cases,
@@ -46,7 +48,7 @@ class Spread:
     """The spread of a result."""
 
     name: str
-    values: Floats  # of the cases that have one, shape [cases]
+    values: Floats  # of the samples that have one, shape [samples]
     mean: float  # of these, as deviation and percentiles: of the inputs alone
     deviation: float
     percentiles: Floats  # `PERCENTILES`
@@ -77,11 +79,12 @@ def spreads_of(dataset: xr.Dataset) -> list[Spread]:
         name: column.astype(float) for name, column in columns.items() if column.dtype.kind in "if"
     }
     half_widths = uncertainty_of(dataset).astype(float)
+    draws = over_cases(dataset, dataset.get(DRAWS, 1))
     found = []
     for name in headlines_of(dataset):
         values = over_cases(dataset, name)
-        sound = np.isfinite(values)
-        if np.sum(sound) > 1:
+        sound = np.repeat(np.arange(len(values)), np.where(np.isfinite(values), draws, 0))
+        if len(sound) > 1:
             drawn = {name: numbers[sound] for name, numbers in inputs.items()}
             found.append(_spread(name, drawn, values[sound], half_widths[sound]))
     return found
@@ -133,6 +136,8 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     leverage = np.linalg.norm(np.linalg.qr(matrix)[0], axis=1) ** 2
     kept_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
     told = max(0.0, 1.0 - float(np.mean(kept_out**2) / values.var()))
+    if len(drawn) == 1:  # SciPy takes two inputs or more
+        return dict.fromkeys(inputs, told)
     found = sobol_indices(
         func=lambda points: terms(points) @ weights,
         n=SAMPLES,

@@ -5,7 +5,7 @@ import functools
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from harness.errors import tell
 from harness.study.designs import (
@@ -37,6 +37,7 @@ class Case:
     label: str  # the varied values, for people
     changed: tuple[str, ...] = ()  # of which the design gives values; the others are the fixed ones
     snapshots: tuple[float, ...] = ()  # moments at which the soil is kept; they change no result
+    draws: int = 1  # samples of a Latin hypercube that are this case, as many at a bound are
 
     @functools.cached_property
     def key(self) -> str:
@@ -93,7 +94,10 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
                 changed=tuple(values),
                 snapshots=part.snapshots,
             )
-            cases.setdefault(case.key, case)
+            if (same := cases.get(case.key)) is None:
+                cases[case.key] = case
+            elif design.kind == LATIN_HYPERCUBE:
+                cases[case.key] = replace(same, draws=same.draws + 1)
             if refusal is not None:
                 refusals[case.key] = StudyError(f"{where}: {label}: {refusal}")
     if not cases:

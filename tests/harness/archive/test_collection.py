@@ -8,6 +8,7 @@ from typing import NoReturn
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import norm
 
 import mpm_warp
 from harness.archive.case_files import case_file, case_folder, write_case
@@ -21,6 +22,7 @@ from harness.archive.conventions import (
 from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.archive.study_files import collect, read_study, write_study
 from harness.compare.result_table import cone_factor_table
+from harness.compare.spread import spreads_of
 from harness.pictures.pictures import draw
 from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
@@ -54,6 +56,26 @@ def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
     read = read_study(tmp_path / "s.nc")
     assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
     assert [path.name for path in draw(read, tmp_path)[0]] == ["s_effects.png"]
+
+
+def test_a_case_counts_as_often_as_the_hypercube_drew_it(tmp_path: Path) -> None:
+    """Many samples at the bound of a parameter are one case, and bear on the mean all the same."""
+    text = HEAD + HYPERCUBE.partition("[vary]")[0].replace("20", "200")
+    made = study_in(tmp_path, f"{text}vary.adhesion_factor = {{ mean = 0.9, deviation = 0.3 }}\n")
+    factors = [
+        xr.Dataset({"cone_factor": ((), case.parameters["adhesion_factor"], {"role": "headline"})})
+        for case in made.cases
+    ]
+    write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *factors)))
+    read = read_study(tmp_path / "s.nc")
+    (spread,) = spreads_of(read)
+    # The share above 1 of a normal distribution around 0.9, and what it is less on the mean.
+    above = norm.sf(1.0, 0.9, 0.3)
+    mean = 0.9 + above * 0.1 - 0.3 * norm.pdf(1.0 / 3.0)
+    assert read.draws.values.max() == pytest.approx(200 * above, abs=1)
+    assert spread.mean == pytest.approx(mean, abs=2e-3)  # below 0 lie 0.1 %
+    assert spread.percentiles[1:].tolist() == [pytest.approx(0.9, abs=5e-3), 1.0]
+    assert spread.shares["adhesion_factor"] == pytest.approx(1.0)
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
