@@ -71,6 +71,7 @@ def compute(
     default the case is computed on one thread of the processor.
     """
     execution = execution or Execution()
+    provenance()  # the commit is kept from now on: the sources may be edited while the case runs
     measurement = Measurement()
     status, message = COMPLETED, ""
     snapshots = Snapshots(case.snapshots) if case.snapshots else None
@@ -205,6 +206,7 @@ def _run(
     limit = options.memory_limit or default_memory_limit()
     check_memory(case.built(), limit, len(case.snapshots))
     run_count = options.repeats + 1
+    sources = sources_digest(scene)  # before they can be edited
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
         def report(fraction: float) -> None:
@@ -213,7 +215,7 @@ def _run(
 
         return case.built().run(report, execution, snapshots)
 
-    dataset = run(0, snapshots).assign_attrs({SOURCES: sources_digest(scene)})
+    dataset = run(0, snapshots).assign_attrs({SOURCES: sources})
     samples = []
     for number in range(1, run_count):
         again = run(number)

@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.stats import norm
 
 import mpm_warp
+from harness.archive import provenance as origin
 from harness.archive.case_files import case_file, case_folder, write_case
 from harness.archive.conventions import (
     COMPLETED,
@@ -27,7 +28,7 @@ from harness.pictures.pictures import draw
 from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.rerun import read_for_rerun, verdict
-from harness.run.worker import run_case
+from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
@@ -378,3 +379,23 @@ def test_the_module_of_a_scene_of_another_package_counts(
     assert before != digest()
     file.write_text("height = 2\n")
     assert digest(scene) not in (before, digest())
+
+
+def test_a_case_names_the_code_that_computes_it_though_it_is_edited_meanwhile(
+    small: Study, sources: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    loaded = digest(ConePenetration)
+    for function in (origin.sources_digest, origin._of_process):
+        function.cache_clear()
+    monkeypatch.setattr(origin, "_commit", lambda: "loaded")
+
+    def edited(*_: object) -> xr.Dataset:
+        (sources / "scene.py").write_text("a = 2\n")
+        monkeypatch.setattr(origin, "_commit", lambda: "edited")
+        return DONE
+
+    monkeypatch.setattr(ConePenetration, "run", edited)
+    said = compute(small.cases[0]).dataset.attrs
+    for function in (origin.sources_digest, origin._of_process):
+        function.cache_clear()
+    assert (said[SOURCES], said["commit"]) == (loaded, "loaded")
