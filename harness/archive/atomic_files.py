@@ -26,6 +26,10 @@ class ArchiveError(HarnessError):
     """A file of the archive cannot be read, written or removed; one line, which names it."""
 
 
+class DamagedError(ArchiveError):
+    """A file is not as the harness wrote it, or was cut."""
+
+
 def prepare(folder: Path) -> None:
     """Make the folder, and check by writing a small file that it can be written to."""
     try:

@@ -26,7 +26,7 @@ import numpy as np
 import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
-from harness.archive.atomic_files import ArchiveError, write_whole
+from harness.archive.atomic_files import ArchiveError, DamagedError, write_whole
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.structure import TEXT, Stored, malformed
 
@@ -170,8 +170,8 @@ def _digest(content: bytes | memoryview) -> bytes:
     return _MARK + hashlib.sha256(content).hexdigest().encode()
 
 
-def _damage(path: Path, how: str) -> ArchiveError:
-    return ArchiveError(
+def _damage(path: Path, how: str) -> DamagedError:
+    return DamagedError(
         f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
     )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError
+from harness.archive.atomic_files import ArchiveError, DamagedError
 from harness.archive.case_files import ENDING as FIELDS_ENDING
 from harness.archive.case_files import read_case
 from harness.archive.conventions import (
@@ -23,7 +23,7 @@ from harness.archive.conventions import (
     spoken,
     with_role,
 )
-from harness.archive.netcdf_files import read_netcdf, write_netcdf
+from harness.archive.netcdf_files import read_attributes, read_netcdf, write_netcdf
 from harness.archive.provenance import OF_CASE, provenance_of_collector
 from harness.study.cases import Case
 from harness.study.designs import ONE_AT_A_TIME
@@ -280,6 +280,24 @@ MOST_NAMED = 10
 def study_file(out: Path, study: Study) -> Path:
     """Where the collected dataset of a study is."""
     return out / f"{study.name}.nc"
+
+
+def check_place(path: Path) -> None:
+    """Refuse to replace a file that is no result of a study where that of a study is to be.
+
+    A damaged one, or an empty one, is replaced: the files of its cases are elsewhere.
+    """
+    try:
+        if not path.exists() or path.stat().st_size == 0 or "study" in read_attributes(path):
+            return
+    except DamagedError:
+        return
+    except ArchiveError:
+        pass  # of another program
+    raise ArchiveError(
+        f"{path}: is not the result of a study, and is not overwritten; move it away, or give "
+        "another --out"
+    )
 
 
 def write_study(path: Path, dataset: xr.Dataset) -> None:

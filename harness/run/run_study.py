@@ -18,6 +18,7 @@ from tqdm import tqdm
 from harness.archive.atomic_files import ArchiveError, abandoned, prepare, remove_file
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
+from harness.archive.study_files import check_place, study_file
 from harness.errors import HarnessError, coloured, counted, shortened, tell
 from harness.run import collect_and_clean as results
 from harness.run.pool import Watcher, cases_at_once, run_cases
@@ -181,6 +182,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     """
     folder = case_folder(out, study)
     check_no_link(out, study)
+    check_place(study_file(out, study))
     prepare(folder)
     for partial in (*abandoned(out), *abandoned(folder)):
         remove_file(partial)

@@ -7,7 +7,7 @@ from pathlib import Path
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
 from harness.archive.netcdf_files import read_attributes
-from harness.archive.study_files import read_study, study_file
+from harness.archive.study_files import check_place, read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, counted, tell
 from harness.run import collect_and_clean as results
@@ -71,6 +71,7 @@ def collect(options: argparse.Namespace) -> int:
     """Write the dataset of a study out of the case files that there are."""
     study = load_study(options.study, options.set)
     results.check_begun(study, options.out)
+    check_place(study_file(options.out, study))
     prepare(options.out)
     dataset = results.collect_and_write(study, options.out)
     stand = results.outcomes_of(dataset)

@@ -12,13 +12,14 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
 from harness.archive.case_files import case_file, discard, write_case
-from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
+from harness.archive.conventions import COMPLETED, CRASHED, FORMAT_VERSION, HALF_WIDTH
+from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import read_study
 from harness.run.collect_and_clean import remove_stray, stray_files
 from harness.run.resources import case_time
 from harness.study.study import Study
-from tests.harness.conftest import DONE, Command, keep, prepared
+from tests.harness.conftest import DONE, Command, Refusal, keep, prepared
 
 NOBODY = partial_ending(2**22 + 1)
 """Ending of what a process was writing that has ended."""
@@ -100,6 +101,36 @@ def test_a_study_of_the_same_name_is_not_replaced_silently(
     told = of_small("collect", code=1).err
     named = f'{out / "small.nc"}: was of a study with another title, "{small.title}"; its cases'
     assert named in told
+
+
+@pytest.mark.parametrize("content", ["noise", "site", "classic"])
+@pytest.mark.parametrize("command", ["collect", "run"])
+def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(
+    content: str, command: str, small: Study, out: Path, half_done: Study, refusal: Refusal
+) -> None:
+    path = out / "small.nc"
+    match content:
+        case "noise":
+            path.write_bytes(b"years of work")
+        case "site":  # of `harness interpret`
+            write_netcdf(DONE.assign_attrs(site="small", format_version=FORMAT_VERSION), path)
+        case "classic":
+            DONE.to_netcdf(path, format="NETCDF3_CLASSIC", engine="scipy")
+    before = path.read_bytes()
+    line = refusal([command, str(small.source), "--out", str(out)])
+    assert line.startswith(f"harness: {path}: is not the result of a study, and is not overwritten")
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("length", [0, 100, -100])
+def test_a_damaged_dataset_of_the_study_is_replaced(
+    length: int, out: Path, half_done: Study, of_small: Command
+) -> None:
+    of_small("collect", code=1)
+    path = out / "small.nc"
+    path.write_bytes(path.read_bytes()[:length])
+    of_small("collect", code=1)
+    assert read_study(path).status.values.tolist() == [COMPLETED, CRASHED, "missing"]
 
 
 OTHERS = (
