@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.case_files import Outcome, write_case
+from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import (
     COMPLETED,
     FAILED,
@@ -129,10 +129,14 @@ def run_case(
 ) -> Outcome:
     """Run a case in this process and write its file, whatever becomes of it.
 
+    Only a result that another run has completed meanwhile is not replaced by a failure.
+
     The arguments are those of :func:`compute`, and the folder of the study's cases.
     """
     result = compute(case, progress, execution, options)
     outcome = result.outcome
+    if outcome.status != COMPLETED and is_complete(folder, case, options.repeats):
+        return Outcome(COMPLETED, "by another run")
     write_case(folder, case, result.dataset, outcome.status, outcome.message, result.fields)
     return outcome
 

@@ -16,8 +16,9 @@ from harness.archive.conventions import COMPLETED, CRASHED, FORMAT_VERSION, HALF
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import read_study
-from harness.run.collect_and_clean import remove_stray, stray_files
-from harness.run.resources import case_time
+from harness.run.collect_and_clean import outcomes, remove_stray, stray_files
+from harness.run.resources import RunOptions, case_time
+from harness.run.worker import run_case
 from harness.study.study import Study
 from tests.harness.conftest import DONE, Command, Refusal, keep, prepared
 
@@ -120,6 +121,15 @@ def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(
     line = refusal([command, str(small.source), "--out", str(out)])
     assert line.startswith(f"harness: {path}: is not the result of a study, and is not overwritten")
     assert path.read_bytes() == before
+
+
+def test_a_failure_does_not_replace_what_another_run_has_completed(
+    small: Study, folder: Path, half_done: Study, out: Path
+) -> None:
+    too_little = RunOptions(memory_limit=1.0)
+    for case in small.cases:
+        run_case(case, folder, options=too_little)
+    assert [it.status for it in outcomes(small, out)] == [COMPLETED, "refused", "refused"]
 
 
 @pytest.mark.parametrize("length", [0, 100, -100])
