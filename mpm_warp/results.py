@@ -1,6 +1,7 @@
 """Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
 
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -115,21 +116,24 @@ def material_as_built(material: str, law: str) -> str:
     return material if law in ("", material, CHANGING_STRENGTH) else law
 
 
-def parameter_variables(scene: object, results: Collection[object]) -> dict[str, xr.Variable]:
+def parameter_variables(scene: Any, results: Collection[object]) -> dict[str, xr.Variable]:
     """All parameters of a scene as variables of its dataset, with the role "parameter".
 
     They are called as :func:`stored_name` says. A number that is not given is not a number, a text
-    that is not given is empty.
+    that is not given is empty; so is what others take the place of.
     """
+    definitions = parameters_of(type(scene))
+    given = {name: getattr(scene, name) for name in definitions}
+    given |= dict.fromkeys(scene.replaced(given))
     return {
         stored_name(name, results): variable(
-            _stored(getattr(scene, name), definition),
+            _stored(given[name], definition),
             unit=None if definition.kind is str else definition.unit,
             meaning=name.replace("_", " "),
             description=f"{definition.meaning}; {definition.allowed}",
             role="parameter",
         )
-        for name, definition in parameters_of(type(scene)).items()
+        for name, definition in definitions.items()
     }
 
 

@@ -66,6 +66,8 @@ HALF_WIDTH = f"half width of 95 %: {NUMERICAL}"
 """What +- means."""
 DISTRIBUTION = "distribution"
 """Attribute of a varied parameter with the distribution that it was drawn from, in words."""
+GIVEN_BY = "scenes"
+"""Attribute of a result in a study of several scenes: those that have it, a number or not."""
 TRACEBACK = "traceback"
 """Attribute of the file of a failed case that says where in the program it failed."""
 

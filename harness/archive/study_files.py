@@ -17,6 +17,7 @@ from harness.archive.conventions import (
     DISTRIBUTION,
     DRAWS,
     FORMAT_VERSION,
+    GIVEN_BY,
     MISSING,
     Role,
     parameter_attributes,
@@ -29,8 +30,10 @@ from harness.study.cases import Case
 from harness.study.designs import ONE_AT_A_TIME
 from harness.study.distributions import Input
 from harness.study.study import STABILITY_MAP, Study
+from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Derived, Parameter, Value, did_you_mean, known_names
 from mpm_warp.results import material_as_built, stored_name
+from mpm_warp.scenes import scene_class
 
 Variables = dict[Hashable, xr.Variable]
 
@@ -152,10 +155,11 @@ def _parameters(
     assigned = {name for part in study.parts for name in part.assigned}
     varied = [pair for part in study.parts for pair in part.varied.items()]
     distributions = {name: drawn.text for name, drawn in varied if isinstance(drawn, Input)}
+    given = [_without_replaced(case) for case in study.cases]
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
         labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
-        values = [case.parameters.get(name) for case in study.cases]
+        values = [of_case.get(name) for of_case in given]
         # Not a number, or an empty text, where there is none.
         nothing = "" if definition.kind is str else np.nan
         filled = np.array([nothing if value is None else value for value in values])
@@ -169,6 +173,15 @@ def _parameters(
             place = variables if is_derived else coordinates
             place[stored] = xr.Variable(CASE, filled, labels)
     return variables, coordinates
+
+
+def _without_replaced(case: Case) -> Mapping[str, Value | None]:
+    """The parameters of a case, None where others take the place of one."""
+    try:
+        replaced = scene_class(case.scene).replaced(case.parameters)
+    except ParameterError:  # by chance the case has what its scene refuses
+        return case.parameters
+    return {**case.parameters, **dict.fromkeys(replaced)}
 
 
 def _as_built(inputs: Variables, own: Variables) -> Variables:
@@ -237,6 +250,9 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     gathered = of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
     for name, variable in gathered.data_vars.items():
         variable.attrs |= _said_of_all(name, [it[name].attrs for it in own if name in it])
+        if len({it.attrs["scene"] for it in own}) > 1:
+            having = dict.fromkeys(it.attrs["scene"] for it in own if name in it)
+            variable.attrs[GIVEN_BY] = " ".join(having)
     return gathered
 
 

@@ -8,6 +8,7 @@ import xarray as xr
 
 from harness.archive.conventions import (
     COMPLETED,
+    GIVEN_BY,
     TOLERANCES,
     Role,
     case_dims,
@@ -172,35 +173,35 @@ def with_tolerances(dataset: xr.Dataset, tolerances: Mapping[str, float]) -> xr.
     return dataset.assign_attrs({TOLERANCES: json.dumps(dict(tolerances))} if tolerances else {})
 
 
-def misses(dataset: xr.Dataset) -> list[str]:
-    """What the tolerances that are stored in `dataset` do not allow, a line each.
+def misses(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """What the tolerances that are stored in `dataset` do not allow: lines, by tolerance missed.
 
     The tolerance of a reference bounds the size of the deviation from it, in the cases that it
     applies to; that of a result bounds its size, in the scenes that have it. What is not a number,
     or nowhere to be found, is missed too: a check that was not made is not passed.
     """
     tolerances: dict[str, float] = json.loads(dataset.attrs.get(TOLERANCES, "{}"))
-    return [line for name, limit in tolerances.items() for line in _misses_of(dataset, name, limit)]
+    found = {name: _misses_of(dataset, name, limit) for name, limit in tolerances.items()}
+    return {name: lines for name, lines in found.items() if lines}
 
 
 def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     numbers = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
     applies: object = True
     if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
-        value = dataset[deviation]
+        value, given = dataset[deviation], dataset[COMPARED]
         applies = _stored(dataset, f"{Role.REFERENCE}_{name}").applies(conditions_of(dataset))
     elif name in numbers:
-        value = dataset[name]
+        value = given = dataset[name]
     else:
         return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
     size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
     sizes, held = over_cases(dataset, size), over_cases(dataset, applies)
-    # Of several scenes one does not have it whose cases completed without it.
-    scenes, known = np.array(scenes_of(dataset)), ~np.isnan(sizes)
-    done = over_cases(dataset, "status") == COMPLETED
-    lacking = {*scenes[done]} - {*scenes[known]} if known.any() else set()
-    held = held & ~np.isin(scenes, [*lacking])
+    # Of several scenes one does not have it whose cases completed without it, a number or not.
+    scenes, done = np.array(scenes_of(dataset)), over_cases(dataset, "status") == COMPLETED
+    having = given.attrs.get(GIVEN_BY, " ".join(scenes)).split()
+    held = held & ~np.isin(scenes, [*({*scenes[done]} - {*having})])
     if not held.any():
         return [f"{name}: applies to no case"]
     return [

@@ -22,9 +22,9 @@ function parametersOf(known, place) {
   return table;
 }
 
-// A bound such as "> 10" holds for numbers; anything else is a word to be found.
+// A bound such as "> 10" or "< -5 %" holds for numbers; anything else is a word to be found.
 function passes(cell, wanted) {
-  const bound = wanted.match(/^(<=|>=|<|>|=)\s*(\S+)$/);
+  const bound = wanted.match(/^(<=|>=|<|>|=)\s*([^\s%]+)\s*%?$/);
   if (!bound) return cell.textContent.toLowerCase().includes(wanted.toLowerCase());
   if (cell.dataset.value === undefined) return false;
   const [value, limit] = [Number(cell.dataset.value), Number(bound[2])];

@@ -32,7 +32,7 @@ from harness.report import words
 
 @dataclass(frozen=True)
 class Cell:
-    """What a table shows of one value, and all its digits to sort and filter by; "" of a text."""
+    """What a table shows of one value, and all its digits in the unit shown; "" of a text."""
 
     text: str
     value: str
@@ -111,7 +111,8 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
         reasons = reasons_of(dataset) if is_headline else [""] * len(values)
         beside = zip(values, texts, known.tolist(), reasons, strict=True)
         texts = [_with_half_width(*pair) for pair in beside]
-    cells = [Cell(text, _sortable(value)) for text, value in zip(texts, values, strict=True)]
+    shown = (100.0 * over_cases(dataset, name)).tolist() if role == Role.DEVIATION else values
+    cells = [Cell(text, _sortable(value)) for text, value in zip(texts, shown, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)
 

@@ -16,7 +16,7 @@ from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
-from harness.study.cases import Case, naming
+from harness.study.cases import Case, completed, naming
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -65,7 +65,8 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
         )
     try:
         if "study" in dataset.attrs:
-            parameters = naming(known, _parameters_of_cell(dataset, parameters_of(known)))
+            given = _parameters_of_cell(dataset, parameters_of(known))
+            parameters = naming(known, completed(known, given)[0])
         else:
             parameters = dict(json.loads(dataset.attrs["parameters"]))
     except (KeyError, TypeError, ValueError):
@@ -131,17 +132,14 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})
 
 
-def _parameters_of_cell(
-    cell: xr.Dataset, definitions: Mapping[str, Parameter]
-) -> dict[str, Value | None]:
-    """All parameters of a case of a collected dataset; None is what the scene derives."""
+def _parameters_of_cell(cell: xr.Dataset, definitions: Mapping[str, Parameter]) -> dict[str, Value]:
+    """The parameters of a case of a collected dataset, without those that the scene fills in."""
     names = parameter_names(cell)
     stored = {name: cell[names[name]].item() for name in definitions}
     return {
         name: definition.kind(stored[name])
-        if is_there(stored[name]) or definition.default == ""
-        else None
         for name, definition in definitions.items()
+        if is_there(stored[name]) or definition.default == ""
     }
 
 

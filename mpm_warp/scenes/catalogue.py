@@ -18,7 +18,7 @@ import math
 import pkgutil
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from importlib.metadata import EntryPoint, entry_points
@@ -143,6 +143,11 @@ class CatalogueScene(ABC):
     def likely_failure(self) -> str:
         """Why a run is likely not to complete, and what to change; "" where no cause is known."""
         return ""
+
+    @classmethod
+    def replaced(cls, parameters: Mapping[str, Value | None]) -> Collection[str]:
+        """Parameters that say nothing beside the others: these take their place."""
+        return ()
 
     def derived(self) -> Mapping[str, float]:
         """Values of the parameters that are worked out from others where none is given."""

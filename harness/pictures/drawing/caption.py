@@ -27,7 +27,7 @@ from harness.compare.defaults import defaults_of_law, not_by_default
 from harness.pictures.drawing.plot_parts import legend_above
 from harness.pictures.drawing.quantities import Values, assigned, plain, quantity, spelt, symbol
 from mpm_warp.scenes import scene_names
-from mpm_warp.scenes.sounding.table import PROFILE, columns_of, replaced_by
+from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
 LETTERS = 112
 """Letters of a line of the caption, which is as wide as the page."""
@@ -37,7 +37,7 @@ MOST_FIXED = 14
 """Parameters that a caption names."""
 MOST_TEXTS = 4
 """Long texts that a caption has room for."""
-SYMBOL, IN_PLACE = re.compile(r"\$[^$]*(?<!\\)\$"), "\ue000--"
+SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
 """A symbol in mathematics, and what holds its place while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 """Between a symbol and its value: they stay on one line."""
@@ -145,10 +145,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         for name, own in parameter_names(dataset).items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
-    # A table has no room in a caption.
-    ground = dataset[constant.pop(PROFILE)].item() if PROFILE in constant else ""
-    for name in replaced_by(ground) if ground else ():
-        constant.pop(name, None)
+    constant.pop(PROFILE, None)  # a table has no room in a caption
     others = [name for name in not_by_default(dataset) if name in constant]
     main = [name for name in SOIL_AND_CONE if name in constant]
     main += [name for name in defaults_of_law(dataset) if name in others]

@@ -1,18 +1,25 @@
 """The parameters of a sounding, and what follows from them: the ground, the way of the cone."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import Derived, parameter, parameters_of, redefined
+from mpm_warp.parameters import Derived, Value, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.table import PROFILE, columns_of, refused, with_strength
+from mpm_warp.scenes.sounding.table import (
+    PROFILE,
+    REPLACED,
+    columns_of,
+    refused,
+    replaced_by,
+    with_strength,
+)
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
@@ -109,6 +116,12 @@ class SoundingTest(FittedToCone, FieldClayScene):
         "take some ten times as long as a cone test each",
         choices=("known", "measured"),
     )
+
+    @classmethod
+    def replaced(cls, parameters: Mapping[str, Value | None]) -> Collection[str]:
+        """See `CatalogueScene`: those whose place a profile takes."""
+        text = parameters[PROFILE]
+        return replaced_by(str(text)) if text else ()
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; the window follows the greatest rigidity index."""
@@ -238,18 +251,6 @@ class SoundingTest(FittedToCone, FieldClayScene):
     def _extent_above_tip(self) -> float:
         """Extent of the window above the tip [m]."""
         return self.domain_above * self.cone_radius + self.penetrometer.cone_height
-
-
-REPLACED = (
-    "undrained_shear_strength",
-    "rigidity_index",
-    "unit_weight",
-    "strength_gradient",
-    "layer_top",
-    "layer_thickness",
-    "layer_strength_ratio",
-)
-"""Parameters whose place any profile takes."""
 
 
 def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:

@@ -66,6 +66,16 @@ UNIT_WEIGHT, UNIT_WEIGHT_OF_WATER = 17e3, 9.81e3
 """Of ground where no column has it, and of water [N/m3]."""
 PROFILE = "profile"
 """The parameter of a sounding that holds such a text, and the table of a study that gives it."""
+REPLACED = (
+    "undrained_shear_strength",
+    "rigidity_index",
+    "unit_weight",
+    "strength_gradient",
+    "layer_top",
+    "layer_thickness",
+    "layer_strength_ratio",
+)
+"""Parameters of a sounding whose place any table takes."""
 PARTS = 10
 """Rows that one row becomes; strength and stiffness are then within a hundredth of how much they
 are curved between the rows of the table."""
@@ -192,10 +202,10 @@ def text_of(columns: Mapping[str, Floats]) -> str:
 
 
 def replaced_by(text: str) -> set[str]:
-    """Parameters of a sounding whose place a table takes: its columns and the stiffness."""
+    """Parameters of a sounding whose place a table takes: `REPLACED`, and those of its columns."""
     columns = columns_of(text).keys()
     by_rest = {"stress_anisotropy", MEAN_STRESS} if columns & {*OF_REST} else set()
-    return {*columns, *STIFFNESS} | by_rest
+    return {*columns, *REPLACED} | by_rest
 
 
 def _header(line: str) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """The result of a study: its layout by design, what two scenes share, where it was computed."""
 
+import json
 import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
@@ -26,6 +27,7 @@ from harness.compare.result_table import cone_factor_table
 from harness.compare.spread import spreads_of
 from harness.pictures.pictures import draw
 from harness.report.report import page
+from harness.report.tables import case_parameters
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.rerun import read_for_rerun, verdict
 from harness.run.worker import compute, run_case
@@ -77,6 +79,22 @@ def test_a_case_counts_as_often_as_the_hypercube_drew_it(tmp_path: Path) -> None
     assert spread.mean == pytest.approx(mean, abs=2e-3)  # below 0 lie 0.1 %
     assert spread.percentiles[1:].tolist() == [pytest.approx(0.9, abs=5e-3), 1.0]
     assert spread.shares["adhesion_factor"] == pytest.approx(1.0)
+
+
+def test_what_a_profile_takes_the_place_of_says_nothing(tmp_path: Path) -> None:
+    """Such a column, su, stiffness and layers: their defaults do not hold in that ground."""
+    header = "depth [m], strength [kPa], adhesion_factor [1]"
+    tables = [f"{header}; 0, {strength}, 0.3; 9, 40, 0.3" for strength in (10, 20)]
+    ground = f"[vary]\nprofile = {json.dumps(tables)}\n[fixed]\nfrom_depth = 3\n"
+    dataset = collected(tmp_path, f'title = "s"\nscene = "sounding"\n{ground}')
+    for name in ("undrained_shear_strength", "rigidity_index", "adhesion_factor"):
+        assert np.isnan(dataset[name]).all()
+    shown = {name for name, *_ in case_parameters(dataset)["fixed"]}
+    assert "from_depth" in shown
+    assert not shown & {"undrained_shear_strength", "layer_strength_ratio", "adhesion_factor"}
+    write_study(tmp_path / "s.nc", dataset)
+    for case in load_study(str(tmp_path / "s.toml")).cases:
+        assert read_for_rerun(tmp_path / "s.nc", case.key)[0].parameters == case.parameters
 
 
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
@@ -230,7 +248,9 @@ def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path
     made = study_in(tmp_path, 'title = "t"\nscene = ["cone_penetration", "t_bar_penetration"]\n')
     told = DONE.assign(why_no_uncertainty=((), "law: none", {"role": "reason"}))
     write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, told, DONE)))
-    assert reasons_of(read_study(tmp_path / "s.nc")) == ["law: none", ""]
+    read = read_study(tmp_path / "s.nc")
+    assert reasons_of(read) == ["law: none", ""]
+    assert read["why_no_uncertainty"].attrs["scenes"] == "cone_penetration"
 
 
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}

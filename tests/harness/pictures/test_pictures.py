@@ -146,8 +146,13 @@ def test_the_caption_names_what_is_no_default(
 
 
 def test_a_title_with_dollars_is_no_mathematics() -> None:
-    dataset = result({"adhesion_factor": [0.0, 1.0]}).assign_attrs(title="costs $5 and $x_$")
-    assert image(figures(dataset)["curve"])
+    title = f"Costs $5 {'and more ' * 20}"
+    dataset = result({"adhesion_factor": [0.0, 1.0]}).assign_attrs(title=f"{title}$x_$")
+    figure = figures(dataset)["curve"]
+    assert image(figure)
+    lines = figure.get_supxlabel().splitlines()
+    assert max(map(len, lines)) < 160  # wrapped: 112 letters, and those of symbols
+    assert all(len(re.findall(r"(?<!\\)\$", line)) % 2 == 0 for line in lines)
 
 
 def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:

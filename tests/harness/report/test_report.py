@@ -9,6 +9,7 @@ import xarray as xr
 
 from harness.archive.conventions import DISTRIBUTION
 from harness.archive.study_files import write_study
+from harness.compare.compared import with_tolerances
 from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
@@ -80,7 +81,7 @@ def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> No
     # check value of the formula at Ir 50 and adhesion factor 0.5: 10.31
     deviation = columns["deviation from the cone factor of Lu et al. 2004"].cells[0]
     assert deviation.text == "-12.7 %"
-    assert float(deviation.value) == pytest.approx(9.0 / 10.31 - 1.0, abs=5e-4)
+    assert float(deviation.value) == pytest.approx(100.0 * (9.0 / 10.31 - 1.0), abs=0.05)
 
 
 def test_studies_are_compared_where_they_share_parameters(results: list[xr.Dataset]) -> None:
@@ -131,6 +132,18 @@ def test_main_pictures_of_several_studies_stand_in_the_summary_too(
 ) -> None:
     alone, both = (page(given)[0].count("<img") for given in (results[:1], results))
     assert both == 2 * (alone + 1)
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "told"),
+    [({"lu_2004": 0.01}, "1 tolerance missed"), ({"lu_2004": 0.01, "eror": 1}, "2 tolerances")],
+)
+def test_the_summary_counts_the_tolerances_that_are_missed_not_the_cases(
+    results: list[xr.Dataset], tolerances: dict[str, float], told: str
+) -> None:
+    text, _ = page([with_tolerances(results[0], tolerances), results[1]])
+    assert text.count("Tolerance missed: lu_2004: ") == 3  # Lu holds to Ir 500
+    assert f'class="bad">{told}' in text
 
 
 def test_a_page_is_written_again_but_no_other_file(
