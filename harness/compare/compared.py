@@ -19,7 +19,7 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.errors import HarnessError
-from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor
+from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
 from harness.references.experience import HOLDS, Experience
 from harness.references.registry import cone_factor_reference, experience_entry
 from harness.study.compared import OWN_LABEL, OwnReference, stored_own_reference
@@ -103,6 +103,12 @@ def _stored(dataset: xr.Dataset, name: str) -> ConeFactor:
     if OWN_LABEL in dataset[name].attrs:
         return stored_own_reference(reference_id, dataset[name].attrs)
     return cone_factor_reference(reference_id)
+
+
+def where_it_applies(dataset: xr.Dataset, reference_id: str) -> Quantity:
+    """Whether a reference that is stored in `dataset` applies to each of its cases."""
+    reference = _stored(dataset, f"{Role.REFERENCE}_{reference_id}")
+    return reference.applies(conditions_of(dataset))
 
 
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
@@ -190,7 +196,7 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     applies: object = True
     if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
         value, given = dataset[deviation], dataset[COMPARED]
-        applies = _stored(dataset, f"{Role.REFERENCE}_{name}").applies(conditions_of(dataset))
+        applies = where_it_applies(dataset, name)
     elif name in numbers:
         value = given = dataset[name]
     else:

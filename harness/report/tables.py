@@ -25,6 +25,7 @@ from harness.archive.conventions import (
     with_role,
     without_half_width,
 )
+from harness.compare.compared import where_it_applies
 from harness.compare.finest_error import error_name
 from harness.pictures.studied import Studied
 from harness.report import words
@@ -111,6 +112,10 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
         reasons = reasons_of(dataset) if is_headline else [""] * len(values)
         beside = zip(values, texts, known.tolist(), reasons, strict=True)
         texts = [_with_half_width(*pair) for pair in beside]
+    if role == Role.DEVIATION:
+        applies = where_it_applies(dataset, name.removeprefix(f"{role}_"))
+        pairs = zip(texts, over_cases(dataset, applies), strict=True)
+        texts = [it if inside or it == words.MISSING else f"[{it}]" for it, inside in pairs]
     shown = (100.0 * over_cases(dataset, name)).tolist() if role == Role.DEVIATION else values
     cells = [Cell(text, _sortable(value)) for text, value in zip(texts, shown, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
