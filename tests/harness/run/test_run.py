@@ -60,17 +60,6 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
     assert {name: asked[name] for name in expected} == expected
 
 
-def test_a_case_that_timed_out_is_listed_and_tried_again(
-    small_file: Path, tmp_path: Path, command: Command
-) -> None:
-    long = ["--set", "adhesion_factor=0", "--set", "penetration=200", "--set", "speed_ratio=0.0001"]
-    run = ["run", small_file, "--out", tmp_path / "out", *long, "--case-timeout=0.5"]
-    for _ in range(2):
-        told = command(*run, code=1).err
-        assert "1 case, 0 done already" in told
-        assert "harness: cone_penetration: timed_out: ended after 0.5 s, at " in told
-
-
 def test_run_gives_a_dataset_a_table_and_pictures(
     small_file: Path, tmp_path: Path, command: Command
 ) -> None:
