@@ -36,14 +36,6 @@ SMALL = """
 """
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
-HYPERCUBE = """design = "latin_hypercube"
-samples = 20
-seed = 3
-[vary]
-adhesion_factor = { from = 0, to = 1 }
-rigidity_index = { from = 5, to = 500, spacing = "logarithmic" }
-material = ["tresca", "von_mises"]
-"""
 
 Command = Callable[..., Any]
 """Runs a command of these words, which ends with `code`, 0 by default: what it says."""

@@ -36,29 +36,7 @@ from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import further_runs
-from tests.harness.conftest import DONE, HEAD, HYPERCUBE, Command, Refusal, keep, prepared, study_in
-
-
-def collected(tmp_path: Path, text: str) -> xr.Dataset:
-    """The dataset of a study whose cases have invented results."""
-    made = study_in(tmp_path, text)
-    factors = [
-        xr.Dataset({"cone_factor": ((), 10.0 + place, {"role": "headline"}), "run_time": 1.0})
-        for place in range(len(made.cases))
-    ]
-    return collect(made, keep(made, tmp_path, *factors))
-
-
-def test_what_is_no_grid_has_a_dimension_of_cases(tmp_path: Path) -> None:
-    dataset = collected(tmp_path, HEAD + HYPERCUBE)
-    assert dataset["cone_factor"].dims == ("case",)
-    assert dataset["rigidity_index"].dims == ("case",)
-    assert dataset["density"].dims == ()
-    assert np.unique(dataset["case_key"]).size == 20
-    write_study(tmp_path / "s.nc", dataset)
-    read = read_study(tmp_path / "s.nc")
-    assert len(cone_factor_table(read).partition("\n\n")[0].splitlines()) == 23
-    assert [path.name for path in draw(read, tmp_path)[0]] == ["s_effects.png"]
+from tests.harness.conftest import DONE, HEAD, Command, Refusal, keep, prepared, study_in
 
 
 def test_a_case_counts_as_often_as_the_hypercube_drew_it(tmp_path: Path) -> None:
@@ -100,7 +78,8 @@ def test_what_a_profile_takes_the_place_of_says_nothing(tmp_path: Path) -> None:
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     text = HEAD + '[derived]\ndomain_radius = "6 * sqrt(rigidity_index)"\n'
     text += "[vary]\nrigidity_index = [25, 100]\nadhesion_factor = [0, 1]\n"
-    dataset = collected(tmp_path, text)
+    study = study_in(tmp_path, text)
+    dataset = collect(study, keep(study, tmp_path))
     assert dataset["domain_radius"].dims == ("rigidity_index", "adhesion_factor")
     assert dataset["domain_radius"].sel(rigidity_index=100).values.tolist() == [60, 60]
     assert cone_factor_table(dataset)

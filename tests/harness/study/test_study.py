@@ -16,7 +16,7 @@ from harness.study.study import Study, load_study
 from harness.study.tables import LONGEST_MESSAGE, StudyError
 from mpm_warp.parameters import parameter
 from mpm_warp.scenes.material.material_point import MaterialPoint
-from tests.harness.conftest import HEAD, HYPERCUBE, Refusal, study_in, values
+from tests.harness.conftest import HEAD, Refusal, study_in, values
 
 
 @pytest.mark.parametrize("name", study_names())
@@ -201,6 +201,16 @@ def test_ranges(tmp_path: Path) -> None:
     varied = study_in(tmp_path, HEAD + text).parts[0].varied
     assert varied["adhesion_factor"] == (0, 0.25, 0.5, 0.75, 1)
     assert varied["rigidity_index"] == (500, 50, 5)
+
+
+HYPERCUBE = """design = "latin_hypercube"
+samples = 20
+seed = 3
+[vary]
+adhesion_factor = { from = 0, to = 1 }
+rigidity_index = { from = 5, to = 500, spacing = "logarithmic" }
+material = ["tresca", "von_mises"]
+"""
 
 
 def test_a_latin_hypercube_samples_every_share_once(tmp_path: Path) -> None:
