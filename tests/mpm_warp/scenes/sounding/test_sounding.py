@@ -172,7 +172,6 @@ def test_two_stretches_agree_where_they_overlap() -> None:
             {"profile": f"{HEAD}; 0, 1; 19, 1", "rigidity_index": 50.0},
             "rigidity_index = 50 is not allowed: the profile has it by depth; keep one",
         ),
-        ({"profile": f"{HEAD}; 0, -1; 19, 1"}, "strength in row 1 is -1000"),
         (
             {"profile": f"{HEAD}, adhesion_factor [1]; 0, 1, 0; 19, 1, 2"},
             "adhesion_factor in row 2 is 2, must be >= 0 and <= 1",
