@@ -5,7 +5,6 @@ On small scenes, and (slow) on every scene of the catalogue.
 
 import dataclasses
 import functools
-import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -96,21 +95,12 @@ def plant(simulation: Simulation, array: str, particle: int, value: float) -> No
     values.reshape(len(values), -1)[particle, 0] = value
 
 
-IN_TURN = [(name, *fault) for name, fault in zip(SOIL_SCENES, itertools.cycle(FAULTS))]
-"""On the scenes of the catalogue one fault each: the watch is the same."""
-
-
-@pytest.mark.parametrize(
-    ("scene", "array", "value", "named"),
-    [
-        *((name, *fault) for name in SMALL for fault in FAULTS),
-        *(pytest.param(*it, marks=pytest.mark.slow) for it in IN_TURN),
-    ],
-    indirect=["scene"],
-)
+@on(*SMALL)
+@pytest.mark.parametrize(("array", "value", "named"), FAULTS)
 def test_planted_fault_is_noticed_and_its_particle_named(
     scene: Scene, array: str, value: float, named: str
 ) -> None:
+    """Of other scenes the watch is the same: that they have it, a doubled time step tells."""
     simulation = started(scene)
     particle = simulation.plan.particle_count // 2
     plant(simulation, array, particle, value)
