@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import xarray as xr
 
 from harness.cli.commands import studies
 from harness.cli.help import HELP
@@ -139,16 +138,3 @@ def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
     options = ("--set=adhesion_factor=0", f"--out={tmp_path}", "--case-timeout=1e9")
     command("run", small_file, *options)
     assert max(left for left in waits if left is not None) <= pool.LONGEST_WAIT
-
-
-@pytest.mark.slow
-def test_uncertainty_is_measured_on_request(
-    tmp_path: Path, small_file: Path, command: Command
-) -> None:
-    values = ("adhesion_factor=0", "cells_per_radius=2.31", "domain_radius=8", "domain_above=3")
-    settings = [f"--set={value}" for value in (*values, "domain_below=4")]
-    command("run", small_file, f"--out={tmp_path}", "--uncertainty", *settings)
-    (result,) = tmp_path.glob("*.nc")
-    with xr.open_dataset(result) as dataset:
-        assert (dataset.uncertainty == "measured").all()
-        assert (dataset.uncertainty_run_time > 0.0).all()

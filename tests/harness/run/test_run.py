@@ -32,6 +32,7 @@ TIMED = "[timing]\nrepeats = 3\n"
         ("", "--threads=2", {"worker_count": 4, "threads": 2}),
         ("", "--workers=3 --threads=2", {"worker_count": 3, "threads": 2}),
         ("", "--case-timeout=7 --device=cuda:1", {"time_limit": 7, "device": "cuda:1"}),
+        ("", "--uncertainty --set=cells_per_radius=2.31", {"uncertainty": "measured"}),
         (TIMED, "", {"worker_count": 1, "threads": 1, "repeats": 3}),
         (TIMED, "--workers=1 --threads=2", {"worker_count": 1, "threads": 2}),
     ],
@@ -50,6 +51,7 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
         bound = inspect.signature(run_cases).bind(*arguments, **named)
         bound.apply_defaults()
         asked.update(bound.arguments | vars(bound.arguments["options"]))
+        asked.update(bound.arguments["cases"][0].parameters)
 
     monkeypatch.setattr("harness.run.pool.usable_cores", lambda: 8)
     monkeypatch.setattr(run_study, "check_device", lambda device: None)
