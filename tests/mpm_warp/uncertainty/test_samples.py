@@ -8,14 +8,7 @@ import pytest
 from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.laws import (
-    BOTTOM_ERROR,
-    DOMAIN,
-    MESH,
-    NEAREST_BOTTOM,
-    growth_uncertainty,
-    window_uncertainty,
-)
+from mpm_warp.uncertainty.laws import DOMAIN, MESH, growth_uncertainty, window_uncertainty
 from mpm_warp.uncertainty.samples import NOISE_OF_INFLOW, SAMPLE_NOISE
 
 FACTOR = 10.0
@@ -40,13 +33,6 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     assert stated(smaller)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.02)
 
 
-def test_a_top_that_is_too_near_leaves_the_error_unknown() -> None:
-    """Off by 1.3 to 2.5 half widths at half of the extent above, at Ir 140 to 900."""
-    extent = Sounding().default_extents["domain_above"]
-    correction, half_width = stated(Sounding(domain_above=0.65 * extent))
-    assert (correction, math.isnan(half_width)) == (0.0, True)
-
-
 def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> None:
     """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
     coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
@@ -55,16 +41,6 @@ def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> Non
     of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
     found = coarse**2 - default**2
     assert found == pytest.approx(of_mesh + of_growth, rel=0.01)
-
-
-def test_a_bottom_that_is_too_near_leaves_the_error_unknown() -> None:
-    nearest = NEAREST_BOTTOM * 10.0
-    assert np.isnan(stated(Sounding(domain_below=0.99 * nearest))[1])
-    near, default = (
-        stated(Sounding(domain_below=below))[0] for below in (1.01 * nearest, 2.02 * nearest)
-    )
-    of_half = BOTTOM_ERROR * 100.0 / (2.02 * nearest) ** 2
-    assert near - default == pytest.approx(3.0 * of_half)
 
 
 def test_beyond_the_anisotropy_measured_the_reason_is_told_with_its_depths() -> None:
