@@ -70,27 +70,18 @@ def test_the_series_leads_to_points_grid_and_surface(seen: Path) -> None:
         np.testing.assert_array_equal(points.points[:, 2], last.point_z.values[present])
         assert grid.n_cells == (last.sizes["row"] - 1) * (last.sizes["column"] - 1)
         np.testing.assert_array_equal(grid["velocity"][:, 2], last.node_velocity_z.values.ravel())
+        # Its traction integrates to the resistance, see `test_snapshots.py`.
+        np.testing.assert_array_equal(surface.points[:, 0], last.surface_r)
+        np.testing.assert_array_equal(surface.points[:, 2], last.surface_z)
+        for name in ("normal_traction", "shear_traction"):
+            np.testing.assert_array_equal(surface[name], last[name])
+        np.testing.assert_array_equal(surface["on_shaft"], last.surface_part == "shaft")
+        ends = np.array([it.point_ids for it in surface.cell])
+        np.testing.assert_array_equal(np.diff(ends), 1)
+        assert len(ends) == surface.n_points - 2  # none from face to shaft, which part at one place
+        for name in ("cone_radius", "resistance"):
+            assert surface.field_data[name][0] == last[name].item()
     assert grid["displacement"].shape == (grid.n_points, 3)
-    assert set(surface.point_data) == {"normal_traction", "shear_traction", "on_shaft"}
-
-
-def test_the_traction_in_another_reader_integrates_to_the_resistance(seen: Path) -> None:
-    """Of traction and radius, linear along each line, Simpson's rule is exact."""
-    for file in seen.glob("**/surface_*.vtu"):
-        surface = pv.read(file)
-        force = 0.0
-        for cell in surface.cell:
-            ends = cell.point_ids
-            if surface["on_shaft"][ends].any():
-                continue
-            normal, shear = surface["normal_traction"][ends], surface["shear_traction"][ends]
-            # The length times the sine of half the apex angle, and times its cosine.
-            (d_r, _, d_z), radius = np.diff(cell.points, axis=0)[0], cell.points[:, 0]
-            upward = normal * d_r + shear * d_z
-            middle = upward.mean() * radius.mean()
-            force += (upward[0] * radius[0] + 4.0 * middle + upward[1] * radius[1]) / 6.0
-        resistance = force / (0.5 * surface.field_data["cone_radius"][0] ** 2)
-        assert resistance == pytest.approx(surface.field_data["resistance"][0], rel=1e-9)
 
 
 def test_without_snapshots_there_is_nothing_to_view(
