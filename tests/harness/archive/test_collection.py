@@ -41,8 +41,8 @@ from tests.harness.conftest import DONE, HEAD, Command, Refusal, keep, prepared,
 
 def test_a_case_counts_as_often_as_the_hypercube_drew_it(tmp_path: Path) -> None:
     """Many samples at the bound of a parameter are one case, and bear on the mean all the same."""
-    text = HEAD + HYPERCUBE.partition("[vary]")[0].replace("20", "200")
-    made = study_in(tmp_path, f"{text}vary.adhesion_factor = {{ mean = 0.9, deviation = 0.3 }}\n")
+    text = HEAD + 'design = "latin_hypercube"\nsamples = 200\nseed = 3\n[vary]\n'
+    made = study_in(tmp_path, text + "adhesion_factor = { mean = 0.9, deviation = 0.3 }\n")
     factors = [
         xr.Dataset({"cone_factor": ((), case.parameters["adhesion_factor"], {"role": "headline"})})
         for case in made.cases
@@ -64,14 +64,15 @@ def test_what_a_profile_takes_the_place_of_says_nothing(tmp_path: Path) -> None:
     header = "depth [m], strength [kPa], adhesion_factor [1]"
     tables = [f"{header}; 0, {strength}, 0.3; 9, 40, 0.3" for strength in (10, 20)]
     ground = f"[vary]\nprofile = {json.dumps(tables)}\n[fixed]\nfrom_depth = 3\n"
-    dataset = collected(tmp_path, f'title = "s"\nscene = "sounding"\n{ground}')
+    study = study_in(tmp_path, f'title = "s"\nscene = "sounding"\n{ground}')
+    dataset = collect(study, keep(study, tmp_path))
     for name in ("undrained_shear_strength", "rigidity_index", "adhesion_factor"):
         assert np.isnan(dataset[name]).all()
     shown = {name for name, *_ in case_parameters(dataset)["fixed"]}
     assert "from_depth" in shown
     assert not shown & {"undrained_shear_strength", "layer_strength_ratio", "adhesion_factor"}
     write_study(tmp_path / "s.nc", dataset)
-    for case in load_study(str(tmp_path / "s.toml")).cases:
+    for case in study.cases:
         assert read_for_rerun(tmp_path / "s.nc", case.key)[0].parameters == case.parameters
 
 
