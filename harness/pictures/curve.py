@@ -5,6 +5,7 @@ Cone factors have the literature beside them: curves of references, and bands of
 
 import itertools
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -86,7 +87,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
             ends += _draw_literature(axes, studied, along, cases, None if shared else line.colour)
         style = {**line.style, "ls": "" if along.categories else "-", "zorder": 4}
         studied.draw(axes, along.numbers, cases, label=label or "computed", **style)
-        _draw_exact(axes, studied, cases, x)
+        _draw_exact(axes, studied, cases, x, are_texts=bool(along.categories))
         _draw_by_strength_of_bands(axes, studied, cases, x, line.colour)
     along.dress(axes, room=10)
     axes.set(xlabel=axis_label(dataset, name), ylabel=axis_label(dataset, studied.headline))
@@ -101,13 +102,17 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
     )
 
 
-def _draw_exact(axes: Axes, studied: Studied, cases: np.ndarray, x: Floats) -> None:
+def _draw_exact(
+    axes: Axes, studied: Studied, cases: np.ndarray, x: Floats, *, are_texts: bool
+) -> None:
+    """Draw exact values: a line over numbers, single marks over texts, between which is nothing."""
     dataset = studied.dataset
+    style: dict[str, Any] = {"ls": "", "marker": "_", "ms": 20} if are_texts else {"ls": "--"}
     for name in with_role(dataset, Role.EXACT):
         belongs = dataset[name].attrs.get("exact_of") == studied.headline
         if belongs and set(dataset[name].dims) <= set(dataset["status"].dims):
             exact = over_cases(dataset, name)[cases]
-            axes.plot(x, exact, ls="--", lw=1, color="0.4", label=once(axes, "exact"))
+            axes.plot(x, exact, **style, lw=1, color="0.4", label=once(axes, "exact"))
 
 
 def _draw_by_strength_of_bands(

@@ -118,6 +118,15 @@ def test_text_parameter_has_a_categorical_axis() -> None:
     assert computed.get_linestyle() == "None"
 
 
+def test_no_line_joins_exact_values_of_texts() -> None:
+    dataset = result({"material": ["tresca", "von_mises"]})
+    attributes = {"role": "exact", "exact_of": "cone_factor"}
+    figure = curve_figure(dataset.assign(exact=("material", [10.0, 11.0], attributes)))
+    (exact,) = (line for line in figure.axes[0].lines if line.get_label() == "exact")
+    assert exact.get_linestyle() == "None"
+    assert exact.get_ydata().tolist() == [10.0, 11.0]
+
+
 def test_second_parameter_makes_series_beside_shared_curves() -> None:
     varied = {"material": ["tresca", "von_mises"], "adhesion_factor": [0.0, 1.0]}
     figure = curve_figure(result(varied))
