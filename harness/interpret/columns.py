@@ -18,7 +18,14 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.files import Heading, NotNamedError, TestFile, plain_unit, read_file
+from harness.interpret.files import (
+    LENGTHS,
+    Heading,
+    NotNamedError,
+    TestFile,
+    plain_unit,
+    read_file,
+)
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
@@ -40,7 +47,6 @@ RODS = ("penetration", "penetrationlength", "sondeerlengte")
 IN_PLANES = ("inclinationns", "inclinationew")
 """Of the names of inclinations those in two planes; their resultant says the same."""
 OPTIONAL = ("u2", *AXES)
-LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 PRESSURES: Mapping[str, float] = {
     "Pa": 1.0,
     "kPa": 1e3,
@@ -74,6 +80,8 @@ ABOVE_VACUUM = Range(minimum=-0.2e6, maximum=100e6)
 """What a filter bears whose zero is the air: water boils at -0.1 MPa."""
 REBOUND = 0.05
 """By so much the tip may go back where rods are changed [m]."""
+NO_VALUE = -999.0, -9999.0, -99999.0, -999999.0
+"""Usual codes for no value, which the file or the site file has to declare."""
 GAP = 0.25
 """Steps of depth above this, and above five usual ones, are told as gaps [m]."""
 MOST_ROWS = 20_000
@@ -115,8 +123,8 @@ def read_columns(test: MeasuredTest) -> Columns:
         for name, (place, size) in found.items()
     }
     places = np.array([f"{file.row} {number}" for number, _ in file.rows])
-    if np.isnan(values["depth"]).any():
-        raise StudyError(f"{path}: {places[np.isnan(values['depth'])][0]}: depth is missing")
+    has_depth = _with_depth(path, file.rows, found["depth"][0], values["depth"], places, notes)
+    places, values = places[has_depth], {name: value[has_depth] for name, value in values.items()}
     if test.ground_level is not None:
         values["depth"] = np.round(test.ground_level - values["depth"], 9)  # 0.3 and 0.6 are 0.9
     order = np.arange(len(places)) if file.in_order else np.argsort(values["depth"], kind="stable")
@@ -129,20 +137,7 @@ def read_columns(test: MeasuredTest) -> Columns:
             "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
             '{ u2 = "..." }'
         )
-    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0  # 0 may be of the sea bed
-    bounds = {**POSSIBLE, "u2": ABOVE_VACUUM} if from_air else POSSIBLE
-    for name, possible in bounds.items():
-        for place, value in zip(places, values[name].tolist(), strict=True):
-            if not (math.isnan(value) or possible.holds(value, value)):
-                remedy = (
-                    "leave the cell empty where there is no value"
-                    if math.isinf(value)
-                    else "look at its unit; a code for no value belongs under `missing` of the "
-                    "site file, as missing = [-9999]"
-                )
-                raise StudyError(
-                    f"{path}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; {remedy}"
-                )
+    _refuse_impossible(test, places, values)
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = _joined(file.headings[found["depth"][0]].name) in RODS
     if of_rods and not angles:
@@ -155,6 +150,47 @@ def read_columns(test: MeasuredTest) -> Columns:
     elif angles:
         notes.append("depth is taken as corrected by inclination")
     return Columns(values, area_ratio, pre_drilled, cone_radius, tuple(notes))
+
+
+def _with_depth(
+    path: Path,
+    rows: Sequence[tuple[int, list[str]]],
+    column: int,
+    depth: Floats,
+    places: np.ndarray,
+    notes: list[str],
+) -> np.ndarray:
+    """The rows that have a depth; a code for none is noted, an empty cell refused."""
+    found = ~np.isnan(depth)
+    for place, (_, cells), is_there in zip(places, rows, found, strict=True):
+        if not is_there and (not cells[column].strip() or not found.any()):
+            raise StudyError(f"{path}: {place}: depth is missing")
+    if not found.all():
+        notes.append(f"rows left out whose depth is a code for no value: {np.sum(~found)}")
+    return found
+
+
+def _refuse_impossible(
+    test: MeasuredTest, places: np.ndarray, values: Mapping[str, Floats]
+) -> None:
+    """Refuse resistances and pressures that no cone measures."""
+    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0  # 0 may be of the sea bed
+    bounds = {**POSSIBLE, "u2": ABOVE_VACUUM} if from_air else POSSIBLE
+    for name, possible in bounds.items():
+        for place, value in zip(places, values[name].tolist(), strict=True):
+            if not (math.isnan(value) or possible.holds(value, value)):
+                remedy = (
+                    "leave the cell empty where there is no value"
+                    if math.isinf(value)
+                    else "look at its unit; a code for no value belongs under `missing` of the "
+                    "site file, as missing = [-9999]"
+                )
+                if from_air and POSSIBLE[name].holds(value, value):
+                    remedy += "; where sensors were set to zero on the sea bed water_level is 0"
+                raise StudyError(
+                    f"{test.file}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; "
+                    f"{remedy}"
+                )
 
 
 def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, float, list[str]]:
@@ -275,6 +311,13 @@ def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...])
                     f"number{comma}"
                 ) from None
     values[np.isin(values, (*missing, *heading.missing))] = np.nan
+    if (codes := np.isin(values, NO_VALUE)).any():
+        row = int(np.argmax(codes))
+        raise StudyError(
+            f"{path}: {file.row} {file.rows[row][0]}, column {heading.title!r}: {values[row]:g} is "
+            "a usual code for no value, which belongs under `missing` of the site file, as "
+            f"missing = [{values[row]:g}]"
+        )
     return values
 
 
@@ -283,14 +326,20 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
     if depth[0] < 0.0:
         raise StudyError(
             f"{path}: {places[0]}: depth {depth[0]:g} m is above the ground; where the file has "
-            "levels, or depths that are negative downward, give ground_level, 0 for the latter"
+            "levels, or depths that are negative downward, give ground_level, 0 for the latter; "
+            "where only the first rows are above the ground, take them out"
         )
     if depth[-1] > LARGEST_DEPTH:
         raise StudyError(
             f"{path}: {places[-1]}: depth {depth[-1]:g} m must be <= {LARGEST_DEPTH:g}; look at "
             "its unit"
         )
-    levels = "; where the file has levels, give ground_level" if depth[-1] < depth[0] else ""
+    levels = (
+        "; where the file has levels, give ground_level; where its first row is the deepest, turn "
+        "the rows round"
+        if depth[-1] < depth[0]
+        else ""
+    )
     before = np.maximum.accumulate(np.concatenate([[-1.0], depth[:-1]]))
     kept, back = depth > before, before - depth
     if back.max() > REBOUND:

@@ -96,25 +96,21 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     }
     if len(lines) < 2:
         raise StudyError(f"{path}: has no rows below its header")
-    worded = [number for number, line in every.items() if len(_words(line)) >= FEWEST_COLUMNS]
-    named = [number for number in worded if number in lines]
-    commented = [number for number in worded if every[number].startswith("#")]
-    if commented and not named:
-        raise StudyError(
-            f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
-            "among them; take its # away"
-        )
-    above = [number for number in lines if named and number < named[0]]
+    first = _header(path, every, lines)
+    above = [number for number in lines if number < first]
     notes = [f"{len(above)} lines above the header left out"] if above else []
     lines = {number: line for number, line in lines.items() if number not in above}
-    delimiter = _delimiter(next(iter(lines.values())))
+    delimiter = _delimiter(lines[first])
     reader = csv.reader(lines.values(), delimiter=delimiter)
     header = [_heading(cell.strip()) for cell in next(reader)]
     numbers = list(lines)
     rows = [(numbers[reader.line_num - 1], cells) for cells in reader]
-    if named[1:2] == numbers[1:2] and not any(heading.unit for heading in header):
+    if _are_units(lines[rows[0][0]]):
         units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
-        header = [replace(heading, unit=unit) for heading, unit in zip(header, units, strict=False)]
+        header = [
+            replace(heading, unit=heading.unit or unit)
+            for heading, unit in zip(header, units, strict=False)
+        ]
     cells_of_all = [cell for _, cells in rows for cell in cells]
     with_point = (cell for cell in cells_of_all if "." in cell)  # as a date has too
     if delimiter != "," and not _numbers(with_point):
@@ -129,10 +125,53 @@ def _delimiter(line: str) -> str:
     return next((mark for mark in "\t;," if mark in line), ",")
 
 
+def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> int:
+    """Number of the line that names the columns: the last one of words above a row of numbers.
+
+    Units may stand between the two. `every` line is by its number, `lines` are those that count.
+    """
+    worded = [number for number, line in every.items() if len(_words(line)) >= FEWEST_COLUMNS]
+    named = [number for number in worded if number in lines]
+    commented = [number for number in worded if every[number].startswith("#")]
+    if commented and not named:
+        raise StudyError(
+            f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
+            "among them; take its # away"
+        )
+    values = [it for it, line in lines.items() if len(_numbers(_cells(line))) >= FEWEST_COLUMNS]
+    by_blanks = [it for it, line in lines.items() if len(_numbers(line.split())) >= FEWEST_COLUMNS]
+    if by_blanks and not values:
+        raise StudyError(
+            f"{path}: line {by_blanks[0]}: values are parted by blanks; must be by comma, "
+            "semicolon or tab, and a cell without a value be empty"
+        )
+    first = next((it for it in values if named and it > named[0]), None)
+    above = [number for number in named if first is not None and number < first]
+    if values and not above:
+        raise StudyError(
+            f"{path}: line {values[0]} has values, and no line above it names the columns, as "
+            "depth [m],qc [MPa],fs [kPa],u2 [kPa]"
+        )
+    if len(above) > 1 and _are_units(lines[above[-1]]):
+        return above[-2]
+    return above[-1] if above else min(named or lines)
+
+
+def _are_units(line: str) -> bool:
+    """Whether a line has units alone, that of the depth among them."""
+    return any(plain_unit(cell.strip(" []()")) in LENGTHS for cell in _words(line))
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line that are not empty, a decimal comma as a point."""
+    pieces = (piece.strip(' "') for piece in line.split(_delimiter(line)))
+    return [piece.replace(",", ".") for piece in pieces if piece]
+
+
 def _words(line: str) -> list[str]:
     """Cells of a line; none where one is a number, as in a row of values."""
-    cells = [piece.strip() for piece in line.split(_delimiter(line)) if piece.strip()]
-    return [] if _numbers(cell.replace(",", ".") for cell in cells) else cells
+    cells = _cells(line)
+    return [] if _numbers(cells) else cells
 
 
 def _heading(title: str) -> Heading:
@@ -160,8 +199,9 @@ GEF_TOLD = "3", "13", "1"
 """Numbers of #MEASUREMENTVAR, in the order of `TOLD`."""
 TOLD = "area_ratio", "pre_drilled", "cone_area"
 """What the file of a test may say of it."""
+LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 AREAS = {"mm2": 100.0, "cm2": 1.0, "m2": 1e-4}
-"""Units of an area, and what 1 cm2 is in them."""
+"""Units: a length in m, and what 1 cm2 is in those of an area."""
 
 
 def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
@@ -312,10 +352,15 @@ def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
     groups: dict[str, dict[str, list[tuple[int, list[str]]]]] = {}
     group: dict[str, list[tuple[int, list[str]]]] = {}
     reader = csv.reader(text.splitlines(), strict=True)
-    for kind, *cells in filter(None, reader):
-        if kind == "GROUP" and cells:
-            group = groups.setdefault(cells[0], {})
-        group.setdefault(kind, []).append((reader.line_num, [cell.strip() for cell in cells]))
+    try:
+        for kind, *cells in filter(None, reader):
+            if kind == "GROUP" and cells:
+                group = groups.setdefault(cells[0], {})
+            group.setdefault(kind, []).append((reader.line_num, [cell.strip() for cell in cells]))
+    except csv.Error as error:
+        raise StudyError(
+            f"{path}: line {reader.line_num} is no table: {error}; quotes in a text are doubled"
+        ) from None
     if not {"HEADING", "UNIT", "DATA"} <= groups.get("SCPT", {}).keys():
         remedy = "; AGS 3 has to be converted" if "**" in text else ""
         raise StudyError(f"{path}: has no group SCPT of AGS 4 with HEADING, UNIT and DATA{remedy}")

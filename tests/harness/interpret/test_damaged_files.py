@@ -57,6 +57,24 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "no depth": ("csv", replaced("\n1.5,", "\n,"), "line 7: depth is missing"),
     "code": ("csv", replaced("\n1.5,", "\n1.5,-9.99,0,0\n1.51,"), "belongs under `missing`"),
     "infinite": ("csv", replaced("\n1.5,", "\n1.5,inf,0,0\n1.51,"), "leave the cell empty"),
+    "no header": ("csv", lambda it: it.split(b"\n", 1)[1], "line 1 has values, and no line above"),
+    "no depth at all": (
+        "csv",
+        lambda it: re.sub(rb"(?m)^[\d.]+,", b"nan,", it),
+        "line 2: depth is missing",
+    ),
+    "upward": (
+        "csv",
+        lambda it: b"\n".join([*it.splitlines()[:1], *it.splitlines()[:0:-1]]),
+        "its first row is the deepest, turn the rows round",
+    ),
+    "above": ("csv", replaced("\n1.0,", "\n-0.1,"), "only the first rows are above the ground"),
+    "u2 from the sea bed": (
+        "csv",
+        replaced("\n1.5,", "\n1.5,1,0,-0.3\n1.51,"),
+        "set to zero on the sea bed water_level is 0",
+    ),
+    "blanks": ("csv", lambda it: it.replace(b",", b"  "), "line 2: values are parted by blanks"),
     "header in a comment": ("csv", lambda it: b"# " + it, "line 1 among them; take its #"),
     "too large": ("csv", lambda it: it + b" " * 20_000_000, "a test has at most 20000000"),
     "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),
@@ -79,6 +97,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "XML without values": ("xml", replaced("c:values", "c:other", 2), "lacks parameters, Text"),
     "AGS 3": ("ags", lambda _: AGS_3, "no group SCPT of AGS 4 with HEADING, UNIT and DATA; AGS 3"),
     "AGS, open quotes": ("ags", lambda it: it + b'"DATA","CPT1', "is no table: unexpected end"),
+    "AGS, a quote": (
+        "ags",
+        lambda it: it + b'"DATA","CPT1","3 2\'24.1"","GRS80"\n',
+        " is no table: ',' expected after '\"'; quotes in a text are doubled",
+    ),
     "AGS of two tests": ("ags", replaced('"CPT1","1","1.0"', '"B","1","1.0"'), "has 2 tests: B/1"),
     "AGS, u2 without values": (
         "ags",

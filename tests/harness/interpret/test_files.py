@@ -179,13 +179,16 @@ def test_what_exports_have_around_their_rows(folder: Path) -> None:
     head = [
         "Project: Quay;;;",
         "",
+        "Coordinates;597000.1;6543210.2;12.4",
+        "Cone;C10CFIIP;calibrated;",
+        "Operator;A. N. Other;Ltd;Quay",
         "Depth;Cone Resistance;Sleeve friction;U2",
         "[m];MPa;MN/m\u00b2;MPa",
     ]
     found = columns_of(site_of(folder, "csv", "\n".join([*head, *body, ";;;", ""])))
     for name, column in zip(("depth", "qc", "fs", "u2"), np.array(rows).T, strict=True):
         np.testing.assert_allclose(found.values[name], column * (1.0 if name == "depth" else 1e6))
-    assert "1 lines above the header left out" in found.notes
+    assert "4 lines above the header left out" in found.notes
 
 
 def test_what_the_two_files_say_otherwise_of_the_cone_is_told(folder: Path) -> None:
@@ -201,6 +204,27 @@ def test_rows_of_the_bro_may_stand_in_any_order(folder: Path) -> None:
     found = columns_of(site_of(folder, "xml", as_bro(shuffled)))
     np.testing.assert_array_equal(found.values["depth"], [row[0] for row in rows])
     np.testing.assert_allclose(found.values["u2"], 1e6 * np.array(rows)[:, 3])
+
+
+@pytest.mark.parametrize("code", [-999, -9999.0])
+def test_a_code_for_no_value_is_never_a_pore_pressure(folder: Path, code: float) -> None:
+    """Where sensors may have been set to zero on the sea bed -1 MPa would be possible."""
+    text = "depth [m],qc [MPa],fs [kPa],u2 [kPa]\n1,0.2,5,30\n2,0.2,5,{}\n3,0.2,5,50\n"
+    at_zero = ("water_level = 1.0", "water_level = 0")
+    path = site_of(folder, "csv", text.format(code), at_zero)
+    with pytest.raises(StudyError, match=rf"line 3, column 'u2 \[kPa\]': {code:g} is a usual code"):
+        columns_of(path)
+    told = columns_of(changed(folder, ("[test]", f"[test]\nmissing = [{code}]")))
+    np.testing.assert_array_equal(np.isnan(told.values["u2"]), [False, True, False])
+
+
+def test_rows_without_a_depth_by_their_code_are_left_out(folder: Path) -> None:
+    """As those of a length of rods above the depth that was bored beforehand."""
+    rows = rows_of(folder)
+    lacking = [(np.nan, np.nan, np.nan, np.nan)] * 3
+    found = columns_of(site_of(folder, "gef", as_gef([*lacking, *rows])))
+    np.testing.assert_array_equal(found.values["depth"], [row[0] for row in rows])
+    assert "rows left out whose depth is a code for no value: 3" in found.notes
 
 
 def test_changes_of_rods_and_gaps_are_told(folder: Path) -> None:
