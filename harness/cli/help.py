@@ -24,7 +24,7 @@ explained, that runs as it stands. Edit it, then run it.
 $ harness new my_study
 $ harness new my_footing --scene strip_footing
   name NAME: of the study; its file is NAME.toml
-  --interpret TEST: write a site file for this measured test: CSV, .gef, .xml (BRO) or .ags
+  --interpret TEST: write a site file for this measured test: CSV, .gef, .xml (BRO), .ags, SGF
   --scene SCENE: default: cone_penetration
 [list = studies.list_names] list studies and scenes
 List the studies that ship and all scenes, a line each.

@@ -18,14 +18,8 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.files import (
-    LENGTHS,
-    Heading,
-    NotNamedError,
-    TestFile,
-    plain_unit,
-    read_file,
-)
+from harness.interpret.files import read_file
+from harness.interpret.formats import LENGTHS, Heading, NotNamedError, TestFile, plain_unit
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError

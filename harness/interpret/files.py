@@ -1,58 +1,43 @@
-"""Files of measured tests: CSV, GEF, BRO (XML) and AGS 4, each as columns of texts.
+"""Files of measured tests: the format of each is found, and those in CSV are read here.
 
-What a column holds is told by its name in NAMES of columns.py; the readers only find headings,
-rows, codes for missing values, and what the file says of the cone. Formats, as commonly quoted:
-GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG and SCPT). Which
-libraries were tried stands in README.md; a sounding is a small table, so none is needed.
+What a column holds is told by its name in NAMES of columns.py.
 """
 
 import csv
-import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
+from harness.interpret.formats import (
+    LENGTHS,
+    Heading,
+    TestFile,
+    numbers_of,
+    plain_unit,
+    read_ags,
+    read_bro,
+    read_gef,
+    read_sgf,
+)
 from harness.study.files import read_bounded
 from harness.study.tables import StudyError
-from mpm_warp.parameters import nearest_name
 
 FEWEST_COLUMNS = 3
 """Of a CSV: depth, qc and fs."""
 LARGEST_FILE = 20_000_000
 """Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
-
-
-class NotNamedError(StudyError):
-    """What the site file has to name: one of several soundings, a column, a unit."""
-
-
-@dataclass(frozen=True)
-class Heading:
-    """Of a column."""
-
-    name: str  # in small letters: by what the file says itself, where it says what it holds
-    title: str  # as it stands in the file
-    unit: str  # "" where the file has none
-    missing: tuple[float, ...] = ()  # numbers that stand for no value
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TestFile:
-    """A measured test as its file has it."""
-
-    headings: Sequence[Heading]
-    rows: Sequence[tuple[int, list[str]]]  # the number of each in the file, and its cells
-    row: str = "line"  # what such a number counts
-    # what the file says of the test: area_ratio, pre_drilled [m], cone_area [cm2]
-    told: Mapping[str, float] = field(default_factory=dict)
-    in_order: bool = True  # whether rows stand in the order in which they were measured
-    notes: tuple[str, ...] = ()  # what is odd about the file, each a line
+READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
+    ".gef": read_gef,
+    ".xml": read_bro,
+    ".ags": read_ags,
+}
 
 
 def read_file(path: Path, sounding: str | None = None) -> TestFile:
-    """A test of its file; the format goes by the ending, CSV where it is none of GEF, XML, AGS.
+    """A test of its file; the format goes by the ending, GEF, XML or AGS.
+
+    Any other file is SGF where its first line is $, and CSV where it is not.
 
     `sounding` names the test in a file that has several.
 
@@ -67,8 +52,9 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # names of firms; numbers and keys are ASCII anyway
-    reader = READERS.get(path.suffix.lower(), _csv)
-    if sounding is not None and reader in (_csv, _gef):
+    other = read_sgf if re.match(r"\s*\$\s*$", text, re.MULTILINE) else _csv
+    reader = READERS.get(path.suffix.lower(), other)
+    if sounding is not None and reader in (_csv, read_gef):
         raise StudyError(f"{path}: sounding = {sounding!r}: the file has one test, without a name")
     try:
         found = reader(path, text, sounding)
@@ -113,7 +99,7 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
         ]
     cells_of_all = [cell for _, cells in rows for cell in cells]
     with_point = (cell for cell in cells_of_all if "." in cell)  # as a date has too
-    if delimiter != "," and not _numbers(with_point):
+    if delimiter != "," and not numbers_of(with_point):
         commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
         if any(commas):  # no number has a point, so a comma cannot part thousands from a fraction
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
@@ -138,8 +124,10 @@ def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> i
             f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
             "among them; take its # away"
         )
-    values = [it for it, line in lines.items() if len(_numbers(_cells(line))) >= FEWEST_COLUMNS]
-    by_blanks = [it for it, line in lines.items() if len(_numbers(line.split())) >= FEWEST_COLUMNS]
+    values, by_blanks = (
+        [it for it, line in lines.items() if len(numbers_of(cells(line))) >= FEWEST_COLUMNS]
+        for cells in (_cells, str.split)
+    )
     if by_blanks and not values:
         raise StudyError(
             f"{path}: line {by_blanks[0]}: values are parted by blanks; must be by comma, "
@@ -171,7 +159,7 @@ def _cells(line: str) -> list[str]:
 def _words(line: str) -> list[str]:
     """Cells of a line; none where one is a number, as in a row of values."""
     cells = _cells(line)
-    return [] if _numbers(cells) else cells
+    return [] if numbers_of(cells) else cells
 
 
 def _heading(title: str) -> Heading:
@@ -179,234 +167,3 @@ def _heading(title: str) -> Heading:
     found = re.fullmatch(r"(.*?)\s*(?:[\[(]([^\])]*)[\])])?", title)
     name, unit = (found[1], found[2] or "") if found else (title, "")
     return Heading(name.strip().lower(), title, unit)
-
-
-GEF_QUANTITIES = {
-    "1": "penetrationlength",
-    "2": "coneresistance",
-    "3": "localfriction",
-    "4": "frictionratio",
-    "5": "porepressureu1",
-    "6": "porepressureu2",
-    "7": "porepressureu3",
-    "8": "inclinationresultant",
-    "9": "inclinationns",
-    "10": "inclinationew",
-    "11": "depth",
-}
-"""Numbers that GEF gives to what a column holds."""
-GEF_TOLD = "3", "13", "1"
-"""Numbers of #MEASUREMENTVAR, in the order of `TOLD`."""
-TOLD = "area_ratio", "pre_drilled", "cone_area"
-"""What the file of a test may say of it."""
-LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
-AREAS = {"mm2": 100.0, "cm2": 1.0, "m2": 1e-4}
-"""Units: a length in m, and what 1 cm2 is in those of an area."""
-
-
-def _gef(path: Path, text: str, sounding: str | None) -> TestFile:
-    """A header of #KEY = value, value lines down to #EOH, and rows."""
-    header, end, data = text.partition("#EOH")
-    keys: dict[str, list[list[str]]] = {}
-    for key, values in re.findall(r"^#[ \t]*(\w+)[ \t]*=[ \t]*(.*)$", header, re.MULTILINE):
-        keys.setdefault(key.upper(), []).append([piece.strip() for piece in values.split(",")])
-    if not (end and "GEFID" in keys):
-        raise StudyError(f"{path}: is no whole GEF: has no {'#GEFID' if end else '#EOH'}")
-    code = (keys.get("REPORTCODE") or keys.get("PROCEDURECODE") or [["no #REPORTCODE"]])[0][0]
-    if "CPT" not in code.upper():
-        raise StudyError(f"{path}: is no cone test: {code}, must be GEF-CPT-Report")
-    voids: dict[str, tuple[float, ...]] = {}
-    for fields in keys.get("COLUMNVOID", []):
-        voids[fields[0]] = voids.get(fields[0], ()) + _numbers(fields[1:2])
-    columns = sorted(
-        (int(fields[0]), fields)
-        for fields in keys.get("COLUMNINFO", [])
-        if len(fields) > 3 and fields[0].isdecimal()
-    )
-    if [number for number, _ in columns] != list(range(1, len(columns) + 1)):
-        raise StudyError(f"{path}: #COLUMNINFO must be there once for each column, from 1 on")
-    headings = [
-        Heading(
-            GEF_QUANTITIES.get(column[3], column[2].lower()),
-            column[2],
-            column[1],
-            voids.get(column[0], ()),
-        )
-        for _, column in columns
-    ]
-    parting = _separator(keys, "COLUMNSEPARATOR")
-    record = _separator(keys, "RECORDSEPARATOR") or "\n"
-    first = header.count("\n") + 1
-    rows = [
-        (number, [piece.strip() for piece in part.split(parting)])
-        for number, line in enumerate(data.splitlines()[1:], start=first + 1)
-        for part in line.split(record)
-        if part.strip()
-    ]
-    numbers = [fields[0] for fields in keys.get("MEASUREMENTVAR", [])]
-    for number in GEF_TOLD:
-        if numbers.count(number) > 1:
-            raise StudyError(f"{path}: #MEASUREMENTVAR = {number} must be there once")
-    measured = {fields[0]: [*fields[1:], "", ""] for fields in keys.get("MEASUREMENTVAR", [])}
-    told = [measured.get(number, ["", ""]) for number in GEF_TOLD]
-    last = next(iter(_numbers(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))
-    return TestFile(
-        headings=headings,
-        rows=rows,
-        told=_of_cone(*(text for text, *_ in told), unit=told[-1][1]),
-        notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
-    )
-
-
-def _of_cone(*texts: str | None, unit: str | None) -> dict[str, float]:
-    """What texts `TOLD` say that are numbers; no area that is 0, or in no unit of areas."""
-    pairs = zip(TOLD, texts, strict=True)
-    told = {name: number for name, text in pairs for number in _numbers([text])}
-    area, own = told.pop(TOLD[-1], 0.0), plain_unit(unit or "")
-    is_told = own in AREAS and area != 0.0 and math.isfinite(area)
-    return told | ({TOLD[-1]: area / AREAS[own]} if is_told else {})
-
-
-def plain_unit(unit: str) -> str:
-    """A unit in small letters, its square written as 2."""
-    return unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
-
-
-def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
-    """A separator; None, any blank, where there is none. That of a comma is [``""``, ``""``]."""
-    values = keys.get(name, [[""]])[0]
-    return "," if len(values) > 1 else values[0] or None
-
-
-def _numbers(texts: Iterable[str | None]) -> tuple[float, ...]:
-    """Those of texts that are numbers."""
-    found = []
-    for text in texts:
-        try:
-            found.append(float(text or ""))
-        except ValueError:
-            continue
-    return tuple(found)
-
-
-BRO_UNITS = {"depth": "m", "penetrationlength": "m"} | dict.fromkeys(
-    ("inclinationresultant", "inclinationns", "inclinationew"), "deg"
-)
-"""Units are fixed by the catalogue; all others that are read are in MPa."""
-BRO_MISSING = (-999999.0,)
-BRO_TOLD = "coneSurfaceQuotient", "predrilledDepth", "coneSurfaceArea"
-
-
-def _bro(path: Path, text: str, sounding: str | None) -> TestFile:
-    """Of each test in the document: which parameters were measured, and rows of all of them."""
-    if "<!DOCTYPE" in text:  # without one there are no entities, which may grow without end
-        raise StudyError(f"{path}: has a document type, which no file of the BRO has")
-    try:
-        root = ET.fromstring(text)
-    except (ET.ParseError, ValueError) as error:
-        raise StudyError(f"{path}: is no whole XML: {error}") from None
-    surveys = {
-        element.findtext("{*}broId", f"test {number}"): survey
-        for number, element in enumerate(root.iter(), start=1)
-        if (survey := element.find("{*}conePenetrometerSurvey")) is not None
-    }
-    survey = surveys[_one_of(path, list(surveys), sounding)]
-    parameters = survey.find("{*}parameters")
-    result = survey.find("{*}conePenetrationTest/{*}cptResult")
-    values = None if result is None else result.findtext("{*}values")
-    encoding = None if result is None else result.find("{*}encoding/{*}TextEncoding")
-    if parameters is None or values is None or encoding is None:
-        raise StudyError(f"{path}: lacks parameters, TextEncoding or values of a cone test")
-    titles = [(parameter.tag.partition("}")[2], parameter.text == "ja") for parameter in parameters]
-    point, cell, block = (
-        encoding.get(f"{name}Separator", usual)
-        for name, usual in (("decimal", "."), ("token", ","), ("block", ";"))
-    )
-    area = survey.find(".//{*}coneSurfaceArea")
-    return TestFile(
-        headings=[
-            Heading(
-                title.lower() if is_there else "",
-                title,
-                BRO_UNITS.get(title.lower(), "MPa"),
-                BRO_MISSING,
-            )
-            for title, is_there in titles
-        ],
-        rows=[
-            (number, [piece.strip().replace(point, ".") for piece in row.split(cell)])
-            for number, row in enumerate(values.split(block), start=1)
-            if row.strip()
-        ],
-        row="row",
-        told=_of_cone(
-            *(survey.findtext(f".//{{*}}{tag}") for tag in BRO_TOLD),
-            unit=None if area is None else area.get("uom", "mm2"),
-        ),
-        in_order=False,
-    )
-
-
-def _ags(path: Path, text: str, sounding: str | None) -> TestFile:
-    """Groups of rows that begin with GROUP, HEADING, UNIT, TYPE or DATA."""
-    groups: dict[str, dict[str, list[tuple[int, list[str]]]]] = {}
-    group: dict[str, list[tuple[int, list[str]]]] = {}
-    reader = csv.reader(text.splitlines(), strict=True)
-    try:
-        for kind, *cells in filter(None, reader):
-            if kind == "GROUP" and cells:
-                group = groups.setdefault(cells[0], {})
-            group.setdefault(kind, []).append((reader.line_num, [cell.strip() for cell in cells]))
-    except csv.Error as error:
-        raise StudyError(
-            f"{path}: line {reader.line_num} is no table: {error}; quotes in a text are doubled"
-        ) from None
-    if not {"HEADING", "UNIT", "DATA"} <= groups.get("SCPT", {}).keys():
-        remedy = "; AGS 3 has to be converted" if "**" in text else ""
-        raise StudyError(f"{path}: has no group SCPT of AGS 4 with HEADING, UNIT and DATA{remedy}")
-    test, general = groups["SCPT"], groups.get("SCPG", {})
-    (_, titles), (_, units) = test["HEADING"][0], test["UNIT"][0]
-    rows = [(number, _ags_name(titles, cells), cells) for number, cells in test["DATA"]]
-    chosen = _one_of(path, list(dict.fromkeys(name for _, name, _ in rows)), sounding)
-    of_cone, in_units = (general.get(kind, [(0, [])])[0][1] for kind in ("HEADING", "UNIT"))
-    own = (cells for _, cells in general.get("DATA", []) if _ags_name(of_cone, cells) == chosen)
-    cone, of = (dict(zip(of_cone, it, strict=False)) for it in (next(own, []), in_units))
-    return TestFile(
-        headings=[
-            Heading(title.lower(), title, unit)
-            for title, unit in zip(titles, units + [""] * len(titles), strict=False)
-        ],
-        rows=[(number, cells) for number, name, cells in rows if name == chosen],
-        told=_of_cone(cone.get("SCPG_CAR"), None, cone.get("SCPG_CSA"), unit=of.get("SCPG_CSA")),
-    )
-
-
-def _ags_name(titles: Sequence[str], cells: Sequence[str]) -> str:
-    """Location and test of a row, as CPT1/2; CPT1 where the test has no name."""
-    row = dict(zip(titles, cells, strict=False))
-    return "/".join(filter(None, (row.get("LOCA_ID", ""), row.get("SCPG_TESN", ""))))
-
-
-def _one_of(path: Path, names: Sequence[str], wanted: str | None) -> str:
-    """The sounding that is wanted, or the only one."""
-    if not names:
-        raise StudyError(f"{path}: has no cone test")
-    if wanted is None and len(names) == 1:
-        return names[0]
-    told = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-    if wanted is None:
-        raise NotNamedError(
-            f"{path}: has {len(names)} tests: {told}; name one in the site file, as sounding = "
-            f'"{names[0]}"'
-        )
-    if wanted not in names:
-        near = nearest_name(wanted, names)
-        raise StudyError(f"{path}: sounding = {wanted!r}: is not there{near}; has {told}")
-    return wanted
-
-
-READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
-    ".gef": _gef,
-    ".xml": _bro,
-    ".ags": _ags,
-}

@@ -104,7 +104,9 @@ SITE_KEYS: Mapping[str, Key] = {
     "seed": _integer("of their random numbers", Range(minimum=0, maximum=1e9), default=1),
 }
 TEST_KEYS: Mapping[str, Key] = {
-    "file": _text("the measured test, CSV, GEF (.gef), BRO (.xml) or AGS 4 (.ags)", required=True),
+    "file": _text(
+        "the measured test, CSV, GEF (.gef), BRO (.xml), AGS 4 (.ags) or SGF", required=True
+    ),
     "sounding": _text("name of the one that is meant, in a file of several"),
     "columns": _texts("names of the columns in the file, where they are others"),
     "units": _texts("units of the columns, in place of the file's"),

@@ -109,6 +109,12 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
         "has no u2, which the correction",
     ),
     "AGS without units": ("ags", replaced('"m","MN/m2"', '"",""'), "'SCPT_DPTH' has no unit"),
+    "SGF of two tests": (
+        "cpt",
+        lambda it: it + it[it.index(b"$\nHA") :],
+        "two cone tests called HK=CPT1; part",
+    ),
+    "SGF of another sounding": ("cpt", cut_after("R=0\n"), "has no cone test"),
     "site: no layer": ("toml", cut_after("u2 = 0 }"), "[[layer]] is missing"),
     "site: binary": ("toml", lambda it: b"\xff\x00" + it, "not UTF-8 at byte 0"),
 }

@@ -15,6 +15,7 @@ from tests.harness.interpret.written_tests import (
     as_bro,
     as_csv,
     as_gef,
+    as_sgf,
     cells,
     columns_of,
     rows_of,
@@ -31,13 +32,13 @@ def test_every_kind_of_file_gives_the_same_columns(folder: Path, kind: str) -> N
         np.testing.assert_allclose(values, exact, rtol=1e-14)
 
 
-@pytest.mark.parametrize("kind", ["gef", "xml", "ags"])
+@pytest.mark.parametrize("kind", ["gef", "xml", "ags", "cpt"])
 def test_what_a_file_says_of_the_cone_holds_where_the_site_file_says_nothing(
     folder: Path, kind: str
 ) -> None:
     said = site_of(folder, kind, WRITERS[kind](rows_of(folder)))
     assert columns_of(said).area_ratio == 0.8
-    assert columns_of(said).notes[-1] == "cone_area = 15 by the file"
+    assert "cone_area = 15 by the file" in columns_of(said).notes
     found = columns_of(changed(folder, ("area_ratio = 0.8", "")))
     assert found.area_ratio == 0.8
     assert "area_ratio = 0.8 by the file" in found.notes
@@ -279,9 +280,11 @@ def test_depths_of_levels_are_without_rounding(folder: Path) -> None:
     assert found.values["depth"].tolist() == [0.9, 1.0]
 
 
-def test_of_several_soundings_one_is_named(folder: Path) -> None:
-    text = as_ags(rows_of(folder), "CPT1", "CPT2")
-    path = site_of(folder, "ags", text, ("[test]", '[test]\nsounding = "CPT2/1"'))
+@pytest.mark.parametrize(("kind", "end"), [("ags", "/1"), ("cpt", "")])
+def test_of_several_soundings_one_is_named(folder: Path, kind: str, end: str) -> None:
+    writer = {"ags": as_ags, "cpt": as_sgf}[kind]
+    named = ("[test]", f'[test]\nsounding = "CPT2{end}"')
+    path = site_of(folder, kind, writer(rows_of(folder), "CPT1", "CPT2"), named)
     assert len(columns_of(path).values["depth"]) == len(rows_of(folder))
-    with pytest.raises(StudyError, match=r"'CPT3/1': is not there.*; has CPT1/1, CPT2/1"):
-        columns_of(changed(folder, ("CPT2/1", "CPT3/1")))
+    with pytest.raises(StudyError, match=f"'CPT3{end}': is not there.*; has CPT1{end}, CPT2{end}"):
+        columns_of(changed(folder, (f"CPT2{end}", f"CPT3{end}")))

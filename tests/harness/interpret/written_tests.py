@@ -1,4 +1,4 @@
-"""Writers of one cone test as CSV, GEF, BRO and AGS 4, and its site file."""
+"""Writers of one cone test as CSV, GEF, BRO, AGS 4 and SGF, and its site file."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -108,11 +108,33 @@ def as_ags(rows: list[Row], *names: str) -> str:
 """
 
 
+def as_sgf(rows: list[Row], *names: str) -> str:
+    """After a rotary sounding the same cone test at each name; rows have a time, some a remark."""
+    data = "\n".join(
+        f"D={z!r},"
+        + ",".join(
+            f"{code}={cell}"
+            for code, cell in zip(
+                ("QC", "FS", "U"), cells((qc, 1e3 * fs, 1e3 * u2), ""), strict=True
+            )
+            if cell
+        )
+        + f",TA=0.0,%{1270 + place}\nK=0"
+        for place, (z, qc, fs, u2) in enumerate(rows)
+    )
+    tests = "".join(
+        f"$\nHA=1,HK={name},HM=07,HO=1.55,MA=0.80,\n,MB=0.005,MC=15.0\n#\n{data}\n#$\n"
+        for name in names or ("CPT1",)
+    )
+    return f"$\nHK=R1,HM=23\n#\nD=0.025,A=0.892,B=11.1,R=0\n#$\n{tests}"
+
+
 WRITERS: dict[str, Callable[[list[Row]], str]] = {
     "csv": as_csv,
     "gef": as_gef,
     "xml": as_bro,
     "ags": as_ags,
+    "cpt": as_sgf,
 }
 
 
