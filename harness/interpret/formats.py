@@ -274,11 +274,10 @@ def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
             found.append(({}, []))
         pairs = (piece.partition("=") for piece in mark.split(","))
         codes = {code.strip(): value.strip() for code, equals, value in pairs if equals}
-        of_test, rows = found[-1]
         if "D" in codes:
-            rows.append((number, codes))
-        elif not rows:
-            of_test |= codes
+            found[-1][1].append((number, codes))
+        elif codes and not found[-1][1]:
+            found[-1][0].update(codes)
     tests: dict[str, tuple[Codes, list[tuple[int, Codes]]]] = {}
     for place, (of_test, rows) in enumerate(found, start=1):
         if any("QC" in codes for _, codes in rows):

@@ -126,7 +126,7 @@ def as_sgf(rows: list[Row], *names: str) -> str:
         f"$\nHA=1,HK={name},HM=07,HO=1.55,MA=0.80,\n,MB=0.005,MC=15.0\n#\n{data}\n#$\n"
         for name in names or ("CPT1",)
     )
-    return f"$\nHK=R1,HM=23\n#\nD=0.025,A=0.892,B=11.1,R=0\n#$\n{tests}"
+    return f"\n$ \nHK=R1,HM=23\n#\nD=0.025,A=0.892,B=11.1,R=0\n#$\n{tests}"
 
 
 WRITERS: dict[str, Callable[[list[Row]], str]] = {
