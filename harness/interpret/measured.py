@@ -22,6 +22,10 @@ WATER = 9.81e3
 """Unit weight of water [N/m3]."""
 CLAY_INDEX = 2.6
 """Ic from which soil behaves as clay (Robertson 2009, as commonly quoted)."""
+UNDRAINED_BQ = 0.5
+"""Bq from which soil is clay whatever its Ic, which knows nothing of u2: soil that drains has less
+(chart of Senneset, Sandven & Janbu 1989, as commonly quoted). Sensitive clay has little fs, so its
+Ic may be below that of clay."""
 BQ_RANGE = -0.3, 1.4
 """Pore pressure ratios between which a test in clay lies."""
 ROUNDING = 1e-6
@@ -82,13 +86,14 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         by_tip = 3.47 - np.log10(net / effective)
         index = np.hypot(by_tip, 1.22 + np.log10(100.0 * friction))
     low, high = BQ_RANGE
+    may_drain = ~(ratio >= UNDRAINED_BQ)
     reasons = {
         "pre-drilled": depth < read.pre_drilled,
         "value missing": ~np.isfinite(net),
         "qnet not above 0": net <= 0.0,
         "filter not saturated": _flat(depth, u2, qc),
-        "not undrained clay": (index < CLAY_INDEX) | (ratio < low) | (ratio > high),
-        NO_INDEX: np.isnan(friction) & (by_tip < CLAY_INDEX),
+        "not undrained clay": may_drain & (index < CLAY_INDEX) | (ratio < low) | (ratio > high),
+        NO_INDEX: may_drain & np.isnan(friction) & (by_tip < CLAY_INDEX),
     }  # the first of them that holds
     reason = np.select(list(reasons.values()), [REASONS.index(it) for it in reasons])
     found = curves(

@@ -9,7 +9,7 @@ import xarray as xr
 from harness.cli.commands.interpret import read_points
 from harness.interpret import strength
 from harness.interpret.check import checked, misfit_in_words
-from harness.interpret.measured import REASONS, WATER
+from harness.interpret.measured import CLAY_INDEX, REASONS, WATER
 from harness.interpret.result import in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
@@ -105,6 +105,22 @@ def test_two_layers_have_two_titles(folder: Path, refusal: Refusal) -> None:
     path.write_text(f"{path.read_text()}[[layer]]{layer.replace('from = 2', 'from = 10')}")
     line = refusal(["interpret", str(path)])
     assert "[[layer]] 2 title = 'clay': another layer has it" in line
+
+
+@pytest.mark.parametrize("friction", ["0.3", "0"])
+def test_soil_of_high_pore_pressure_is_clay_though_its_sleeve_says_little(
+    folder: Path, friction: str
+) -> None:
+    """Sensitive clay has an Ic below that of clay; with the pore pressure of sand it is none."""
+    rewritten(folder, "qc", 0.4, slice(ROW, ROW + 10))
+    rewritten(folder, "fs", friction, slice(ROW, ROW + 10))
+    rewritten(folder, "u2", 250.0, slice(ROW, ROW + 5))
+    rewritten(folder, "u2", "60", slice(ROW + 5, ROW + 10))
+    found = interpret(load_site(folder / "site.toml"))
+    rows = slice(ROW, ROW + 10)
+    assert (found.soil_index[rows] < CLAY_INDEX).all() or friction == "0"
+    assert reasons(found)[ROW : ROW + 5] == ["used"] * 5
+    assert "used" not in reasons(found)[ROW + 5 : ROW + 10]
 
 
 @pytest.mark.parametrize("friction", ["0", "-5", ""])
