@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import UnfinishedRun
+from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.execution.execution import Execution
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parameters import parameter
@@ -109,14 +109,12 @@ class FullFlowPenetration(FullFlowPenetrometer):
         def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
             return CatalogueScene.compute(test, report, execution)
 
-        alone, reasons = replace(self, uncertainty="none"), [NOT_MEASURED]
-        if self.uncertainty == "measured":
-            reasons = why_not_as_measured(self.build(), expected_scene(alone))
+        reasons = self._why_no_uncertainty()
         if reasons:
-            results = run(alone, progress)
+            results = run(self._alone, progress)
             results = results.assign(self.error_of(results).stated(0.0, {}, reasons))
         else:
-            results = further_runs.with_measured_error(alone, run, progress)
+            results = further_runs.with_measured_error(self._alone, run, progress)
         if not self.body.planar or str(results.built_law.values) not in CRITERIA:
             return results
         exact = limit_load(self.adhesion_factor)
@@ -125,6 +123,22 @@ class FullFlowPenetration(FullFlowPenetrometer):
         of_error = (error, "1", "error of the resistance", "relative to the limit load")
         found = labelled(resistance_factor_exact=of_limit) | labelled(role="error", error=of_error)
         return results.assign(found)
+
+    @property
+    def _alone(self) -> Self:
+        """This test without further runs."""
+        return replace(self, uncertainty="none")
+
+    def _why_no_uncertainty(self) -> list[str]:
+        """Why the error of this run is not measured, each reason as "word: sentence"."""
+        cannot = why_not_as_measured(self.build(), expected_scene(self._alone))
+        if cannot or self.uncertainty == "measured":
+            return cannot
+        try:
+            self.further_tests()
+        except ParameterError as error:
+            return [f"further runs: {error}"]
+        return [NOT_MEASURED]
 
     def further_tests(self) -> dict[str, Self]:
         """The tests that measure the error, by choice; `ParameterError` where one is refused."""
@@ -137,8 +151,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
             "mesh_and_speed": finer | slower,
             "domain": {"domain_extent": math.ceil(full_flow.WIDER * self.domain_extent)},
         }
-        alone = replace(self, uncertainty="none")
-        return further_runs.further_tests(alone, changes, full_flow.DIFFERENCES)
+        return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
         """A run of the test, as far as its error goes."""

@@ -201,8 +201,9 @@ def test_a_run_says_what_was_built_and_measures_nothing_where_it_cannot() -> Non
 
 
 @pytest.mark.slow
-def test_the_error_of_a_t_bar_in_soil_of_ones_own_is_not_measured() -> None:
-    bar = TBarInOwnClay(uncertainty="measured", cells_per_radius=3, domain_extent=4, penetration=6)
+@pytest.mark.parametrize("uncertainty", ["none", "measured"])
+def test_the_error_of_a_t_bar_in_soil_of_ones_own_is_not_measured(uncertainty: str) -> None:
+    bar = TBarInOwnClay(uncertainty=uncertainty, cells_per_radius=3, domain_extent=4, penetration=6)
     result = bar.run()
     assert np.isnan(result.resistance_factor_uncertainty)
     assert str(result.why_no_uncertainty.values).startswith("law: the error is not known with")

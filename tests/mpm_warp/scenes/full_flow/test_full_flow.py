@@ -46,6 +46,11 @@ def test_steady_flow_has_the_limit_load(adhesion_factor: float) -> None:
     assert str(result.why_no_uncertainty.values).startswith("further runs: none were made")
 
 
+def test_cells_too_wide_for_further_runs_are_why_there_is_no_uncertainty() -> None:
+    result = TBarPenetration(**SHORT | {"cells_per_radius": 2}).run()
+    assert str(result.why_no_uncertainty.values).startswith("further runs: cells_per_radius = 2")
+
+
 def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
     """What is left of the speed is inertia, at most rho V^2."""
     factors = []
