@@ -40,10 +40,13 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     TBar,
 )
 from mpm_warp.simulation import Simulation
+from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 REFUSED_INERTIA = 10.0
 """rho V^2 over the strength that is left in the last passage above which no case completed."""
+NOT_KNOWN = "cyclic: it is known in perfectly plastic clay alone; compare two cells_per_radius"
+"""Why the resistance that is left has no uncertainty."""
 FITTED = 3
 """Numbers that are fitted."""
 MIDDLE = 2.0
@@ -141,6 +144,7 @@ class CyclicPenetration(FullFlowPenetrometer):
             error = (abs(last / first - 1.0), "1", "error of the resistance ratio", what)
             exact = labelled(resistance_ratio_exact=(1.0, "1", "resistance ratio", what))
             return ratio | exact | labelled(role="error", error=error)
+        ratio[REASON] = reason(NOT_KNOWN)
         if self.remoulded_strength_ratio == 1.0 or factor.size <= FITTED:
             return ratio
         fit = fitted_degradation(factor["cycle"].values, factor.values)

@@ -113,7 +113,7 @@ def test_perfectly_plastic_clay_does_not_degrade(plastic: xr.Dataset) -> None:
     np.testing.assert_allclose(factor, factor[0], rtol=NOISE)
     assert float(plastic.resistance_ratio) == pytest.approx(1.0, abs=NOISE)
     assert float(plastic.error) == abs(float(plastic.resistance_ratio) - 1.0)
-    assert "fitted_cycles" not in plastic
+    assert not {"fitted_cycles", "why_no_uncertainty"} & set(plastic)
 
 
 def test_a_fast_bar_does_not_lose_the_soil_behind_it() -> None:
@@ -160,6 +160,7 @@ def test_clay_that_softens_loses_resistance_to_its_remoulded_strength(softened: 
     assert float(softened.fitted_remoulded_ratio) > 0.2
     assert float(softened.fitted_cycles) < 3.0
     assert "error" not in softened
+    assert str(softened.why_no_uncertainty.values).startswith("cyclic: ")
     assert abs(float(softened.energy_error)) < 0.05
     # A cycle is two passages of a bar.
     told = float(softened.fitted_ductility) / float(softened.fitted_cycles)
