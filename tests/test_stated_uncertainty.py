@@ -92,10 +92,12 @@ def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     sizes = np.array([cell_size(it["cells_per_radius"]) for it in cases])
     corrected = [it["cone_factor_simulated"] - mesh_error_of(it) for it in cases]
     of_limit = np.interp(
-        np.log([it["rigidity_index"] for it in cases]), np.log(laws.LIMIT[0]), laws.LIMIT[1]
+        np.log([it["rigidity_index"] for it in cases]),
+        np.log(laws.LIMIT_HALF_WIDTH[0]),
+        laws.LIMIT_HALF_WIDTH[1],
     )
     limits, *_ = limits_by_meshes(power, cases)
-    inside = np.abs(corrected - limits) <= np.hypot(of_limit, laws.MESH * sizes)
+    inside = np.abs(corrected - limits) <= np.hypot(of_limit, laws.MESH_HALF_WIDTH * sizes)
     assert inside.mean() >= CONFIDENCE
 
 
@@ -126,9 +128,11 @@ def test_the_law_of_the_mesh_holds_between_the_clays_that_it_was_fitted_to() -> 
         clay = {"rigidity_index": index, "adhesion_factor": adhesion}
         errors = [mesh_error_of(clay | {"cells_per_radius": 1.0 / size}) for size in sizes]
         limits = np.array(list(readings.values())) - errors
-        of_limit = float(np.interp(math.log(index), np.log(laws.LIMIT[0]), laws.LIMIT[1]))
-        noise = laws.NOISE * np.hypot(sizes, sizes[-1])
-        left = np.hypot(np.hypot(laws.MESH * (sizes - sizes[-1]), noise), of_limit)
+        of_limit = float(
+            np.interp(math.log(index), np.log(laws.LIMIT_HALF_WIDTH[0]), laws.LIMIT_HALF_WIDTH[1])
+        )
+        noise = laws.NOISE_HALF_WIDTH * np.hypot(sizes, sizes[-1])
+        left = np.hypot(np.hypot(laws.MESH_HALF_WIDTH * (sizes - sizes[-1]), noise), of_limit)
         assert np.all(np.abs(limits - limits[-1]) <= left)
 
 
@@ -142,7 +146,9 @@ def test_the_law_of_the_mesh_holds_for_cases_that_were_not_used_for_it() -> None
     inside = []
     for coarse, fine in zip(*by_rows.values(), strict=True):
         limits = [it["cone_factor_simulated"] - mesh_error_of(it) for it in (coarse, fine)]
-        half_widths = [laws.MESH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)]
+        half_widths = [
+            laws.MESH_HALF_WIDTH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)
+        ]
         inside.append(abs(limits[0] - limits[1]) <= math.hypot(*half_widths))
     assert len(inside) == HELD_OUT_MESHES
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))

@@ -1,18 +1,18 @@
 """The error of a cone factor: known from other cases, or measured by further runs of the case.
 
-Known: the correction is that of the laws of mesh, speed and window (`laws`). What they leave open,
-and what differs from run to run, makes up the half width: its parts are added as squares.
+Known: the correction follows from the laws of mesh, speed and window (`laws`). The half width has
+parts for what the laws leave unknown and parts of the single run; they are added as squares.
 `studies/held_out.toml` tests it.
 
-Measured: the case and four runs, which differ from it in one choice of the method each, determine
-the unknowns of
+Measured: the case and four further runs, each with one choice of the method changed, determine the
+unknowns of
 
     Nc_simulated = Nc + B h + Q h^1.7 + C g^1.5 h^1.3 + S i + W w
 
 with h the width of the cells at the cone over its radius, g their growth, i = rho V^2 / su, and
-w = (extent of the window of the case / extent)^2. These are the laws of `laws`, where B, C and S
-are known from other cases, and from where Q is taken: it hardly differs between cones and clays.
-This is for cases whose error those do not give.
+w = (extent of the window of the case / extent)^2. The terms are those of `laws`, where B, C and S
+are known from other cases. Q is taken from there, as it hardly differs between cones and clays.
+This serves cases for which the values of `laws` do not hold.
 """
 
 import math
@@ -33,66 +33,69 @@ from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     APEX_ANGLE,
     LARGEST_CELL,
+    LARGEST_MEASURABLE_CELL,
     LARGEST_MEASURED_INERTIA,
-    WIDEST_CELL,
     Condition,
     ErrorLaws,
     curvature_error,
     growth_measure,
     window_uncertainty,
 )
-from mpm_warp.uncertainty.steadiness import ALL_PASSED, STILL_TO_COME, last_change
+from mpm_warp.uncertainty.steadiness import REMAINING_CHANGE, SETTLING_MARGIN, last_change
 
-POINTS, NOISE, LIMIT = 0.001, 0.015, 0.025
-"""Half widths: of what more points change, over Nc; where no law says less, of the noise of a run,
-and of the limit of fine cells, which no more than 14 rows beside the face have shown."""
-APPROACH = 0.0015
-"""Half width of what the approach leaves, over Nc."""
+POINTS_HALF_WIDTH, NOISE_HALF_WIDTH, LIMIT_HALF_WIDTH = 0.001, 0.015, 0.025
+"""Half widths: of the effect of more material points, over Nc; and, where `laws` has no smaller
+value, of the noise of a run and of the limit of fine cells. This limit is known from at most 14
+rows beside the face."""
+APPROACH_HALF_WIDTH = 0.0015
+"""Half width of the effect of the fast approach, over Nc."""
 
 FINER, GROWING, SLOWER, WIDER = 1.6, 2.0, 0.5, 1.4
 """Cells per radius, growth of the cells, speed and extents of the window in the further runs, over
 those of the case."""
 SETTLING = 0.5
-"""Way that the run with the wider window goes farther, at the speed of the approach, over its
-extent above the shoulder: just after all soil there has been passed, the resistance still falls, by
-0.03 su at Ir 150, which a window of 1.4 times the extents makes 0.06 in the cone factor."""
+"""Additional penetration of the run with the wider window, at the speed of the approach, over its
+extent above the shoulder. Just after the cone has passed all soil there, the resistance still
+falls, by 0.03 su at Ir 150. With windows of 1.4 times the extents this makes 0.06 in the cone
+factor."""
 DIFFERENCES = {
     "mesh": "smaller cells",
     "growth": "more growth",
     "speed": "half the speed",
     "domain": "a wider window",
 }
-"""The effects of B h and of the other terms, and what the run that measures each has."""
-LEFT_OPEN = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 0.2}
-"""Half widths of the errors over what the best run still has of them: about what lies between a law
-and one of the next order. Of the mesh Q h^1.7 is that already: from 5 and 8 rows beside the face
-the limit is within 0.04 of what 5 to 14 rows tend to, in other cones and clays too, a sixth of what
-8 rows still have."""
+"""The effects, B h and the other terms, and what is different in the run that measures each."""
+RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 0.2}
+"""Half width of each error, over the error that is left in the best run: about the difference
+between a law and one of the next order. The mesh has such a term already, Q h^1.7. From 5 and 8
+rows beside the face its limit is within 0.04 of that from 5 to 14 rows, in other cones and clays
+too. That is a sixth of the error on 8 rows."""
 FEW_ROWS, INERTIA_WITH_FEW_ROWS = 3, 0.15
-"""Rows of cells beside the face below which rho V^2 / su may only be so much for further runs: on
-two, beside a cone of 120 degrees, the mesh changes what the speed does, and 0.38 left 1.7 of the
-half width open; on three and more cones up to 110 degrees agree at 0.9."""
+"""With fewer rows of cells beside the face than the first, further runs need a rho V^2 / su of at
+most the second. On two rows beside a cone of 120 degrees the effect of the speed depends on the
+mesh, and at 0.38 the error was 1.7 half widths. On three rows and more, cones up to 110 degrees
+agree at 0.9."""
 LARGEST_CORRECTION = 0.08
-"""Error that the laws, which are linear, may take off, over the cone factor: a cone of 120 degrees
-on two rows needs 5 %. Friction that sheared soil by more than it bears needed 10 %, and two limits
-of it were 2 half widths off."""
+"""Largest correction over the cone factor for which the laws, which are linear, are trusted. A cone
+of 120 degrees on two rows needs 5 %. Friction that sheared soil by more than its strength needed
+10 %, and two of its limits were 2 half widths off."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConeRun(TestRun):
-    """A run of a cone test, as far as its error goes.
+    """What the error of a run of a cone test depends on.
 
-    It has recorded `penetration_resistance`, `cone_factor_simulated` and `cone_factor_shear`.
+    `recorded` holds `penetration_resistance`, `cone_factor_simulated` and `cone_factor_shear`.
     """
 
     name = "cone_factor"
     description = "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window"
     differences = DIFFERENCES
-    left_open = LEFT_OPEN
+    residual_shares = RESIDUAL_SHARES
     largest_correction = LARGEST_CORRECTION
-    approach = APPROACH
+    approach = APPROACH_HALF_WIDTH
 
-    laws: ErrorLaws  # of its error, at its end
+    laws: ErrorLaws  # of its error at the end of the run
     strength: float  # undrained shear strength su [Pa]
 
     @property
@@ -102,7 +105,7 @@ class ConeRun(TestRun):
 
     @property
     def why_not_settled(self) -> list[str]:
-        """Why the error of the run is not known whatever its laws; nothing where it has settled."""
+        """Why the cone factor has not settled, so that no law holds; empty where it has."""
         return those_that_hold(_not_settled(self.laws))
 
     def known_parts(self) -> dict[str, float]:
@@ -116,17 +119,17 @@ class ConeRun(TestRun):
         return {"mesh": float(known)}
 
     def least_parts(self) -> dict[str, float]:
-        """That of a window smaller than by default: its effect follows no square then."""
+        """That of a window smaller than the default, whose effect does not follow w."""
         return {"domain": window_uncertainty(self.laws.extent_ratio)}
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
-        """What is still to come, more points; the limit of fine cells and the noise of all runs."""
+        """Steadiness, limit of fine cells, number of points, and noise of all runs."""
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
-            "steadiness": STILL_TO_COME * abs(last_change(resistance)),
-            "limit": LIMIT,
-            "points": POINTS * self.factor,
-            "noise": NOISE * float(np.linalg.norm(weights)),
+            "steadiness": REMAINING_CHANGE * abs(last_change(resistance)),
+            "limit": LIMIT_HALF_WIDTH,
+            "points": POINTS_HALF_WIDTH * self.factor,
+            "noise": NOISE_HALF_WIDTH * float(np.linalg.norm(weights)),
         }
 
     def measures(self, case: Self) -> dict[str, float]:
@@ -140,7 +143,7 @@ class ConeRun(TestRun):
         }
 
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
-        """Where one has not settled."""
+        """The runs that have not settled."""
         return [
             f"further runs: {which}: {why}"
             for which, run in runs.items()
@@ -162,21 +165,21 @@ class ConeRun(TestRun):
 
 
 def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str, xr.Variable]:
-    """The cone factor less what is known of its error, and its uncertainty.
+    """The corrected cone factor and its uncertainty, by the laws.
 
     Args:
         run: the run.
         built: the scene that was simulated.
-        expected: what the catalogue builds of the same parameters; see `built`.
+        expected: the scene that the catalogue builds from the same parameters; see `built`.
 
     Returns:
         `cone_factor`, its normal part and its correction; `cone_factor_uncertainty` and its parts,
-        each a half width of 95 %. Where nothing is known of the error there is no correction, the
-        uncertainty is not a number, and `why_no_uncertainty` says why.
+        each a half width of 95 %. Where the laws do not hold, the correction is 0, the uncertainty
+        is NaN, and `why_no_uncertainty` gives the reason.
     """
     laws = run.laws
     by_laws = {name: float(value) for name, value in laws.half_widths().items()}
-    by_laws["speed"] += APPROACH * run.factor
+    by_laws["speed"] += APPROACH_HALF_WIDTH * run.factor
     reasons = [
         *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),
         *why_laws_do_not_hold(laws),
@@ -185,20 +188,20 @@ def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str,
 
 
 def why_laws_do_not_hold(laws: ErrorLaws) -> list[str]:
-    """Why the laws do not hold for a cone test, whatever was built; nothing where they do."""
-    return those_that_hold(laws.why_none_holds(largest_cell=WIDEST_CELL) | _not_settled(laws))
+    """Why the laws do not hold for a cone test, whatever was built; empty where they do."""
+    return those_that_hold(laws.why_none_holds(largest_cell=LARGEST_CELL) | _not_settled(laws))
 
 
 def _not_settled(laws: ErrorLaws) -> dict[str, Condition]:
     return {
         "settling: soil that the cone has not passed is still beside it": (
-            laws.way < laws.above + ALL_PASSED
+            laws.penetration < laws.above + SETTLING_MARGIN
         )
     }
 
 
 def _why_not_of_scene(built: Scene) -> list[str]:
-    """Why the laws do not hold for a scene that is one of a cone test."""
+    """Why the laws do not hold for a scene of the catalogue: other soil, cone or friction."""
     grid = built.grid
     tip = np.flatnonzero(grid.surface_radius == 0.0)[-1]
     slope = np.diff(grid.surface_radius)[tip] / np.diff(grid.rows)[tip]
@@ -213,13 +216,14 @@ def _why_not_of_scene(built: Scene) -> list[str]:
 
 
 def check_measurable(laws: ErrorLaws, rows_on_face: int) -> None:
-    """Raise `ParameterError` where no law holds by which further runs can measure the error."""
+    """Raise `ParameterError` where cells or speed are too large for further runs."""
     too_fast = rows_on_face < FEW_ROWS and laws.inertia > INERTIA_WITH_FEW_ROWS
     most = INERTIA_WITH_FEW_ROWS if rows_on_face < FEW_ROWS else LARGEST_MEASURED_INERTIA
     few = f"speed: rho V^2 is above {INERTIA_WITH_FEW_ROWS:g} su with {rows_on_face} rows of cells"
     for reason in those_that_hold({**laws.why_not_measurable, few: too_fast}):
         raise ParameterError(
             "uncertainty",
-            f"uncertainty = measured: {reason}; cells at the cone must be <= {LARGEST_CELL:g} of "
-            f"its radius, and rigidity_index speed_ratio^2 <= {most:g}",
+            f"uncertainty = measured: {reason}; cells at the cone must be <= "
+            f"{LARGEST_MEASURABLE_CELL:g} of its radius, and "
+            f"rigidity_index speed_ratio^2 <= {most:g}",
         )

@@ -1,15 +1,15 @@
 """The error of the resistance of a ball or T-bar, measured by further runs of the case itself.
 
-The case and four runs, which differ from it in one or two choices of the method, determine the
+The case and four further runs, each with one or two choices of the method changed, determine the
 unknowns of
 
     N_simulated = N + M h^2 + S V^1.4 + C h^2 V^1.4 + W / E
 
 with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
 the extent of the window over that of the case. The powers are between those observed
-(`scenes/full_flow/README.md`). The error of the speed is larger with wider cells: hence C. At a
-pole the first chord is the longest, which adds an error in proportion to h. It is a part of the
-uncertainty.
+(`scenes/full_flow/README.md`). The term with C is there because the error of the speed is larger
+with wider cells. At a pole of the body the first chord is the longest. This adds an error in
+proportion to h, which is a part of the uncertainty.
 """
 
 import math
@@ -22,7 +22,7 @@ import numpy as np
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.further_runs import TestRun
-from mpm_warp.uncertainty.steadiness import STILL_TO_COME
+from mpm_warp.uncertainty.steadiness import REMAINING_CHANGE
 
 FINER, SLOWER, WIDER = 1.5, 0.5, 1.5
 """Cells per radius, speed and extent of the window in further runs, over those of the case."""
@@ -32,37 +32,38 @@ DIFFERENCES = {
     "mesh_and_speed": "smaller cells and half the speed",
     "domain": "a wider window",
 }
-"""The effects of M h^2 and of the other terms, and what the run that measures each has."""
-LEFT_OPEN = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
-"""Half widths of the errors over what the best run still has of them. From 3 to 6 cells per radius
-some bodies follow h^2, some come to rest at once."""
+"""The effects, M h^2 and the other terms, and what is different in the run that measures each."""
+RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
+"""Half width of each error, over the error that is left in the best run. From 3 to 6 cells per
+radius some bodies follow h^2, others reach their limit at once."""
 POWER_OF_SPEED = 1.4
-POLES = 0.03
-"""Half width of what the poles add, over N h: at a smooth bar, where they add most, it made N some
-0.05 N h too high where the rows at the poles were as high as all others, twice as high as now."""
+POLES_HALF_WIDTH = 0.03
+"""Half width of the error at the poles, over N h. It is largest at a smooth bar: N was some 0.05 N h
+too high when the rows at the poles were as high as all others, twice as high as now."""
 FEWEST_CELLS = 3
-"""Cells per radius from which on the laws hold."""
+"""Fewest cells per radius for which the laws hold."""
 LARGEST_GROWTH = 1.0
-"""Growth of the cells up to which they hold: no further run has another. With 0.8 to 1.5 four bars
-are within 0.8 of their half width of the limit load, with 2 of four bars three are 1.2 to 2.5 off:
-the effects of growth and of the cells at the bar cancel as the cells get smaller."""
+"""Largest growth of the cells for which the laws hold; no further run changes it. At 0.8 to 1.5 four
+bars are within 0.8 half widths of the limit load. At 2 three of four bars are 1.2 to 2.5 half
+widths off: the effects of growth and of the cells at the bar cancel as the cells get smaller."""
 FEWEST_POINTS = 4
-"""Material points per cell, the fewest that are allowed."""
-POINTS, FEW_POINTS = 0.002, 0.012
-"""Half widths of what more points change, over N: in general; of a bar with 4 of them in a cell."""
+"""Fewest material points per cell that are allowed."""
+POINTS_HALF_WIDTH, FEW_POINTS_HALF_WIDTH = 0.002, 0.012
+"""Half widths of the effect of more material points, over N: in general; for a bar with 4 points in
+a cell."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FullFlowRun(TestRun):
-    """A run of a ball or T-bar, as far as its error goes.
+    """What the error of a run of a ball or T-bar depends on.
 
-    It has recorded `resistance_factor`, `resistance_factor_change` and `empty_cells`.
+    `recorded` holds `resistance_factor`, `resistance_factor_change` and `empty_cells`.
     """
 
     name = "resistance_factor"
     description = "resistance over projected area and su, corrected for mesh, speed and window"
     differences = DIFFERENCES
-    left_open = LEFT_OPEN
+    residual_shares = RESIDUAL_SHARES
 
     cells_per_radius: int  # of the body
     relative_speed: float  # over sqrt(su / rho)
@@ -86,27 +87,25 @@ class FullFlowRun(TestRun):
         }
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
-        """What is still to come in all runs, what more points change, and what the poles add."""
+        """Steadiness of all runs, number of points, and error at the poles."""
         changes = [float(run.recorded.resistance_factor_change) * run.factor for run in runs]
-        to_come = STILL_TO_COME * np.array(changes)
+        remaining = REMAINING_CHANGE * np.array(changes)
         finest = math.ceil(FINER * self.cells_per_radius)
         return {
-            "steadiness": float(np.linalg.norm(weights * to_come)),
-            "points": (FEW_POINTS if self.has_few_points else POINTS) * self.factor,
-            "poles": POLES / finest * self.factor,
+            "steadiness": float(np.linalg.norm(weights * remaining)),
+            "points": (FEW_POINTS_HALF_WIDTH if self.has_few_points else POINTS_HALF_WIDTH)
+            * self.factor,
+            "poles": POLES_HALF_WIDTH / finest * self.factor,
         }
 
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
-        """Where one leaves a hole behind the body."""
+        """Whether a run leaves a hole behind the body."""
         leaves_hole = any(float(run.recorded.empty_cells) > 0.0 for run in runs.values())
         return ["hole: soil leaves one behind the body"] if leaves_hole else []
 
 
 def check_measurable(cells_per_radius: int, cell_growth: float) -> None:
-    """Raise `ParameterError` where cells are too wide for further runs to measure the error.
-
-    Those at the body may be, or those away from it.
-    """
+    """Raise `ParameterError` where cells at the body or away from it are too wide for further runs."""
     if cell_growth > LARGEST_GROWTH:
         raise ParameterError(
             "cell_growth",

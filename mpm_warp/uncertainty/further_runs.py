@@ -70,7 +70,7 @@ class TestRun:
     """How that value is defined."""
     differences: ClassVar[Mapping[str, str]]
     """What the further run has that measures an effect, as "smaller cells", by effect."""
-    left_open: ClassVar[Mapping[str, float]]
+    residual_shares: ClassVar[Mapping[str, float]]
     """Half width of an error over what the best run still has of it, by effect."""
     largest_correction: ClassVar[float] = math.inf
     """Error that the laws may take off, over the value."""
@@ -228,7 +228,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         least = [min(of.get(effect, 0.0) for of in known) for effect in parts]
         of_best_run = np.abs(slopes * system[:, 1:].min(axis=0) + least)
         left = zip(parts, of_best_run.tolist(), strict=True)
-        parts = {effect: case.left_open[effect] * error for effect, error in left}
+        parts = {effect: case.residual_shares[effect] * error for effect, error in left}
         parts["speed"] += case.approach * case.factor
         parts |= {it: max(parts[it], least) for it, least in case.least_parts().items()}
         parts |= case.own_parts(inverse[0], runs)

@@ -1,25 +1,25 @@
-"""What is known of the error of u1, u2 and the sleeve friction beside a cone, all over su.
+"""The errors of the excess pore pressures u1 and u2 and of the sleeve friction, all over su.
 
-Of the excess pore pressures it is known by laws: that of u2 is in `shoulder`. h is the width of the
-cells at the cone over its radius, F the factor u1 over su as simulated:
+The law of u2 is in `shoulder`. That of u1 is here; h is the width of the cells at the cone over its
+radius, F = u1 / su as simulated:
 
     u1    error  A h          half width  0.7 h, 0.01 F, E i, W
 
-The parts of a half width add up as squares. A follows the rigidity index and the adhesion factor of
-the face; the half width grows beyond the rigidity indices where it was measured. E i is the most
-that the inertia i = rho V^2 / su was found to do, W what a window smaller than by default leaves
-open of the cone factor. In very stiff clay three rows tell nothing of u1. Nor is anything known
-where cells grow by more than 0.5. How all of it was measured is in `uncertainty/README.md`.
+The parts of a half width are added as squares. A depends on the rigidity index and on the adhesion
+factor of the face. Beyond the rigidity indices measured the half width grows. E i bounds the effect
+of the inertia i = rho V^2 / su; W is the half width for a window smaller than the default, the same
+as that of the cone factor. In very stiff clay u1 is not known on meshes of three rows, nor anywhere
+where cells grow by more than 0.5. `uncertainty/README.md` says how all of it was measured.
 
-Both have the error -P b of a bound of Poisson's ratio, as the cone factor has (`laws`), and the
-noise of a mean over two radii. Where u2 has changed from the two radii before, a quarter of that
-change is still to come.
+Both pressures have two more errors: -P b from the bound of Poisson's ratio, as the cone factor has
+(`laws`), and the noise of a mean over two radii. Where the mean of u2 differs from the mean over
+the two radii before, it is expected to change by a quarter of that difference again.
 
-Of u3 no error is known: at the end of a run by default, its soil was passed in the fast approach.
+No error is known of u3: in a run by default the cone passes the soil there in its fast approach.
 
-The sleeve friction f lies between the adhesion of remoulded clay, delta a, and the simulated value:
-the law of softening has no length, strain gathers in the first column of cells, and f falls with
-their width. In clay that does not soften both are the same.
+The sleeve friction f is between the adhesion of remoulded clay, delta a, and the simulated value.
+The law of softening has no internal length: strain localises in the first column of cells, and f
+falls with its width. In clay that does not soften both bounds are the same.
 """
 
 import math
@@ -29,44 +29,50 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.results import labelled, variable
-from mpm_warp.uncertainty.laws import BOUND_ERROR, ErrorLaws, Value, window_uncertainty
+from mpm_warp.uncertainty.laws import (
+    BOUND_ERROR,
+    ErrorLaws,
+    Value,
+    interpolated,
+    window_uncertainty,
+)
 from mpm_warp.uncertainty.shoulder import (
     RADIAL_FACTOR,
     RADIAL_STRESS,
-    added,
-    beyond_measured,
-    by_index,
-    of_table,
+    beyond_range,
+    interpolated_table,
+    root_sum_square,
     shoulder_pressure,
 )
 from mpm_warp.uncertainty.steadiness import last_change
 
-FACE_INDICES, FACE_ADHESION = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
-FACE_ERROR = (
+FACE_RIGIDITY_INDICES, FACE_ADHESION_FACTORS = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
+FACE_MESH_SLOPE = (
     (-1.2, 0.0, -0.8),
     (-1.2, -0.2, -0.8),
     (-1.0, -0.1, -0.8),
     (-0.5, 0.1, -0.7),
     (0.0, 0.4, -0.3),
 )
-"""A at these rigidity indices (rows) and adhesion factors, of 4 to 28 rows beside the face."""
-FACE, FACE_LEFT = 0.7, 0.01
-"""Half widths of u1: over h, and over F."""
-OF_THREE_ROWS, STIFFEST_OF_WIDE = 0.45, 500.0
-"""h above which cells are of three rows or less, and the rigidity index up to which they tell u1:
-above, quick tests had 3 to 7 % too little."""
-STILL_TO_COME = {"face": (0.0, 0.3), "shoulder": (0.25, 0.15)}
-"""What is still to come of u1 and u2, over the last change of their means, and its half width."""
+"""A by rigidity index (rows) and adhesion factor (columns), from 4 to 28 rows beside the face."""
+FACE_MESH_HALF_WIDTH, FACE_MODEL_HALF_WIDTH = 0.7, 0.01
+"""Half widths of u1: of the mesh, over h; of the law, over F."""
+FACE_WIDE_CELL, FACE_STIFFEST_WITH_WIDE_CELLS = 0.45, 500.0
+"""Where h is above the first, with three rows or fewer beside the face, the law of u1 holds up to
+the second, a rigidity index. Above it, quick tests had a u1 3 to 7 % too low."""
+REMAINING_CHANGE = {"face": (0.0, 0.3), "shoulder": (0.25, 0.15)}
+"""Change of u1 and u2 expected after the end of the run, and its half width, both over the last
+change of their means."""
 FACE_NOISE = 0.006
 SHOULDER_NOISE = (50.0, 90.0, 300.0, 600.0), (0.01, 0.013, 0.013, 0.018)
-"""Half widths of the noise of these means, over F; of u2 over the rigidity index."""
-BOUND_EFFECT, BOUND_LEFT = {"face": BOUND_ERROR, "shoulder": 1.2}, 1.5
-"""P of u1 and u2, and its half width."""
-FACE_INERTIA = ((20.0, 50.0, 100.0, 500.0), (0.1, 0.35, 0.47, 0.55))
-"""E over the rigidity index: the most that i = 0.1 to 2.4 changes of u1 on any mesh, over i. From
-Ir 500 on u1 rises with i on four and five rows beside the face, most on five; on seven it falls."""
-FACE_RANGE = 0.3
-"""Half width of u1 per ln(Ir) beyond the rigidity indices measured."""
+"""Half widths of the noise of these means, over F; that of u2 by rigidity index."""
+BOUND_EFFECT, BOUND_HALF_WIDTH = {"face": BOUND_ERROR, "shoulder": 1.2}, 1.5
+"""P of u1 and of u2, and the half width of both."""
+FACE_INERTIA_EFFECT = ((20.0, 50.0, 100.0, 500.0), (0.1, 0.35, 0.47, 0.55))
+"""E by rigidity index: the largest change of u1 over i on any mesh, at i = 0.1 to 2.4. From Ir 500
+on, u1 rises with i on four and five rows beside the face, most on five; on seven rows it falls."""
+FACE_RANGE_HALF_WIDTH = 0.3
+"""Half width of u1 per ln(Ir) beyond `FACE_RIGIDITY_INDICES`."""
 
 
 def face_error(
@@ -78,28 +84,41 @@ def face_error(
     inertia: Value,
     extent_ratio: float = 1.0,
 ) -> tuple[Value, Value]:
-    """Correction of u1, its half width of 95 %, over su, shape [...]; see `shoulder`."""
-    slope = of_table(FACE_ERROR, FACE_INDICES, FACE_ADHESION, rigidity_index, adhesion_factor)
-    beyond = FACE_RANGE * beyond_measured(FACE_INDICES, rigidity_index)
-    by_inertia = inertia * by_index(FACE_INERTIA, rigidity_index)
-    of_grid = math.hypot(FACE * cell_size, window_uncertainty(extent_ratio))
-    return -slope * cell_size, added(of_grid, FACE_LEFT * factor, beyond, by_inertia)
+    """Correction to be added to u1, and its half width of 95 %, both over su, shape [...].
+
+    The factor is u1 over su as simulated; the other arguments are as in
+    `shoulder.shoulder_pressure`.
+    """
+    clay = rigidity_index, adhesion_factor
+    slope = interpolated_table(FACE_MESH_SLOPE, FACE_RIGIDITY_INDICES, FACE_ADHESION_FACTORS, *clay)
+    beyond = FACE_RANGE_HALF_WIDTH * beyond_range(FACE_RIGIDITY_INDICES, rigidity_index)
+    by_inertia = inertia * interpolated(FACE_INERTIA_EFFECT, rigidity_index)
+    of_grid = math.hypot(FACE_MESH_HALF_WIDTH * cell_size, window_uncertainty(extent_ratio))
+    of_law = FACE_MODEL_HALF_WIDTH * factor
+    half_width = root_sum_square(of_grid, of_law, beyond, by_inertia)
+    return -slope * cell_size, half_width
 
 
 def stated_pressures(
     recorded: xr.Dataset, laws: ErrorLaws, *, strength: float, why_none: str
 ) -> dict[str, xr.Variable]:
-    """The factors of u1 and u2 less what is known of their errors, and their uncertainties.
+    """The corrected factors of u1 and u2, with corrections, uncertainties and reasons.
 
-    What is still to come, by the last change of the curves, is added to u2 and, like the noise of
-    their means, to both half widths. Of the laws of the cone factor are taken cone, clay and grid.
-    Strength is su [Pa]. Where the laws here do not hold there is no correction, the uncertainties
-    are not numbers, and `why_none` says why.
+    The change expected after the end of the run, estimated from the last change of the curves, is
+    added to u2. Its half width and the noise of the means are part of both uncertainties.
+
+    Args:
+        recorded: results of the run: the factors as simulated and the curves [Pa].
+        laws: the laws of the cone factor; cone, clay and grid are taken from them.
+        strength: su [Pa].
+        why_none: why the laws here do not hold; "" where they do. With a reason the corrections
+            are 0 and the uncertainties NaN.
     """
     names = ("cell_size", "adhesion_factor", "rigidity_index", "inertia", "extent_ratio")
     of_cone: dict[str, Any] = {name: getattr(laws, name) for name in names}
-    is_too_wide = laws.cell_size > OF_THREE_ROWS and laws.rigidity_index > STIFFEST_OF_WIDE
-    too_wide = f"mesh: above Ir {STIFFEST_OF_WIDE:g} cells of three rows are too wide for u1"
+    stiffest = FACE_STIFFEST_WITH_WIDE_CELLS
+    is_too_wide = laws.cell_size > FACE_WIDE_CELL and laws.rigidity_index > stiffest
+    too_wide = f"mesh: above Ir {stiffest:g} cells of three rows are too wide for u1"
     stated = {}
     for place in ("face", "shoulder"):
         name = f"pore_pressure_factor_{place}"
@@ -113,7 +132,7 @@ def stated_pressures(
                 off, of_laws = face_error(read, **of_cone)
             else:
                 read, curve = float(recorded[RADIAL_FACTOR]), recorded[RADIAL_STRESS]
-                noise = float(by_index(SHOULDER_NOISE, laws.rigidity_index))
+                noise = float(interpolated(SHOULDER_NOISE, laws.rigidity_index))
                 pressure, of_laws = shoulder_pressure(
                     read,
                     poissons_ratio=laws.poissons_ratio,
@@ -121,11 +140,17 @@ def stated_pressures(
                     **of_cone,
                 )
                 off = pressure - factor
-            comes, comes_left = STILL_TO_COME[place]
+            remaining, remaining_spread = REMAINING_CHANGE[place]
             change = last_change(curve.values / strength)
-            correction = float(off) + BOUND_EFFECT[place] * laws.bounded + comes * change
-            of_mean = math.hypot(comes_left * change, noise * read)
-            half_width = math.hypot(float(of_laws), of_mean, BOUND_LEFT * laws.bounded)
+            correction = (
+                float(off)
+                + BOUND_EFFECT[place] * laws.poissons_ratio_reduction
+                + remaining * change
+            )
+            of_mean = math.hypot(remaining_spread * change, noise * read)
+            half_width = math.hypot(
+                float(of_laws), of_mean, BOUND_HALF_WIDTH * laws.poissons_ratio_reduction
+            )
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,
@@ -146,10 +171,10 @@ def stated_pressures(
 
 
 def stated_sleeve(recorded: xr.Dataset, *, remoulded: float) -> dict[str, xr.Variable]:
-    """How far the sleeve friction over su may be below what was simulated.
+    """The uncertainty of the sleeve friction over su: how far it may be below the simulated value.
 
-    It is bounded by the adhesion of the shaft in `remoulded` clay, over su; that is not a number
-    where the strain rate changes the strength, where there is friction, and in other laws.
+    Its lower bound is `remoulded`, the adhesion of the shaft in remoulded clay over su. This is NaN
+    where the strength depends on strain rate, where there is friction, and in other laws.
     """
     lower = abs(float(recorded.sleeve_friction_factor) - remoulded)
     meaning = "uncertainty of the sleeve friction factor"

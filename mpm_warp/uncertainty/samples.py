@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scene import Scene
 from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
-from mpm_warp.uncertainty.cone import POINTS
+from mpm_warp.uncertainty.cone import POINTS_HALF_WIDTH
 from mpm_warp.uncertainty.further_runs import REASON
-from mpm_warp.uncertainty.laws import LARGEST_CELL, Condition, ErrorLaws
+from mpm_warp.uncertainty.laws import LARGEST_MEASURABLE_CELL, Condition, ErrorLaws
 
-AROUND = 2.0
+AVERAGING_DISTANCE = 2.0
 """Way above and below the tip over which strength is averaged, in cone radii."""
 SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
 deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
-NOISE_OF_INFLOW = 0.45
+INFLOW_NOISE = 0.45
 """The same over the resistance and V over the speed of pressure waves, where that is more: the
 resistance rises and falls with each layer of points that enters below. It is 1.9 to 2.3 times the
 standard deviation at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and speed_ratio 0.05 to 0.17,
 0.045 to 0.106. Without it 41 % of the samples were out (0.4, 0.1, Ir 100)."""
-LEFT_BY_SURFACE, FALLING = 0.026, 28.0
+SURFACE_HALF_WIDTH, SURFACE_DEPTH = 0.026, 28.0
 """Half width of what the surface leaves when it is out of the window, over the resistance: twice
 what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii. From
 there on it falls with the depth at least: the lack of resistance falls with its square."""
@@ -116,15 +116,20 @@ def sample_error(
     factor = resistance / around
     if measured is None:
         correction = laws.correction
-        parts = laws.half_widths() | {"points": POINTS * factor}
-        of_method = laws.why_none_holds(largest_cell=LARGEST_CELL)
+        parts = laws.half_widths() | {"points": POINTS_HALF_WIDTH * factor}
+        of_method = laws.why_none_holds(largest_cell=LARGEST_MEASURABLE_CELL)
     else:
         correction, half_widths = measured.at(depth)
         parts = {"measured": half_widths}
         of_method = dict.fromkeys(measured.reasons, np.isnan(half_widths))
     parts |= {"noise": _noise(laws, factor), "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:
-        parts["surface"] = LEFT_BY_SURFACE * factor * FALLING / np.maximum(FALLING, laws.way)
+        parts["surface"] = (
+            SURFACE_HALF_WIDTH
+            * factor
+            * SURFACE_DEPTH
+            / np.maximum(SURFACE_DEPTH, laws.penetration)
+        )
     of_laws: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method}
     no_law = _any_of({**of_laws, **surface}, depth)
     half_width = around * np.sqrt(sum(np.square(part) for part in parts.values()))
@@ -147,7 +152,7 @@ def _noise(laws: ErrorLaws, factor: Floats) -> Floats:
     over_pressure_waves = np.sqrt(
         laws.inertia / laws.rigidity_index * (1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio))
     )
-    noise: Floats = np.maximum(SAMPLE_NOISE, NOISE_OF_INFLOW * factor * over_pressure_waves)
+    noise: Floats = np.maximum(SAMPLE_NOISE, INFLOW_NOISE * factor * over_pressure_waves)
     return noise
 
 

@@ -35,7 +35,7 @@ from mpm_warp.uncertainty.built import (
     why_not_as_measured,
 )
 from mpm_warp.uncertainty.laws import APEX_ANGLE
-from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, forgetting
+from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, transient_penetration
 
 SOURCE_HEIGHT = 2.0 / 3.0
 """Height of the source that the cone is from afar, above the tip, over the cone's height: that of
@@ -261,7 +261,7 @@ class ConePenetration(ConeTestByDefault):
             ParameterError: one of them is outside the allowed range, or no law of the error holds.
         """
         rows = self.penetrometer.rows_on_face(self.cell_size)
-        cone.check_measurable(self.laws(way=self.penetration), rows)
+        cone.check_measurable(self.laws(penetration=self.penetration), rows)
         wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
         # In a higher window the cone has more soil to pass, and it takes longer to settle.
         settling = cone.SETTLING * wider["domain_above"]
@@ -278,7 +278,7 @@ class ConePenetration(ConeTestByDefault):
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """A run of the test, as far as its error goes."""
         return cone.ConeRun(
-            laws=self.laws(way=float(recorded.penetration_reached)),
+            laws=self.laws(penetration=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
             recorded=recorded,
         )
@@ -310,7 +310,7 @@ class ConePenetration(ConeTestByDefault):
         curves = penetration.PenetrationCurves(
             simulation,
             radius=self.cone_radius,
-            forgetting=forgetting(self.rigidity_index),
+            transient=transient_penetration(self.rigidity_index),
             tolerance=self.steady_tolerance,
         )
         balances, views = [], []

@@ -99,7 +99,7 @@ class ConeTestByDefault(ConeTest):
         if self.poissons_ratio_bound is not None or not self._error_is_known:
             return INCOMPRESSIBLE
         unbounded = replace(self, poissons_ratio_bound=INCOMPRESSIBLE)
-        if cone.why_laws_do_not_hold(unbounded.laws(way=unbounded.penetration)):
+        if cone.why_laws_do_not_hold(unbounded.laws(penetration=unbounded.penetration)):
             return INCOMPRESSIBLE
         over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
         of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
@@ -107,16 +107,16 @@ class ConeTestByDefault(ConeTest):
         greatest = SOFT_BOUND if has_more_cells else INCOMPRESSIBLE
         return min(greatest, max(COMPRESSIBLE, of_bulk_modulus))
 
-    def laws(self, way: float) -> ErrorLaws:
-        """The laws of the error after a way, over the cone's radius."""
+    def laws(self, penetration: float) -> ErrorLaws:
+        """The laws of the error after a penetration, over the radius of the cone."""
         return self.error_laws(
             rigidity_index=self.rigidity_index,
             adhesion_factor=self.interface.face,
             stress_anisotropy=self.stress_anisotropy,
-            poissons_ratio=self.poissons_ratio - self.bounded,
-            bounded=self.bounded,
+            poissons_ratio=self.poissons_ratio - self.poissons_ratio_reduction,
+            poissons_ratio_reduction=self.poissons_ratio_reduction,
             inertia=self.inertia,
-            way=way,
+            penetration=penetration,
         )
 
     @property
@@ -157,7 +157,7 @@ class ConeTestByDefault(ConeTest):
         return self.rigidity_index * self.approach_speed_ratio**2 if is_made else 0.0
 
     @property
-    def bounded(self) -> float:
+    def poissons_ratio_reduction(self) -> float:
         """What the bound takes off Poisson's ratio."""
         return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
 

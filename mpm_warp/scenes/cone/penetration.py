@@ -41,7 +41,7 @@ class PenetrationCurves:
     Args:
         simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
         radius: of the penetrometer [m].
-        forgetting: penetration in which the soil forgets an approach, over the radius.
+        transient: penetration after which an approach no longer acts, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady; 0: never.
     """
 
@@ -50,7 +50,7 @@ class PenetrationCurves:
         simulation: Simulation,
         *,
         radius: float,
-        forgetting: float = 0.0,
+        transient: float = 0.0,
         tolerance: float = 0.0,
     ) -> None:
         scene = soil_scene(simulation)
@@ -59,7 +59,7 @@ class PenetrationCurves:
         heights = scene.grid.node_positions[self.contact.nodes, 1]
         self._above_shoulder = heights / radius - 1.0 / math.tan(self.contact.half_angle)
         approach = self._window.approach
-        self._unsteady = FROM_REST if approach is None else approach.travel / radius + forgetting
+        self._unsteady = FROM_REST if approach is None else approach.travel / radius + transient
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
         self._reached = [0.0]  # travel at the begin of each sample, and at the end of the last [m]

@@ -138,7 +138,7 @@ def stated_beside_shaft(
     less than its adhesion the shaft may bear, not the parameters of the test.
     """
     face, shaft, _ = test.interface
-    laws, strength = test.laws(way=test.penetration), test.undrained_shear_strength
+    laws, strength = test.laws(penetration=test.penetration), test.undrained_shear_strength
     material, contact = built.material, built[PenetrometerContact]
     is_told = contact.shaft_adhesion == shaft * strength
     slips_at_adhesion = is_told and contact.friction == 0.0

@@ -15,8 +15,13 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import READ_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
-from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH, Condition
-from mpm_warp.uncertainty.samples import AROUND, MeasuredError, SampleError, sample_error
+from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, Condition
+from mpm_warp.uncertainty.samples import (
+    AVERAGING_DISTANCE,
+    MeasuredError,
+    SampleError,
+    sample_error,
+)
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_STRESS, shoulder_pressure
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
@@ -56,7 +61,7 @@ def sounding_curves(
     depth = sounding.from_depth + (samples + 0.5) * sounding.spacing
     ground = sounding.ground
     strength = ground.strength_at(depth)
-    around = ground.mean_strength_around(depth, AROUND * sounding.cone_radius)
+    around = ground.mean_strength_around(depth, AVERAGING_DISTANCE * sounding.cone_radius)
     vertical = ground.vertical_stress_at(depth)
     simulated = given.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
@@ -71,7 +76,7 @@ def sounding_curves(
     resistance, pressure = "net cone resistance", "excess pore pressure u2"
     of_pressure = f"uncertainty of the {pressure}"
     over_mean = "net resistance over mean strength around the tip"
-    near = f"from {AROUND:g} radii above the tip to {AROUND:g} below it"
+    near = f"from {AVERAGING_DISTANCE:g} radii above the tip to {AVERAGING_DISTANCE:g} below it"
     own = curves(
         "depth",
         (depth, "m", "depth of the tip"),
@@ -104,7 +109,7 @@ def error_of_samples(
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
 
     def strength_around(depth: Floats) -> Floats:
-        return ground.mean_strength_around(depth, AROUND * radius)
+        return ground.mean_strength_around(depth, AVERAGING_DISTANCE * radius)
 
     around = strength_around(depth)
     laws = sounding.error_laws(
@@ -112,9 +117,10 @@ def error_of_samples(
         adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         poissons_ratio=sounding.poissons_ratio,
-        bounded=0.0,
+        poissons_ratio_reduction=0.0,
         inertia=sounding.dynamic_pressure / around,
-        way=SAMPLE_SPACING * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
+        penetration=SAMPLE_SPACING
+        * (sounding.lead_count + np.arange(depth.size, dtype=np.float64)),
     )
     surface: dict[str, Condition] = {}
     borders = {BORDER: ground.near_border(depth / radius, radius)}
@@ -122,7 +128,7 @@ def error_of_samples(
         passed = sounding.surface_passed
         left = sounding.start_depth + passed
         why = f"surface: the surface is in the window to a depth of {left:.4g} m"
-        surface = {why: laws.way < passed / radius}
+        surface = {why: laws.penetration < passed / radius}
     return sample_error(
         laws,
         depth=depth,
@@ -203,7 +209,7 @@ def layer_values(
     distance = (depth - top) / sounding.cone_radius
     thickness = (sounding.layer_thickness or math.inf) / sounding.cone_radius
     is_passed = math.isinf(thickness) or distance[-1] > thickness + PAST_LAYER
-    if distance[:UNDISTURBED][-1] > -WITHIN_HALF_WIDTH[0] or not is_passed:
+    if distance[:UNDISTURBED][-1] > -CLEAR_OF_BORDER[0] or not is_passed:
         return {}
     without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
     factor = recorded.net_resistance.values / without

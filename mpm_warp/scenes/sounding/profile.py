@@ -24,7 +24,7 @@ from mpm_warp.scenes.sounding.table import (
     refused,
     text_of,
 )
-from mpm_warp.uncertainty.laws import WITHIN_HALF_WIDTH, WITHIN_OF_GREAT
+from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, CLEAR_OF_LARGE_CHANGE
 
 ROUNDED = 1e-9
 """Relative difference of two rows that is none."""
@@ -208,7 +208,7 @@ class Profile:
         near = np.zeros(len(way), dtype=bool)
 
         def feel(top: float, bottom: float, ratio: float) -> None:
-            before, behind = WITHIN_OF_GREAT if ratio > GREAT else WITHIN_HALF_WIDTH
+            before, behind = CLEAR_OF_LARGE_CHANGE if ratio > GREAT else CLEAR_OF_BORDER
             near[(way > top / radius - before) & (way < bottom / radius + behind)] = True
 
         is_jump = np.diff(self.depth) == 0.0

@@ -88,7 +88,7 @@ def test_the_noise_of_a_run_goes_with_the_width_of_its_cells() -> None:
     for rows in (5, 10):
         test = dataclasses.replace(TEST, cells_per_radius=rows / math.sqrt(3.0))
         noise = float(known_error(test).cone_factor_uncertainty_noise)
-        assert noise == pytest.approx(laws.NOISE * math.sqrt(3.0) / rows)
+        assert noise == pytest.approx(laws.NOISE_HALF_WIDTH * math.sqrt(3.0) / rows)
 
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
@@ -135,7 +135,7 @@ def test_a_window_of_twice_the_extents_has_the_same_factor(index: float) -> None
     corrected, half_widths = [], []
     for changed, simulated in zip(({}, twice), TWICE_THE_WINDOW[index], strict=True):
         run = dataclasses.replace(test, **changed, approach=None, penetration=None)
-        laws = run.laws(way=run.penetration)
+        laws = run.laws(penetration=run.penetration)
         corrected.append(simulated + float(laws.correction))
         half_widths += [float(laws.half_widths()[it]) for it in ("domain", "bottom", "noise")]
     assert abs(corrected[1] - corrected[0]) <= math.hypot(*half_widths)
@@ -215,7 +215,7 @@ def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_mes
 ):
     assert laws.growth_uncertainty(CELL, laws.GROWTH_OF_MESHES) == 0.0
     small = 0.5 * CELL
-    quarter_and_third = laws.GROWTH / laws.GROWTH_ERROR + laws.GROWTH_SHARE
+    quarter_and_third = laws.GROWTH_HALF_WIDTH / laws.GROWTH_ERROR + laws.GROWTH_SHARE
     for growth in (0.2, 0.5):
         measures = (laws.growth_measure(small, it) for it in (growth, laws.GROWTH_OF_MESHES))
         left = quarter_and_third * laws.GROWTH_ERROR * abs(np.subtract(*measures))

@@ -153,7 +153,7 @@ def test_the_noise_of_all_runs_counts() -> None:
 
         def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> xr.Dataset:
             made = run(test, progress)
-            made["cone_factor_simulated"] += cone.NOISE * (test == shifted)
+            made["cone_factor_simulated"] += cone.NOISE_HALF_WIDTH * (test == shifted)
             return made
 
         results = measured(CONE, noisy)

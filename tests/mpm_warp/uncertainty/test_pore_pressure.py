@@ -9,12 +9,13 @@ import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import shoulder as law
+from mpm_warp.uncertainty.laws import interpolated
 from mpm_warp.uncertainty.pore_pressure import (
     BOUND_EFFECT,
-    BOUND_LEFT,
+    BOUND_HALF_WIDTH,
     FACE_NOISE,
+    REMAINING_CHANGE,
     SHOULDER_NOISE,
-    STILL_TO_COME,
     face_error,
     stated_pressures,
     stated_sleeve,
@@ -23,12 +24,12 @@ from mpm_warp.uncertainty.shoulder import deviator_near_shaft, shoulder_pressure
 from tests.mpm_warp.uncertainty.conftest import NOTHING_LEFT, radial_error
 
 LAWS = replace(
-    ConePenetration(stress_anisotropy=0.2).laws(way=30.0),
+    ConePenetration(stress_anisotropy=0.2).laws(penetration=30.0),
     cell_size=0.2,
     adhesion_factor=1.0,
     inertia=0.0,
     poissons_ratio=0.47,
-    bounded=0.02,
+    poissons_ratio_reduction=0.02,
 )
 RIGIDITY_INDEX = """
 13 20 23 26 28 30 35 36 40 44 47 51 54 56 64 68 71 76 82 94 96 106 112 128 132 140 163 164 177 215
@@ -63,7 +64,7 @@ IN_SOFTENED = (0.3, 5.394 - 4.042 - 0.384, 5.372 - 4.158 - 1.082)
 def test_what_softened_soil_changes_of_u2_is_within_its_part_of_the_half_width() -> None:
     ratio, softened, whole = IN_SOFTENED
     by_deviator = (ratio - 1.0) * deviator_near_shaft(100.0, 0.5)
-    assert abs(softened - whole - by_deviator) <= law.SOFTENED * (1.0 - ratio)
+    assert abs(softened - whole - by_deviator) <= law.SOFTENING_HALF_WIDTH * (1.0 - ratio)
 
 
 BY_ANISOTROPY = {
@@ -77,7 +78,7 @@ def test_the_rise_to_the_filter_goes_with_the_anisotropy() -> None:
     for without, series in BY_ANISOTROPY.values():
         for anisotropy, rise in series.items():
             gained = law.RISE_BY_ANISOTROPY * abs(anisotropy)
-            left = law.RISE_BY_ANISOTROPY_LEFT * abs(anisotropy)
+            left = law.RISE_BY_ANISOTROPY_HALF_WIDTH * abs(anisotropy)
             assert rise - without == pytest.approx(gained, abs=left)
 
 
@@ -103,10 +104,10 @@ def test_what_the_filter_has_more_goes_with_the_speed(monkeypatch: pytest.Monkey
         at = {"rigidity_index": index, "adhesion_factor": adhesion}
         _, whole = radial_error(4.2, cell_size=0.35, **at)
         with monkeypatch.context() as without:
-            without.setattr(law, "GAIN_IN_SLOW_TEST_LEFT", NOTHING_LEFT)
+            without.setattr(law, "SLOW_GAIN_HALF_WIDTH", NOTHING_LEFT)
             _, rest = radial_error(4.2, cell_size=0.35, **at)
-        gained = law.of_table(
-            law.GAIN_IN_SLOW_TEST, law.SLOW_INDICES, law.RISE_ADHESION, *at.values()
+        gained = law.interpolated_table(
+            law.SLOW_GAIN, law.SLOW_GAIN_INDICES, law.RISE_ADHESION_FACTORS, *at.values()
         )
         left = math.sqrt(whole**2 - rest**2)
         for fast, slow in meshes:
@@ -145,17 +146,17 @@ the radii from 6 to 12 after the approach, on 6 rows, i = 0.18."""
 def test_what_a_bound_of_poissons_ratio_takes_off_u2_is_corrected() -> None:
     """F and C change at once."""
     for index, pairs in RADIAL_BY_POISSON.items():
-        of_rise = float(law.by_index(law.RISE_BY_POISSON, index))
+        of_rise = float(interpolated(law.POISSON_SLOPE, index))
         for compressible, other in pairs:
             gained = (other - compressible) / 0.04 - of_rise
-            assert gained == pytest.approx(BOUND_EFFECT["shoulder"], abs=BOUND_LEFT)
+            assert gained == pytest.approx(BOUND_EFFECT["shoulder"], abs=BOUND_HALF_WIDTH)
 
 
 def test_how_thick_the_layer_is_leaves_u2_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where there is no layer, as at Ir 300 beside a smooth shaft, nothing is open."""
-    left, half_widths = law.LAYER_LEFT, []
+    left, half_widths = law.LAYER_SHARE_HALF_WIDTH, []
     for share in (left, 0.0):
-        monkeypatch.setattr(law, "LAYER_LEFT", share)
+        monkeypatch.setattr(law, "LAYER_SHARE_HALF_WIDTH", share)
         errors = (
             radial_error(5.4, cell_size=0.06, adhesion_factor=0.0, rigidity_index=index)
             for index in (100.0, 300.0)
@@ -163,14 +164,15 @@ def test_how_thick_the_layer_is_leaves_u2_open(monkeypatch: pytest.MonkeyPatch) 
         half_widths.append([float(half_width) for _, half_width in errors])
     (of_layer, without_layer), (of_rest, the_same) = half_widths
     assert without_layer == the_same
-    beside, in_layer = law.BESIDE_LAYER[1][1], law.IN_LAYER[1][0]
+    beside, in_layer = law.DEVIATOR_OUTSIDE_LAYER[1][1], law.DEVIATOR_IN_LAYER[1][0]
     assert of_layer == pytest.approx(math.hypot(of_rest, left * (beside - in_layer)))
 
 
 def test_of_wide_cells_the_half_width_grows_faster() -> None:
     at = {"adhesion_factor": 0.25, "rigidity_index": 100.0}
     narrow, wide, wider = (
-        float(radial_error(5.3, cell_size=law.WIDE + more, **at)[1]) for more in (-0.1, 0.0, 0.1)
+        float(radial_error(5.3, cell_size=law.WIDE_CELL + more, **at)[1])
+        for more in (-0.1, 0.0, 0.1)
     )
     assert wider**2 - wide**2 > 3.0 * (wide**2 - narrow**2)
 
@@ -254,8 +256,8 @@ def test_what_inertia_changes_of_u2_is_within_its_parts_of_the_half_width(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """At any speed against the slowest: that of the inertia, and that of C in slow clay."""
-    left = law.GAIN_IN_SLOW_TEST_LEFT
-    monkeypatch.setattr(law, "GAIN_IN_SLOW_TEST_LEFT", NOTHING_LEFT)
+    left = law.SLOW_GAIN_HALF_WIDTH
+    monkeypatch.setattr(law, "SLOW_GAIN_HALF_WIDTH", NOTHING_LEFT)
     for index, of_adhesions in INERTIA_OF_U2.items():
         for adhesion, readings in zip((0.0, 0.5, 1.0), of_adhesions, strict=True):
             at = {"cell_size": 0.35, "adhesion_factor": adhesion, "rigidity_index": index}
@@ -264,7 +266,7 @@ def test_what_inertia_changes_of_u2_is_within_its_parts_of_the_half_width(
             for inertia, reading in readings.items():
                 _, half_width = radial_error(slowest, inertia=inertia, **at)
                 by_inertia = math.sqrt(half_width**2 - at_rest**2)
-                of_slow = float(law.by_index(left, index))
+                of_slow = float(interpolated(left, index))
                 assert abs(reading - slowest) <= math.hypot(by_inertia, of_slow)
 
 
@@ -308,16 +310,16 @@ is not 0."""
 def test_what_a_taller_window_adds_to_u2_is_corrected() -> None:
     """A window without a top gains a third more, if what lacks goes with 1 / extent squared."""
     anisotropy, gained = np.concatenate([np.array(them) for them in TALLER.values()]).T
-    known = law.WINDOW * np.maximum(0.0, 1.0 - 2.0 * anisotropy)
+    known = law.TALLER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * anisotropy)
     for whole in (gained, 4.0 / 3.0 * gained):
-        assert (np.abs(whole - known) <= law.WINDOW_LEFT).mean() >= 0.95
+        assert (np.abs(whole - known) <= law.TALLER_WINDOW_HALF_WIDTH).mean() >= 0.95
     at = {"cell_size": 1e-9, "adhesion_factor": 0.0}
     cases = ((100.0, 0.0, 1.0), (100.0, -0.5, 2.0), (25.0, 0.0, 0.5), (100.0, 0.7, 0.0))
     for index, anisotropy, added in cases:
         soil = {"rigidity_index": index, "stress_anisotropy": anisotropy}
         correction, _ = radial_error(6.0, **at, **soil)
         excess = law.excess_at_filter(adhesion_factor=0.0, **soil)
-        assert correction - excess == pytest.approx(added * law.WINDOW, abs=1e-6)
+        assert correction - excess == pytest.approx(added * law.TALLER_WINDOW, abs=1e-6)
 
 
 def test_in_very_stiff_clay_three_rows_tell_nothing_of_u1() -> None:
@@ -346,8 +348,8 @@ def test_stated_pressures(is_known: bool) -> None:
     errors = face_error(5.0, **at), (pressure - 5.0, of_pressure)
     noise = {"face": FACE_NOISE, "shoulder": 0.013}
     for place, (of_mesh, of_laws) in zip(("face", "shoulder"), errors, strict=True):
-        comes, comes_left = STILL_TO_COME[place]
-        off = of_mesh + 0.02 * BOUND_EFFECT[place] - 0.2 * comes
+        remaining, remaining_spread = REMAINING_CHANGE[place]
+        off = of_mesh + 0.02 * BOUND_EFFECT[place] - 0.2 * remaining
         name = f"pore_pressure_factor_{place}"
         value, correction, half_width = (
             float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
@@ -355,8 +357,8 @@ def test_stated_pressures(is_known: bool) -> None:
         assert value == pytest.approx(5.0 + (off if is_known else 0.0))
         assert correction == pytest.approx(off if is_known else 0.0)
         read = {"face": 5.0, "shoulder": 4.0}[place]
-        of_mean = math.hypot(comes_left * 0.2, read * noise[place])
-        expected = math.hypot(of_laws, of_mean, 0.02 * BOUND_LEFT) if is_known else math.nan
+        of_mean = math.hypot(remaining_spread * 0.2, read * noise[place])
+        expected = math.hypot(of_laws, of_mean, 0.02 * BOUND_HALF_WIDTH) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
         why = str(stated[f"{name}_why_no_uncertainty"].values)
         assert why == ("" if is_known else "law: of one's own")
@@ -379,8 +381,8 @@ def test_what_still_comes_of_u2_is_known_within_its_half_width() -> None:
     index, change, came = (
         np.array(them.split(), dtype=float) for them in (RIGIDITY_INDEX, LAST_CHANGE, STILL_CAME)
     )
-    known, left = STILL_TO_COME["shoulder"]
-    noise = 100.0 * law.by_index(SHOULDER_NOISE, index)
+    known, left = REMAINING_CHANGE["shoulder"]
+    noise = 100.0 * interpolated(SHOULDER_NOISE, index)
     assert (np.abs(came - known * change) <= np.hypot(left * change, noise)).mean() >= 0.95
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty import shoulder as law
-from mpm_warp.uncertainty.laws import Value
+from mpm_warp.uncertainty.laws import Value, interpolated
 from mpm_warp.uncertainty.pore_pressure import SHOULDER_NOISE, face_error
 from mpm_warp.uncertainty.shoulder import deviator_near_shaft
 from tests.mpm_warp.uncertainty.conftest import NOTHING_LEFT, radial_error
@@ -84,9 +84,14 @@ def test_u2_of_all_meshes_is_one_value(monkeypatch: pytest.MonkeyPatch) -> None:
 
     What all meshes have in common does not count.
     """
-    for left in ("NEAR_SHAFT", "LAYER_LEFT", "SLOPE_LEFT", "WINDOW_LEFT"):
+    for left in (
+        "DEVIATOR_HALF_WIDTH",
+        "LAYER_SHARE_HALF_WIDTH",
+        "MESH_POWER_HALF_WIDTH",
+        "TALLER_WINDOW_HALF_WIDTH",
+    ):
         monkeypatch.setattr(law, left, 0.0)
-    for left in ("RISE_LEFT", "GAIN_IN_SLOW_TEST_LEFT"):
+    for left in ("RISE_HALF_WIDTH", "SLOW_GAIN_HALF_WIDTH"):
         monkeypatch.setattr(law, left, NOTHING_LEFT)
     over = [
         difference
@@ -96,7 +101,7 @@ def test_u2_of_all_meshes_is_one_value(monkeypatch: pytest.MonkeyPatch) -> None:
             index,
             adhesion,
             series,
-            float(law.by_index(SHOULDER_NOISE, index)),
+            float(interpolated(SHOULDER_NOISE, index)),
         )
     ]
     assert len(over) >= 160
@@ -116,14 +121,16 @@ class Fit(NamedTuple):
 def fitted_to_all_clays(power: float) -> Fit:
     """With h to a power; half widths are those that the reading in cells has."""
     measured = measured_u2("radial_stress_factor")
-    units = np.eye(np.size(law.ERROR)).reshape(-1, *np.shape(law.ERROR))
-    at = law.INDICES, law.ADHESION
-    of_clays = np.array([[law.of_table(unit, *at, *case) for unit in units] for case in measured])
+    units = np.eye(np.size(law.MESH_SLOPE)).reshape(-1, *np.shape(law.MESH_SLOPE))
+    at = law.RIGIDITY_INDICES, law.ADHESION_FACTORS
+    of_clays = np.array(
+        [[law.interpolated_table(unit, *at, *case) for unit in units] for case in measured]
+    )
     design, given = [], []
     for clay, series in enumerate(measured.values()):
         for rows, reading in series.items():
             size = math.sqrt(3.0) / rows
-            deviation = 0.5 * reading * math.hypot(law.READ_IN_CELLS * size, OF_MEANS)
+            deviation = 0.5 * reading * math.hypot(law.MESH_HALF_WIDTH * size, OF_MEANS)
             if rows >= FEWEST_ROWS:
                 row = np.concatenate([np.eye(len(measured))[clay], of_clays[clay] * size**power])
                 design.append(row / deviation)
@@ -131,13 +138,13 @@ def fitted_to_all_clays(power: float) -> Fit:
     found = np.linalg.lstsq(np.array(design), np.array(given))[0]
     limits, slopes = np.split(found, [len(measured)])
     left = np.array(given) - np.array(design) @ found
-    return Fit(slopes.reshape(np.shape(law.ERROR)), limits, of_clays @ slopes, left)
+    return Fit(slopes.reshape(np.shape(law.MESH_SLOPE)), limits, of_clays @ slopes, left)
 
 
 def test_the_law_of_u2_is_that_of_the_meshes_measured() -> None:
     """The code has one decimal; meshes deviate from it as far as the half widths tell."""
     fit = fitted_to_all_clays(1.0)
-    np.testing.assert_allclose(law.ERROR, fit.slopes, atol=0.06)
+    np.testing.assert_allclose(law.MESH_SLOPE, fit.slopes, atol=0.06)
     freedom = fit.left.size - fit.limits.size - fit.slopes.size
     assert sum(fit.left**2) / freedom == pytest.approx(1.0, abs=2.0 * (2.0 / freedom) ** 0.5)
 
@@ -150,7 +157,7 @@ def test_the_limit_of_u2_is_known_as_far_as_the_power_of_its_law_is() -> None:
         power: fit for power, fit in fits.items() if sum(fit.left**2) < sum(own.left**2) + 1.96**2
     }
     assert min(not_excluded) < 1.0 < max(not_excluded)
-    half_width = np.hypot(law.SLOPE_LEFT * own.slopes_of_clays, OF_MEANS * own.limits)
+    half_width = np.hypot(law.MESH_POWER_HALF_WIDTH * own.slopes_of_clays, OF_MEANS * own.limits)
     for fit in not_excluded.values():
         assert np.mean(np.abs(fit.limits - own.limits) <= half_width) >= 0.95
 
@@ -166,8 +173,10 @@ def test_the_rise_to_the_filter_is_that_of_the_finest_rows() -> None:
     """Rows of 14 to 112 change it by up to 9 h^1.5: so much may 28 rows and more differ."""
     within = []
     for (index, adhesion, _, rows), rise in RISES.items():
-        known = law.of_table(law.RISE, law.INDICES, law.RISE_ADHESION, index, adhesion)
-        left = float(law.by_index(law.RISE_LEFT, index))
+        known = law.interpolated_table(
+            law.RISE, law.RIGIDITY_INDICES, law.RISE_ADHESION_FACTORS, index, adhesion
+        )
+        left = float(interpolated(law.RISE_HALF_WIDTH, index))
         within.append(abs(rise - known) <= math.hypot(left, 9.0 * (math.sqrt(3.0) / rows) ** 1.5))
     assert len(within) >= 30
     assert np.mean(within) >= 0.95
@@ -180,8 +189,12 @@ def test_the_rise_to_the_filter_drawn_on_is_that_of_the_law() -> None:
         if len(series) >= 3:
             sizes = (math.sqrt(3.0) / np.array(list(series))) ** 1.5
             _, limit = np.polyfit(sizes, list(series.values()), 1)
-            known = law.of_table(law.RISE, law.INDICES, law.RISE_ADHESION, index, adhesion)
-            assert limit == pytest.approx(known, abs=float(law.by_index(law.RISE_LEFT, index)))
+            known = law.interpolated_table(
+                law.RISE, law.RIGIDITY_INDICES, law.RISE_ADHESION_FACTORS, index, adhesion
+            )
+            assert limit == pytest.approx(
+                known, abs=float(interpolated(law.RISE_HALF_WIDTH, index))
+            )
             drawn_on += 1
     assert drawn_on >= 6
 
@@ -215,7 +228,7 @@ def test_the_layer_beside_the_shaft_is_that_of_the_finest_rows(case: tuple[float
     at = {"rigidity_index": index, "adhesion_factor": adhesion}
     share, in_layer, beside = map(float, law._layer(**at))
     assert deviator_near_shaft(**at) == pytest.approx(share * in_layer + (1 - share) * beside)
-    left = math.hypot(law.NEAR_SHAFT, law.LAYER_LEFT * (beside - in_layer))
+    left = math.hypot(law.DEVIATOR_HALF_WIDTH, law.LAYER_SHARE_HALF_WIDTH * (beside - in_layer))
     for rows, deviator in NEAR_SHAFT_ON_FINE_ROWS[case].items():
         on_rows = min(1.0, share + 0.5 / rows / 0.06)
         assert on_rows * in_layer + (1.0 - on_rows) * beside == pytest.approx(deviator, abs=left)

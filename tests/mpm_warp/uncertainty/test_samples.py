@@ -8,8 +8,13 @@ import pytest
 from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.laws import DOMAIN, MESH, growth_uncertainty, window_uncertainty
-from mpm_warp.uncertainty.samples import NOISE_OF_INFLOW, SAMPLE_NOISE
+from mpm_warp.uncertainty.laws import (
+    DOMAIN_HALF_WIDTH,
+    MESH_HALF_WIDTH,
+    growth_uncertainty,
+    window_uncertainty,
+)
+from mpm_warp.uncertainty.samples import INFLOW_NOISE, SAMPLE_NOISE
 
 FACTOR = 10.0
 WIDEST = 0.025
@@ -29,7 +34,7 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     default = Sounding()
     extent = default.default_extents[name]
     smaller = Sounding(**{name: 0.75 * extent})
-    expected = (DOMAIN + window_uncertainty(1.0 / 0.75)) ** 2 - DOMAIN**2
+    expected = (DOMAIN_HALF_WIDTH + window_uncertainty(1.0 / 0.75)) ** 2 - DOMAIN_HALF_WIDTH**2
     assert stated(smaller)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.02)
 
 
@@ -37,7 +42,7 @@ def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> Non
     """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
     coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
     sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
-    of_mesh = MESH**2 * (sizes[0] ** 2 - sizes[1] ** 2)
+    of_mesh = MESH_HALF_WIDTH**2 * (sizes[0] ** 2 - sizes[1] ** 2)
     of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
     found = coarse**2 - default**2
     assert found == pytest.approx(of_mesh + of_growth, rel=0.01)
@@ -124,7 +129,7 @@ def test_what_changes_nothing_is_no_border(column: str, first: float, second: fl
 @pytest.mark.parametrize("index", [12.0, 24.0, 80.0])
 def test_a_sounding_simulates_the_poissons_ratio_that_it_is_corrected_for(index: float) -> None:
     sounding = Sounding(rigidity_index=index, poissons_ratio=0.4999)
-    assert sounding._test.bounded == 0.0
+    assert sounding._test.poissons_ratio_reduction == 0.0
 
 
 def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None:
@@ -179,5 +184,5 @@ def test_the_noise_of_fast_soundings_in_compressible_clay_is_within_the_half_wid
     strength = sounding.undrained_shear_strength
     error = error_of_samples(sounding, np.array([1.2]), np.array([factor * strength]))
     waves = math.sqrt((1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio)))
-    noise = max(SAMPLE_NOISE, NOISE_OF_INFLOW * factor * speed * waves)
+    noise = max(SAMPLE_NOISE, INFLOW_NOISE * factor * speed * waves)
     assert 1.9 * deviation <= noise <= float(error.half_width[0]) / strength

@@ -78,7 +78,7 @@ def test_a_cone_that_soil_shears_beside_rather_than_slides_along_is_a_rough_one(
     assert [test.cells_per_radius for test in soft] == [3.0, 3.46]  # by laws of the error or not
     faster = dataclasses.replace(shears, rate_factor=0.1, reference_strain_rate=1e-5)
     assert faster.interface.friction == 0.051  # the soil beside it is stronger than at rest
-    assert shears.laws(way=30.0).correction == rough.laws(way=30.0).correction
+    assert shears.laws(penetration=30.0).correction == rough.laws(penetration=30.0).correction
     assert why_not_as_measured(shears.build(), rough.build()) == []
     lower = dataclasses.replace(shears, stress_anisotropy=0.5)
     assert lower.interface.friction == 0.051  # less presses on the shaft

@@ -55,7 +55,7 @@ def test_speed_and_cells_follow_the_clay(
 
 def test_quick_tests_in_very_stiff_clay_are_no_faster_than_their_error_is_known() -> None:
     test = ConePenetration(accuracy="quick", rigidity_index=2000.0)
-    assert why_laws_do_not_hold(test.laws(way=test.penetration)) == []
+    assert why_laws_do_not_hold(test.laws(penetration=test.penetration)) == []
     inertia = test.rigidity_index * test.speed_ratio**2
     assert inertia == pytest.approx(LARGEST_INERTIA, rel=2.0 * ROUNDING)
 
