@@ -1,10 +1,10 @@
-"""What was built: whether a scene is of the soil, contact, grid and window that U was measured for.
+"""Whether a scene has the soil, contact, grid and window for which U was measured.
 
-The error of a method is measured for scenes that the catalogue builds. What a run simulates is
-another matter: a subclass may build a soil, a contact or a grid of its own, and its parameters keep
-their names. So a scene as built is held beside the scene that the catalogue builds of the same
-parameters, part by part. Where they are the same, the parameters say what was simulated, and the
-laws of the error may be asked. Where they are not, the error is not known.
+The error of the method is measured for scenes of the catalogue. A subclass may build a soil, a
+contact or a grid of its own, while its parameters keep their names. So the scene that was built is
+compared, part by part, with the scene that the catalogue builds from the same parameters. Where
+they are equal, the parameters say what was simulated, and the laws of the error apply. Where they
+differ, the error is not known.
 """
 
 from collections.abc import Iterator, Sequence
@@ -31,15 +31,15 @@ from mpm_warp.parts.window import Window
 from mpm_warp.scene import Part, Scene
 
 MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
-"""The laws of clay with which further runs were tested: in them the error follows width of cells
-and speed as the further runs take it. In a law of one's own the speed may change the soil itself,
-and softening may have no width but that of a cell: no further run could tell that from an error."""
+"""Material laws with which further runs were tested: their errors depend on width of cells and
+speed as further runs assume. In a user's own law the strength may depend on the speed, or softening
+may localise in one cell; further runs cannot tell such an effect from an error."""
 LAWS_OF_CONES = (*MEASURED_LAWS, ModifiedCamClay, Anisotropic)
-"""The same for cones."""
+"""Material laws with which further runs of cones were tested."""
 LARGEST_BRITTLENESS = 0.1
-"""(1 - delta) / xi_95 up to which they measure the error of clay that softens. At 0.02 to 0.08 the
-cone factor follows the law of the mesh, within 0.008 on 5 to 14 rows of cells; at 0.18 it falls on
-past the limit that further runs give, by 1.7 of their half widths."""
+"""(1 - delta) / xi_95 up to which further runs measure the error of clay that softens. At 0.02 to
+0.08 the cone factor follows the law of the mesh, within 0.008 on 5 to 14 rows of cells. At 0.18 it
+falls below the limit that further runs give, by 1.7 of their half widths."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
 """Parts of a scene that only record, and change no result."""
 PARTS = (
@@ -48,7 +48,7 @@ PARTS = (
     (Grid, "grid", "grid"),
     ((Window, SurroundingGround), "window", "window"),
 )
-"""What each kind of part is called in a reason, as its word and in its sentence."""
+"""Kinds of parts; the word of each in a reason, and its name in the sentence."""
 PLACES = (
     "add_forces",
     "add_boundary",
@@ -59,15 +59,15 @@ PLACES = (
     "enter",
     "follow",
 )
-"""Places of a step and between steps at which parts act in the order of the tuple."""
+"""Methods of a part that are called in the order of the parts, within a step or between steps."""
 OTHER = "scene"
-"""What any other part is called."""
+"""Word and name of any other part."""
 
 
 def expected_scene(test: Any) -> Scene | None:
-    """What the catalogue builds of the parameters of a test; None where it does not allow them.
+    """The scene that the catalogue builds from the parameters of a test; None if it refuses them.
 
-    The class of the test may be derived from one of this package, and build another scene.
+    The test may be of a user's class, derived from a class of this package.
     """
     own = __package__.partition(".")[0]
     catalogue: Any = next(
@@ -75,7 +75,7 @@ def expected_scene(test: Any) -> Scene | None:
     )
     if isabstract(catalogue):
         return None
-    offered = catalogue.offered()  # laws add their parameters, which a class may be without
+    offered = catalogue.offered()  # with the parameters of the laws, which a class may lack
     given = {name: getattr(test, name) for name in parameters_of(offered) if hasattr(test, name)}
     try:
         built: Scene = offered(**given).build()
@@ -87,10 +87,12 @@ def expected_scene(test: Any) -> Scene | None:
 def why_not_as_measured(
     built: Scene, expected: Scene | None, laws: tuple[type[Material], ...] = MEASURED_LAWS
 ) -> list[str]:
-    """Why the error was not measured for what was built, as "word: sentence"; nothing where it was.
+    """Why the error was not measured for the scene built, as "word: sentence"; empty if it was.
 
-    Expected is what the catalogue builds of the same parameters, None where it allows none; the
-    error was measured with the laws.
+    Args:
+        built: the scene that was simulated.
+        expected: the scene of `expected_scene`, or None.
+        laws: the material laws with which the error was measured.
     """
     if expected is None:
         return ["scene: no scene of the catalogue has these parameters"]
@@ -102,13 +104,13 @@ def why_not_as_measured(
             reasons[word] = f"{word}: the error is not known with the {what} built, {difference}"
     if not reasons:
         return why_law_not_measured(built.material, laws)
-    # What comes first in this order may be why the others differ: a stiffer soil has faster waves.
+    # An earlier part may be the cause of later differences: a stiffer soil has faster waves.
     first = next(word for word in (*(word for _, word, _ in PARTS), OTHER) if word in reasons)
     return [reasons[first]]
 
 
 def why_not_tresca(material: Material) -> list[str]:
-    """Why the laws of the error do not hold in a soil that one of the catalogue's scenes has."""
+    """Why the laws of the error do not hold in this soil of the catalogue; empty in Tresca soil."""
     if type(material) is Tresca:
         return []
     changing = isinstance(material, EinavRandolph)
@@ -120,7 +122,7 @@ def why_not_tresca(material: Material) -> list[str]:
 def why_law_not_measured(
     material: Material, laws: tuple[type[Material], ...] = MEASURED_LAWS
 ) -> list[str]:
-    """What `why_not_as_measured` says of the law; where it says something, no run measures it."""
+    """Why neither laws nor further runs give the error in this material; empty where they do."""
     if type(material) not in laws:
         return [f"law: the error is not known in {built_name(material)}"]
     if not isinstance(material, EinavRandolph):
@@ -136,7 +138,7 @@ def why_law_not_measured(
 
 
 def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, object, str]]:
-    """What two scenes are of, and its name; parts that only record are left out."""
+    """Pairs of what two scenes consist of, with a name; parts that only record are left out."""
     for field in fields(Scene):
         if field.name != "parts":
             yield getattr(built, field.name), getattr(expected, field.name), field.name
@@ -146,7 +148,7 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
         return
     in_order, others_in_order = (sorted(them, key=built_name) for them in (parts, others))
     if _names(in_order) == _names(others_in_order):
-        # The order counts among parts that act at one place of a step, and among no others.
+        # The order matters only among parts with the same method.
         for place in PLACES:
             one, other = (_names(_acting_at(place, them)) for them in (parts, others))
             yield one, other, "the order of its parts"

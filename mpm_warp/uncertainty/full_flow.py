@@ -38,13 +38,13 @@ RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
 radius some bodies follow h^2, others reach their limit at once."""
 POWER_OF_SPEED = 1.4
 POLES_HALF_WIDTH = 0.03
-"""Half width of the error at the poles, over N h. It is largest at a smooth bar: N was some 0.05 N h
-too high when the rows at the poles were as high as all others, twice as high as now."""
+"""Half width of the error at the poles, over N h. It is largest at a smooth bar: N was some
+0.05 N h too high when the rows at the poles were as high as all others, twice as high as now."""
 FEWEST_CELLS = 3
 """Fewest cells per radius for which the laws hold."""
 LARGEST_GROWTH = 1.0
-"""Largest growth of the cells for which the laws hold; no further run changes it. At 0.8 to 1.5 four
-bars are within 0.8 half widths of the limit load. At 2 three of four bars are 1.2 to 2.5 half
+"""Largest growth of the cells for which the laws hold; no further run changes it. At 0.8 to 1.5
+four bars are within 0.8 half widths of the limit load. At 2 three of four bars are 1.2 to 2.5 half
 widths off: the effects of growth and of the cells at the bar cancel as the cells get smaller."""
 FEWEST_POINTS = 4
 """Fewest material points per cell that are allowed."""
@@ -105,7 +105,7 @@ class FullFlowRun(TestRun):
 
 
 def check_measurable(cells_per_radius: int, cell_growth: float) -> None:
-    """Raise `ParameterError` where cells at the body or away from it are too wide for further runs."""
+    """Raise `ParameterError` where cells, at the body or away, are too wide for further runs."""
     if cell_growth > LARGEST_GROWTH:
         raise ParameterError(
             "cell_growth",

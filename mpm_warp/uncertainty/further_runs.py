@@ -1,10 +1,10 @@
 """The error of a result, measured by further runs of the case itself.
 
-Each further run differs from the case in one choice of the method. A law says what the error of
-this choice is in proportion to, its measure m. The case and as many further runs as there are
-choices then determine the value v without these errors, and the slopes s:
+Each further run differs from the case in one choice of the method, such as the width of the cells.
+By a law, the error of this choice, its effect, is in proportion to a measure m. The case and one
+further run for each choice then determine the value v without these errors, and the slopes s:
 
-    simulated value - what is known of its error = v + s_1 m_1 + s_2 m_2 + ...
+    simulated value - known part of its error = v + s_1 m_1 + s_2 m_2 + ...
 """
 
 import math
@@ -22,39 +22,39 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled, variable
 
 Progress = Callable[[float], None]
-"""Is called now and then with the fraction done, 0 to 1."""
+"""Called from time to time with the fraction done, 0 to 1."""
 FAILURES = (SimulationDiverged, InaccurateRun, UnfinishedRun)
-"""How a run may end without a result."""
+"""Errors that end a run without a result."""
 ALONE: Floats = np.ones(1)
-"""The weight of a run in its own value."""
+"""The weights of a value from a single run."""
 REASON = "why_no_uncertainty"
-"""Name of the text that says why a result has no uncertainty; "" where it has one."""
+"""Name of the variable that says why a result has no uncertainty; "" where it has one."""
 
 
 def reason(text: str) -> xr.Variable:
-    """The variable `REASON`: "word: sentence", parted by semicolons; "" where there is none."""
+    """The variable `REASON`; the text is "word: sentence", several separated by semicolons."""
     return variable(text, unit=None, meaning="why there is no uncertainty", role="reason")
 
 
 def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
-    """The reasons that hold, of some with what says whether they do."""
+    """The texts whose condition is true."""
     return [text for text, holds in conditions.items() if holds]
 
 
 class Test(Protocol):
-    """A frozen dataclass of parameters whose run has a size, and an error that can be measured."""
+    """A test: a frozen dataclass of parameters, with further tests that measure its error."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     @property
     def own_size(self) -> Any:
-        """Of a run of it alone; `particle_updates` are material points times steps."""
+        """Size of its own run without further ones; `particle_updates`: points times steps."""
 
     def further_tests(self) -> "Mapping[str, Self]":
-        """Its further tests, by the effect that each measures."""
+        """The further tests, by the effect that each measures."""
 
     def error_of(self, recorded: xr.Dataset) -> "TestRun":
-        """A run of it, as far as its error goes."""
+        """What the error of its run depends on."""
 
 
 TestT = TypeVar("TestT", bound=Test)
@@ -62,22 +62,22 @@ TestT = TypeVar("TestT", bound=Test)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TestRun:
-    """A run of a test, as far as its error goes."""
+    """What the error of a run depends on; a subclass knows the laws of one kind of test."""
 
     name: ClassVar[str]
-    """Of the value whose error it is, "cone_factor"."""
+    """Name of the value whose error is measured, as "cone_factor"."""
     description: ClassVar[str]
-    """How that value is defined."""
+    """Definition of that value."""
     differences: ClassVar[Mapping[str, str]]
-    """What the further run has that measures an effect, as "smaller cells", by effect."""
+    """What is different in the run that measures an effect, as "smaller cells", by effect."""
     residual_shares: ClassVar[Mapping[str, float]]
-    """Half width of an error over what the best run still has of it, by effect."""
+    """Half width of an effect over what is left of it in the best run, by effect."""
     largest_correction: ClassVar[float] = math.inf
-    """Error that the laws may take off, over the value."""
+    """Largest correction over the value for which the laws are trusted."""
     approach: ClassVar[float] = 0.0
-    """Half width of what a hurried approach leaves, over the value; it goes with that of speed."""
+    """Half width of the effect of a fast approach over the value; added to the effect "speed"."""
 
-    recorded: xr.Dataset  # what came out
+    recorded: xr.Dataset  # results of the run
 
     @property
     @abstractmethod
@@ -85,33 +85,32 @@ class TestRun:
         """The value as simulated."""
 
     def known_parts(self) -> dict[str, float]:
-        """What is known of the errors of the value before anything is measured, by effect."""
+        """Parts of the error that are known without further runs, by effect."""
         return {}
 
     def least_parts(self) -> dict[str, float]:
-        """Half widths of what the laws leave open at least, by effect."""
+        """Lower bounds of the half widths, by effect."""
         return {}
 
     @abstractmethod
     def measures(self, case: Self) -> dict[str, float]:
-        """What the errors are in proportion to, m, by effect, where `case` is that to measure."""
+        """The measures m, by effect; `case` is the run whose error is measured."""
 
     @abstractmethod
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
-        """Why the error is not known by the sound ones of the runs; by what they are."""
+        """Why the runs cannot measure the error; they are named as in a reason, "the case"."""
 
     @abstractmethod
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
-        """Half widths that are of no effect, by runs that have these weights in the value."""
+        """Half widths that belong to no effect; the value is the sum of weight times run."""
 
     def stated(
         self, correction: float, parts: Mapping[str, float], reasons: Sequence[str]
     ) -> dict[str, xr.Variable]:
-        """What is said of the value: less its error, the correction, its uncertainty, the reason.
+        """The corrected value, its correction, its uncertainty with parts, and the reasons.
 
-        Parts of the uncertainty are half widths of 95 %; their squares add up. Where there are
-        reasons why nothing is known, each as "word: sentence", there is no correction, and the
-        uncertainty is not a number.
+        The parts of the uncertainty are half widths of 95 %, added as squares. With reasons why the
+        error is not known, each as "word: sentence", the correction is 0 and the uncertainty NaN.
         """
         if reasons:
             correction, parts = 0.0, dict.fromkeys(parts, math.nan)
@@ -147,7 +146,13 @@ class TestRun:
 def further_tests(
     test: TestT, changes: Mapping[str, Mapping[str, Any]], differences: Mapping[str, str]
 ) -> dict[str, TestT]:
-    """The tests that differ from a case, by choice of the method: parameters, and what is said."""
+    """The further tests of a case, by effect.
+
+    Args:
+        test: the case.
+        changes: changed parameters, by effect.
+        differences: the difference in words, as "smaller cells", by effect; for messages.
+    """
     tests = {}
     for choice, changed in changes.items():
         try:
@@ -165,8 +170,9 @@ def with_measured_error(
 ) -> xr.Dataset:
     """Run a test and its further tests, one after the other.
 
-    Its results have the measured error, and what the further runs took, in `run_time` and
-    `particle_updates` too.
+    Returns:
+        Results of the case, with the measured error. `run_time` and `particle_updates` include the
+        further runs.
     """
     further = case.further_tests()
     sizes = [single.own_size for single in (case, *further.values())]
@@ -185,32 +191,36 @@ def with_measured_error(
 
 
 def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progress]:
-    """What receives the progress of each of some runs, by the share of all that each takes."""
+    """A progress function for each of several runs; its share of the whole goes by its size."""
     updates = [size.particle_updates for size in sizes]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 
     def part(begin: float, end: float) -> Progress:
-        # Rounding must not take it beyond the begin of the next.
+        # Rounding must not exceed the begin of the next run.
         return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
 
     return [part(*ends) for ends in pairwise(done)]
 
 
 def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[str, xr.Variable]:
-    """The value of a case less its error, and its uncertainty, as measured by its further runs.
+    """The corrected value of a case and its uncertainty, as measured by its further runs.
 
-    Beside what `TestRun.stated` gives is the value as simulated by each further run, by effect, not
-    a number where it failed for the reason given. Nothing is known of the error where a run failed,
-    or is not sound, or where the laws would have to take off too much.
+    The result holds what `TestRun.stated` gives, and the value as simulated by each further run,
+    NaN where it failed. The error is not known where a run failed or is not sound, or where the
+    correction would be too large.
+
+    Args:
+        case: the run of the case.
+        further: each further run, or the message with which it failed, by effect.
     """
-    with_effect = {effect: f"the run with {what}" for effect, what in case.differences.items()}
-    failed = {with_effect[name]: why for name, why in further.items() if isinstance(why, str)}
-    whole = {"the case": case} | {
-        with_effect[name]: run for name, run in further.items() if isinstance(run, TestRun)
+    label = {effect: f"the run with {what}" for effect, what in case.differences.items()}
+    failed = {label[name]: why for name, why in further.items() if isinstance(why, str)}
+    completed = {"the case": case} | {
+        label[name]: run for name, run in further.items() if isinstance(run, TestRun)
     }
     reasons = [f"further runs: {which}: {why}" for which, why in failed.items()]
-    reasons += case.why_unsound(whole)
-    runs, correction = list(whole.values()), 0.0
+    reasons += case.why_unsound(completed)
+    runs, correction = list(completed.values()), 0.0
     parts = dict.fromkeys(case.differences, 0.0)
     if reasons:
         parts |= case.own_parts(ALONE, [case])
@@ -225,8 +235,8 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
         if abs(correction) > case.largest_correction * value:
             off = f"their laws would take off {abs(correction) / value:.0%}"
             reasons = [f"further runs: {off}, and hold up to {case.largest_correction:.0%}"]
-        least = [min(of.get(effect, 0.0) for of in known) for effect in parts]
-        of_best_run = np.abs(slopes * system[:, 1:].min(axis=0) + least)
+        known_left = [min(of.get(effect, 0.0) for of in known) for effect in parts]
+        of_best_run = np.abs(slopes * system[:, 1:].min(axis=0) + known_left)
         left = zip(parts, of_best_run.tolist(), strict=True)
         parts = {effect: case.residual_shares[effect] * error for effect, error in left}
         parts["speed"] += case.approach * case.factor
@@ -243,7 +253,7 @@ def measured_error(case: TestRun, further: Mapping[str, TestRun | str]) -> dict[
 
 
 def with_cost(case: xr.Dataset, further: Sequence[xr.Dataset]) -> xr.Dataset:
-    """The results of a case with the cost of its further runs in `run_time`, `particle_updates`."""
+    """The results of a case; `run_time` and `particle_updates` include those of further runs."""
     whole = {
         name: case[name].copy(data=sum((float(run[name]) for run in further), float(case[name])))
         for name in ("run_time", "particle_updates")

@@ -1,11 +1,12 @@
-"""What is known of the error of the samples of a sounding: a correction, a half width of 95 %.
+"""The error of each sample of a sounding: a correction and a half width of 95 %.
 
-The resistance is corrected by the laws of a cone factor (`laws`), with rigidity index and mean
-strength of the soil around the tip. These laws were measured in uniform, perfectly plastic clay.
-Where strain or its rate changes the strength they say nothing, but further runs of cone tests may:
-in uniform clay as the ground is at some depths. Nothing is known while the surface of the ground is
-in the window, nor near a border. Strength that changes quickly is known to a cell: half of what a
-shift by one cell changes is a part of the half width.
+The resistance is corrected by the laws of a cone factor (`laws`), with the rigidity index and the
+mean strength of the soil around the tip. These laws were measured in uniform, perfectly plastic
+clay. They do not hold where the strength depends on strain or strain rate. There, further runs of
+cone tests can measure the error, in uniform clay like that of the ground at some depths. No error
+is known while the surface of the ground is in the window, nor near a border of layers. Where the
+strength changes quickly, the depth of a sample is known to one cell: half the change over one cell
+is a part of the half width.
 """
 
 import math
@@ -24,47 +25,48 @@ from mpm_warp.uncertainty.further_runs import REASON
 from mpm_warp.uncertainty.laws import LARGEST_MEASURABLE_CELL, Condition, ErrorLaws
 
 AVERAGING_DISTANCE = 2.0
-"""Way above and below the tip over which strength is averaged, in cone radii."""
+"""Distance above and below the tip over which the strength is averaged, in cone radii."""
 SAMPLE_NOISE = 0.07
-"""Half width of the noise of one sample of a tenth of a radius, over strength: twice the standard
-deviation that samples have in uniform clay, 0.032 at 3 cells per radius."""
+"""Half width of the noise of one sample of a tenth of a radius, over the strength: twice the
+standard deviation of samples in uniform clay, 0.032 at 3 cells per radius."""
 INFLOW_NOISE = 0.45
-"""The same over the resistance and V over the speed of pressure waves, where that is more: the
-resistance rises and falls with each layer of points that enters below. It is 1.9 to 2.3 times the
-standard deviation at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and speed_ratio 0.05 to 0.17,
-0.045 to 0.106. Without it 41 % of the samples were out (0.4, 0.1, Ir 100)."""
+"""Half width of the noise from layers of points that enter below, over the resistance times V over
+the speed of pressure waves; it counts where it is the larger one. It is 1.9 to 2.3 times the
+standard deviation, 0.045 to 0.106, at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and
+speed_ratio 0.05 to 0.17. Without it 41 % of the samples were outside (0.4, 0.1, Ir 100)."""
 SURFACE_HALF_WIDTH, SURFACE_DEPTH = 0.026, 28.0
-"""Half width of what the surface leaves when it is out of the window, over the resistance: twice
-what a window of twice the extents changes, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii. From
-there on it falls with the depth at least: the lack of resistance falls with its square."""
+"""Half width of the effect of the surface of the ground after it has left the window, over the
+resistance, and the depth in radii beyond which it falls in inverse proportion to depth. It is
+twice the change by a window of twice the extents, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii.
+The missing resistance falls even with the square of the depth."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampleError:
-    """The error of samples."""
+    """The error of the samples of a sounding."""
 
-    # what is to be added to the resistance, over the mean strength around the tip, dimensionless, 0
-    # where no law holds; near a border that of uniform ground, so that the curve has no jump; [n]
+    # To be added to the resistance, over the mean strength around the tip; dimensionless, [n]. 0
+    # where no law holds; near a border that of uniform ground, so that the curve has no jump.
     correction: Floats
     is_corrected: NDArray[np.bool_]  # whether a law holds, shape [n]
-    half_width: Floats  # of 95 % [Pa], NaN where nothing is known; shape [n]
-    reason: str  # why nothing is known of some samples, as "word: sentence", with their depths; ""
+    half_width: Floats  # of 95 % [Pa], NaN where it is not known; shape [n]
+    reason: str  # why it is not known at some depths, as "word: sentence"; "" if known at all
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredError:
-    """The error of cone factors at some depths, measured by further runs; linear between them."""
+    """The error of cone factors at some depths, measured by further runs; linear between depths."""
 
-    depth: Floats  # rising [m], shape [m]
-    correction: Floats  # what is to be added to each cone factor, dimensionless, shape [m]
-    half_width: Floats  # of 95 %, dimensionless, NaN where none was found; shape [m]
-    reasons: tuple[str, ...] = ()  # why none was found, each as "word: sentence"
+    depth: Floats  # increasing [m], shape [m]
+    correction: Floats  # to be added to each cone factor, dimensionless, shape [m]
+    half_width: Floats  # of 95 %, dimensionless, NaN where it is not known; shape [m]
+    reasons: tuple[str, ...] = ()  # why it is not known, each as "word: sentence"
 
     def at(self, depth: Floats) -> tuple[Floats, Floats]:
         """Correction and half width at depths [m] of shape [n], each of that shape.
 
-        Between two depths the correction may be that of either: half of what they differ by is a
-        part of the half width.
+        Between two depths the correction may be that of either, so half their difference is a part
+        of the half width.
         """
         correction, half_width = (
             np.interp(depth, self.depth, column) for column in (self.correction, self.half_width)
@@ -75,7 +77,10 @@ class MeasuredError:
 
 
 def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> MeasuredError:
-    """The error at depths [m], rising, by cone tests that measured theirs, or why one has none."""
+    """The error at increasing depths [m], from cone tests with a measured error.
+
+    A test is its results, or the reason why it has none.
+    """
     reasons = [test if isinstance(test, str) else str(test[REASON].values) for test in tests]
     correction, half_width = (
         np.array([math.nan if isinstance(test, str) else float(test[name]) for test in tests])
@@ -90,7 +95,7 @@ def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> M
 
 
 def why_not_known(built: Scene, expected: Scene | None) -> list[str]:
-    """Why the error of no sample of a sounding is known, whatever its ground; see `built`."""
+    """Why the error is known of no sample, whatever the ground is; see `built`."""
     return why_not_as_measured(built, expected) or why_not_tresca(built.material)
 
 
@@ -106,12 +111,18 @@ def sample_error(
     why_none: Sequence[str],
     measured: MeasuredError | None = None,
 ) -> SampleError:
-    """What is known of the error of the samples of a resistance.
+    """The error of the samples of a sounding.
 
-    Of each sample are given the laws, the depth of the tip [m], the mean strength around it and
-    what a cell further down changes of that, the net resistance as simulated [Pa], and whether the
-    surface of the ground is in the window, or a border near, by what is said of it. What is
-    `measured` by further runs is in place of the laws.
+    Args:
+        laws: the laws of the error, with one value for each sample.
+        depth: of the tip [m], shape [n].
+        around: mean strength around the tip [Pa], shape [n].
+        resistance: net resistance as simulated [Pa], shape [n].
+        shift: change of `around` where the tip is one cell deeper [Pa], shape [n].
+        surface: reasons about the surface of the ground in the window, and where they apply.
+        borders: reasons about borders of layers nearby, and where they apply.
+        why_none: reasons why the laws hold for no sample.
+        measured: the error measured by further runs, in place of the laws; None without them.
     """
     factor = resistance / around
     if measured is None:
@@ -147,7 +158,7 @@ def sample_error(
 
 
 def _noise(laws: ErrorLaws, factor: Floats) -> Floats:
-    """Half width of the noise of each sample, over strength, shape [n]."""
+    """Half width of the noise of each sample, over the strength, shape [n]."""
     ratio = laws.poissons_ratio
     over_pressure_waves = np.sqrt(
         laws.inertia / laws.rigidity_index * (1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio))
@@ -157,21 +168,21 @@ def _noise(laws: ErrorLaws, factor: Floats) -> Floats:
 
 
 def _any_of(conditions: Mapping[str, Condition], depth: Floats) -> NDArray[np.bool_]:
-    """Where one of the conditions holds, shape [n]."""
+    """Where at least one condition holds, shape [n]."""
     each = [np.broadcast_to(holds, depth.shape) for holds in conditions.values()]
     found: NDArray[np.bool_] = np.logical_or.reduce([np.zeros(depth.shape, dtype=bool), *each])
     return found
 
 
 def _with_depths(reasons: Mapping[str, Condition], depth: Floats) -> list[str]:
-    """The reasons that hold somewhere, and from where to where."""
-    told = []
+    """The reasons that hold at some depth, with the ranges of depth where they hold."""
+    texts = []
     for reason, holds in reasons.items():
-        there = np.broadcast_to(holds, depth.shape)
-        edges = np.flatnonzero(np.diff(there, prepend=False, append=False))
+        mask = np.broadcast_to(holds, depth.shape)
+        edges = np.flatnonzero(np.diff(mask, prepend=False, append=False))
         spans = [f"{depth[a]:.4g} to {depth[b - 1]:.4g}" for a, b in edges.reshape(-1, 2)]
-        if there.all():
-            told.append(reason)
+        if mask.all():
+            texts.append(reason)
         elif spans:
-            told.append(f"{reason}, from {' and '.join(spans)} m")
-    return told
+            texts.append(f"{reason}, from {' and '.join(spans)} m")
+    return texts
