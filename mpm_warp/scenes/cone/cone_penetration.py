@@ -38,33 +38,34 @@ from mpm_warp.uncertainty.laws import APEX_ANGLE
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, transient_penetration
 
 SOURCE_HEIGHT = 2.0 / 3.0
-"""Height of the source that the cone is from afar, above the tip, over the cone's height: that of
-the middle of the volume that it puts into the ground."""
+"""Height above the tip, over that of the cone, of the point source that the cone resembles from
+afar: the centroid of the volume that it displaces."""
 SPARE_SLOTS, SPARE_SLOTS_WITH_FRICTION = 0.15, 0.4
-"""Slots for material points beside those that fill the grid, over their number: the cells along a
-rough shaft come to hold the many small ones from near the axis, with friction more of them."""
+"""Additional slots for material points, over the number of points that fill the grid. Many small
+points from near the axis gather in the cells along a rough shaft, with friction even more."""
 SANE_INERTIA, GREATEST_INERTIA, REFUSED_INERTIA = 5.0, 10.0, 50.0
-"""rho V^2 / su up to which nearly all random cases complete; beyond which few do on coarse cells,
-as soil is thrown off and transfers dissipate much of the work; and beyond which none of 98 did."""
+"""Limits of rho V^2 / su. Up to the first nearly all random cases complete. Beyond the second few
+do on coarse cells: soil is thrown off, and the transfers dissipate much of the work. Beyond the
+third none of 98 did."""
 CELLS_AT_SPEED = 1.8
-"""Cells per radius up to which cells are that coarse: with fewer 23 of 85 complete, with more 46 of
-63."""
+"""Cells per radius below which cells are coarse in this sense: with fewer 23 of 85 cases complete,
+with more 46 of 63."""
 MANY_ROWS, SPEED_OF_MANY_ROWS, STEP_OF_MANY_ROWS = 550, 0.08, 0.125
-"""Rows of the grid beyond which waves have the way to grow (`mpm_warp.step.momentum`); and what
-keeps them from it, a speed over that of shear waves, or a way of such waves in a step over the
-height of a row. Of 5 cases in 663 rows two lost over a fifth of their work, of 6 in more all; in
-465 none did."""
+"""Number of rows above which waves grow from row to row (`mpm_warp.step.momentum`), and what
+prevents it: a speed over that of shear waves, or a path of shear waves in one step over the height
+of a row. Two of 5 cases in 663 rows lost over a fifth of their work, as did all of 6 in more rows;
+none did in 465."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConePenetration(ConeTestByDefault):
     """A penetrometer pushed at constant speed into uniform, weightless, undrained clay.
 
-    The strength of the clay may fall with plastic strain, and rise with the rate that the strain
-    has at the real speed.
+    The strength of the clay may fall with plastic strain, and rise with the strain rate of the real
+    speed.
 
-    The penetrometer starts in place, in ground with the stress as if it had come from far above.
-    Excess stresses are simulated: those over the vertical in-situ stress, which balances itself.
+    The penetrometer starts in place, in ground stressed as if it had come from far above. The
+    simulated stresses are in excess of the vertical in-situ stress, which is in equilibrium.
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
@@ -78,15 +79,18 @@ class ConePenetration(ConeTestByDefault):
             beside = f"rigidity_index = {self.rigidity_index:g}"
             self.refuse("speed_ratio", f" with {beside}: {self.thrown_off(REFUSED_INERTIA)}")
         if self.uncertainty == "measured":
-            self.further_tests()  # all are allowed
+            self.further_tests()  # raises where one of them is not allowed
 
     @property
     def likely_failure(self) -> str:
-        """See `CatalogueScene`: soil is thrown off, or waves grow on its way through the grid."""
+        """See `CatalogueScene`: soil is thrown off, or waves grow from row to row."""
         return self.failure_told(1.0)
 
     def failure_told(self, scale: float) -> str:
-        """The same, its speeds times a scale: that of a scene whose speed is over other waves."""
+        """The likely failure; the speeds in its remedy are multiplied by `scale`.
+
+        A scene whose speed is over that of other waves has another scale than 1.
+        """
         if self.inertia > GREATEST_INERTIA and self.cells_per_radius < CELLS_AT_SPEED:
             remedy = f"or {CELLS_AT_SPEED:g} cells_per_radius or more"
             return f"{self.thrown_off(GREATEST_INERTIA, scale)}, {remedy}"
@@ -108,7 +112,7 @@ class ConePenetration(ConeTestByDefault):
         )
 
     def thrown_off(self, limit: float, scale: float = 1.0) -> str:
-        """Why a cone above a limit of rho V^2 / su is too fast, and the speed to take instead."""
+        """Message that the cone is above a limit of rho V^2 / su, with a speed to try."""
         speed_ratio = scale * math.sqrt(SANE_INERTIA / self.rigidity_index)
         return (
             f"rho V^2 is {self.inertia:.3g} su, and above {limit:g} su soil is thrown off; "
@@ -117,7 +121,7 @@ class ConePenetration(ConeTestByDefault):
 
     @property
     def clay(self) -> Material:
-        """The clay, as stiff as it is simulated, its strain rates those of the real speed."""
+        """The clay as simulated: Poisson's ratio bounded, strain rates those of the real speed."""
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
         speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
         return self.clay_with(
@@ -138,8 +142,9 @@ class ConePenetration(ConeTestByDefault):
                 slowing_travel=SLOWING * self.cone_radius,
             )
         rubs = self.interface.friction > 0.0
-        # Beside a blunter face than the standard one points stay for long and gather velocities of
-        # their own, which must not push as the soil's strength does: rho w^2 is at most su.
+        # Beside a face blunter than the standard one points stay for long, and their velocities
+        # drift from that of the grid. Bounding the difference w by rho w^2 <= su keeps the stress
+        # that they exert below the strength.
         is_blunt = self.apex_angle > APEX_ANGLE
         strength = self.undrained_shear_strength
         return Window(
@@ -155,7 +160,7 @@ class ConePenetration(ConeTestByDefault):
         return self.build_in(self._grid)
 
     def build_in(self, grid: Grid) -> Scene:
-        """The same in a grid of other rows and columns around the penetrometer."""
+        """The scene in a grid with other rows and columns around the penetrometer."""
         strength, material = self.undrained_shear_strength, self.clay
         interface = self.interface
         source = TravellingSource(
@@ -212,7 +217,7 @@ class ConePenetration(ConeTestByDefault):
         """The size of a run without the further ones."""
         grid, size = self._grid, self.cell_size
         columns = grid.columns * (grid.outer_radius - self.cone_radius)
-        # All but the cells at the surface are larger, and those above and below the cone are alike.
+        # The time step follows the smallest cells, those at the cone; a small grid has them all.
         around_cone = self.penetrometer.fitted_grid(
             cell_size=size,
             columns=np.unique(columns[[0, 1, -1]]),
@@ -224,7 +229,7 @@ class ConePenetration(ConeTestByDefault):
             size_in_grid(self.build_in(around_cone), self.end_time),
             cell_count=grid.cell_count,
             particle_count=round(slots),
-            # A sample keeps two forces on each node beside the penetrometer, and what it comes to.
+            # A sample keeps two forces on each node beside the penetrometer, and its own results.
             curve_bytes=self.penetration / SAMPLE_SPACING * (16.0 * grid.row_count + 1000.0),
         )
 
@@ -236,7 +241,7 @@ class ConePenetration(ConeTestByDefault):
     def compute(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots | None = None
     ) -> xr.Dataset:
-        """What a run gives; with its uncertainty to be measured, the further runs are made too."""
+        """The results of a run, and of its further runs where they measure the uncertainty."""
 
         def run(test: "ConePenetration", report: Progress) -> xr.Dataset:
             shown = snapshots if test is self else None
@@ -263,7 +268,7 @@ class ConePenetration(ConeTestByDefault):
         rows = self.penetrometer.rows_on_face(self.cell_size)
         cone.check_measurable(self.laws(penetration=self.penetration), rows)
         wider = {name: cone.WIDER * getattr(self, name) for name in self.default_extents}
-        # In a higher window the cone has more soil to pass, and it takes longer to settle.
+        # In a taller window the cone has more soil to pass, and the resistance settles later.
         settling = cone.SETTLING * wider["domain_above"]
         further = wider["domain_above"] - self.domain_above + settling
         wider |= {"approach": self.approach + further, "penetration": self.penetration + further}
@@ -276,7 +281,7 @@ class ConePenetration(ConeTestByDefault):
         return further_runs.further_tests(self._alone, changes, cone.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
-        """A run of the test, as far as its error goes."""
+        """What the error of a run of this test depends on."""
         return cone.ConeRun(
             laws=self.laws(penetration=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
@@ -285,12 +290,12 @@ class ConePenetration(ConeTestByDefault):
 
     @property
     def _expected(self) -> Scene | None:
-        """What a cone test of the catalogue builds of these parameters."""
+        """The scene that the catalogue builds from these parameters."""
         return expected_scene(self._alone)
 
     @property
     def _alone(self) -> Self:
-        """The test without further runs, its method by default that of the test with them."""
+        """The test without further runs; it keeps the defaults that the test with them derives."""
         kept: dict[str, Any] = {name: float(getattr(self, name)) for name in DERIVED_BY_ERROR}
         return replace(self, uncertainty="known", **kept)
 
@@ -301,9 +306,9 @@ class ConePenetration(ConeTestByDefault):
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work, or the cone
-                factor is above all that soil can give.
-            UnfinishedRun: a steady resistance was asked for (`steady_tolerance` > 0), and at the
-                greatest penetration it still changes.
+                factor is above any that soil can have.
+            UnfinishedRun: a steady resistance is required (`steady_tolerance` > 0), but at the
+                greatest penetration the resistance still changes.
         """
         built, strength = soil_scene(simulation), self.undrained_shear_strength
         pressures = pore_pressure.pore_pressure_curves(simulation, self.penetrometer)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from mpm_warp.scenes.cone.parameters import ConeTest
-from mpm_warp.scenes.cone.penetrometer import ROUNDING
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
 from mpm_warp.uncertainty.steadiness import steady_penetration
@@ -20,42 +19,45 @@ CELLS_PER_RADIUS = {
     "fine": (6.0, 6.0, 4.62),
 }
 """Cells per cone radius by accuracy in soft, ordinary and very stiff clay: 3 to 10 rows beside the
-face. Clay whose error no law takes off counts as ordinary. In soft clay the factor is small, and
-tests are short; in very stiff clay it is the other way about."""
+face. Clay for which no law of the error holds counts as ordinary. In soft clay the cone factor is
+small and tests are short; in very stiff clay the factor is large and tests are long."""
 WINDOW = {"quick": 0.75, "standard": 1.0, "fine": 1.3}
 SPEED_RATIO = {"quick": 0.045, "standard": 0.03, "fine": 0.03}
 """Extents of the window over those of `default_extents`, and speed over that of shear waves in
 stiff clay, by accuracy."""
 INERTIA_BY_ACCURACY = {"quick": LARGEST_INERTIA, "fine": 0.2}
-"""rho V^2 / su up to which that speed is taken: the greatest whose effect is known; fine tests:
-one that leaves 0.01 open."""
+"""Largest rho V^2 / su at that speed, by accuracy. quick: the largest whose effect is known. fine:
+one whose effect has a half width of 0.01."""
+ROUNDING = 1e-9
+"""Relative margin below these limits, so that rounding never exceeds them."""
 BULK_MODULUS = {"quick": 250.0, "standard": 5e3, "fine": 1e4}
-"""Bulk modulus over su up to which clay is simulated by default, by accuracy; steps are the longer
-the lower it is."""
+"""Largest bulk modulus over su that is simulated by default, by accuracy. A lower one allows longer
+time steps."""
 COMPRESSIBLE, INCOMPRESSIBLE = 0.45, 0.4999
-"""Poisson's ratios that the bound of it is by default at least and at most."""
+"""Smallest and largest default of the bound of Poisson's ratio."""
 SOFT_BOUND = 0.475
-"""The same at most in soft clay, accuracy standard."""
+"""Largest default of this bound in soft clay, accuracy standard."""
 DERIVED_BY_ERROR = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
-"""What follows by default from whether the error of a test is known."""
+"""Parameters whose default depends on whether the error of the test is known by laws."""
 STIFF, VERY_STIFF = 100.0, 300.0
 """Rigidity indices below which clay is soft, and above which it is very stiff."""
 SOFT_SPEED_RATIO = 0.05
-"""Speed up to which it follows the inertia rho V^2 / su in soft clay."""
+"""Largest default speed in soft clay, over the speed of shear waves."""
 SPARE = 4.5
-"""Penetration that is left for a resistance that becomes steady late, in cone radii."""
+"""Penetration kept in reserve for a resistance that becomes steady late, in cone radii."""
 INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
-"""What rho V^2 / su and V over the speed of shear waves may be during the approach by default."""
+"""Largest rho V^2 / su and largest V over the speed of shear waves of the default approach."""
 RAMP, SLOWING = 1.0, 2.0
-"""Penetration in which the speed rises from rest, and that in which it falls to the final one, in
-cone radii."""
+"""Penetration over which the speed rises from rest, and over which it falls to the final speed
+after the approach, in cone radii."""
 BLUNT, INERTIA_OF_BLUNT_APPROACH = 90.0, 1.4
-"""Apex angle above which it is less [degrees], and what it is then: soil is thrown off the tip of a
-rough cone of 120 degrees at 6, on four rows of cells beside its face."""
+"""Apex angle [degree] above which the default approach is slower, and its largest rho V^2 / su
+then. At 6, soil is thrown off the tip of a rough cone of 120 degrees on four rows of cells beside
+its face."""
 
 
 class Interface(NamedTuple):
-    """What the surface of a penetrometer bears."""
+    """Adhesion and friction of the surface of a penetrometer."""
 
     face: float  # adhesion factor of the face
     shaft: float  # adhesion factor of the shaft
@@ -64,7 +66,7 @@ class Interface(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class ConeTestByDefault(ConeTest):
-    """A cone test whose method follows from its clay where it is not given."""
+    """A cone test that derives the parameters of the method from its clay where none are given."""
 
     def derived(self) -> Mapping[str, float]:
         """The shaft is as rough as the face; window and approach follow the rigidity index."""
@@ -72,7 +74,7 @@ class ConeTestByDefault(ConeTest):
             name: WINDOW[self.accuracy] * by_law for name, by_law in self.default_extents.items()
         }
         above = extents["domain_above"] if self.domain_above is None else self.domain_above
-        # Soil that the cone has never passed has then left the window.
+        # By then all soil that the cone has never passed has left the window.
         approach = above + 1.0 if self.approach is None else self.approach
         is_blunt = self.apex_angle > BLUNT
         inertia = INERTIA_OF_BLUNT_APPROACH if is_blunt else INERTIA_OF_APPROACH
@@ -91,10 +93,10 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def _bound(self) -> float:
-        """Poisson's ratio of the greatest bulk modulus over su that is simulated by default.
+        """Default bound of Poisson's ratio, from `BULK_MODULUS`.
 
-        It is bounded where laws take the error of the test off, that of the bound too; more so in
-        soft clay, whose cells are smaller.
+        There is a bound only where the laws of the error hold, as they correct its effect too. It
+        is lower in soft clay, which is simulated with smaller cells.
         """
         if self.poissons_ratio_bound is not None or not self._error_is_known:
             return INCOMPRESSIBLE
@@ -121,11 +123,11 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def interface(self) -> Interface:
-        """What face and shaft bear as they are built.
+        """Adhesion and friction of face and shaft as they are built.
 
-        Where the ground at rest presses so much that friction alone would bear the strength of the
-        soil, the soil shears before it slides: they are rough, and friction does nothing. Not where
-        the strain rate makes the soil stronger than at rest.
+        Where the in-situ stress is so high that friction alone reaches the strength of the soil,
+        the soil shears before it slides. Face and shaft are then built rough, without friction. A
+        rate effect excludes this, as it makes the soil stronger than at rest.
         """
         strength = self.undrained_shear_strength
         pressure = self.in_situ_stress - 2.0 * max(self.stress_anisotropy, 0.0) * strength
@@ -142,9 +144,10 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def approach_travel(self) -> float:
-        """Penetration of the approach; 0 where it would be no faster, or too short.
+        """Penetration of the approach over the radius; 0 if it would be no faster, or too short.
 
-        The last of the way, in which the resistance may become steady, is at the final speed.
+        The last part of the penetration, in which the resistance becomes steady, has the final
+        speed.
         """
         travel = min(self.approach, self.penetration - steady_penetration(self.rigidity_index))
         is_made = travel > RAMP + SLOWING and self.approach_speed_ratio > self.speed_ratio
@@ -158,7 +161,7 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def poissons_ratio_reduction(self) -> float:
-        """What the bound takes off Poisson's ratio."""
+        """Poisson's ratio of the clay less that simulated under the bound; 0 without effect."""
         return max(0.0, self.poissons_ratio - self.poissons_ratio_bound)
 
     @property
@@ -176,13 +179,13 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def _error_is_known(self) -> bool:
-        """Whether laws take the error off, and not further runs of the same method."""
+        """Whether the laws correct the error, so that no further runs are needed."""
         is_as_measured = self.apex_angle == APEX_ANGLE and self.interface.friction == 0.0
         return self._is_plain_tresca and is_as_measured and self.uncertainty == "known"
 
     @property
     def _is_plain_tresca(self) -> bool:
-        """Whether the clay is one whose error is known: perfectly plastic, Tresca.
+        """Whether the clay is perfectly plastic Tresca, for which the laws of the error hold.
 
         A scene of another package may build any other clay of the same parameters.
         """
@@ -191,11 +194,12 @@ class ConeTestByDefault(ConeTest):
 
     @property
     def _speed_ratio(self) -> float:
-        """Speed over that of shear waves by default: in soft clay of the inertia in stiff clay.
+        """Default speed over that of shear waves.
 
-        In other clay no law of the error takes the effect of inertia off, so it is slower. So are
-        quick tests, which would gain little, and fine ones, whose uncertainty is small. In stiff
-        clay both are slower, by the inertia.
+        In soft clay the standard speed is higher, so that the inertia rho V^2 / su is the same as
+        in stiff clay. This holds only where a law corrects the effect of inertia, in plain Tresca
+        clay. quick tests would gain little by it; fine tests have a small uncertainty to keep. In
+        stiff clay both are slower where `INERTIA_BY_ACCURACY` demands it.
         """
         ratio = SPEED_RATIO[self.accuracy]
         if not self._is_plain_tresca:

@@ -118,8 +118,8 @@ class FittedToCone(ConeInGround):
         """Width of the cells at the cone over its radius."""
         return self.cell_size / self.cone_radius
 
-    def error_laws(self, **of_clay_and_way: Any) -> ErrorLaws:
-        """The laws of the error in this grid; of clay and way are the other fields."""
+    def error_laws(self, **clay_and_penetration: Any) -> ErrorLaws:
+        """The laws of the error in this grid; the other fields of `ErrorLaws` are given."""
         return ErrorLaws(
             cell_size=self.relative_cell_size,
             cell_growth=self.cell_growth,
@@ -129,7 +129,7 @@ class FittedToCone(ConeInGround):
             extent_ratio=self.extent_ratio,
             above_ratio=self.domain_above / self.default_extents["domain_above"],
             approach_inertia=self.approach_inertia,
-            **of_clay_and_way,
+            **clay_and_penetration,
         )
 
 

@@ -27,16 +27,16 @@ from mpm_warp.uncertainty.steadiness import (
 )
 
 PUSHED = 0.5
-"""Penetration after the approach in which the soil that was slowed down still pushes, in radii."""
+"""Penetration after the approach over which the slowed soil still pushes by inertia, in radii."""
 FROM_REST = 2.0
-"""Penetration without an approach before which no resistance counts as steady, in radii."""
+"""Least penetration at which a resistance counts as steady without an approach, in radii."""
 
 
 class PenetrationCurves:
     """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
 
-    `forces` are means over each sample so far, `nodal_forces` those at the nodes over the last one
-    [N], shape [node_count, 2].
+    `forces` holds the mean forces of each sample so far, `nodal_forces` the mean forces on the
+    nodes in the last sample [N], shape [node_count, 2].
 
     Args:
         simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
@@ -77,12 +77,12 @@ class PenetrationCurves:
 
     @property
     def work(self) -> float:
-        """Of the penetrometer so far, per radian [J]."""
+        """Work of the penetrometer so far, per radian [J]."""
         parts = zip(self.forces, np.diff(self._reached).tolist(), strict=True)
         return math.fsum(force.upward * moved for force, moved in parts)
 
     def is_steady(self) -> bool:
-        """Whether the resistance is steady: the mean over two radii is that over two before."""
+        """Whether the mean resistance over two radii equals that over the two before."""
         earliest = len(self.forces) - 2 * STEADY_SAMPLES
         if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
             return False
@@ -112,12 +112,12 @@ class PenetrationCurves:
 
 
 def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
-    """The axis of `count` samples, each of which stands in its middle, over a length."""
+    """The axis of `count` samples, each at the middle of its interval; `over` names the length."""
     return (np.arange(count) + 0.5) * SAMPLE_SPACING, "1", f"penetration over {over}"
 
 
 def without_slowing(values: Floats, window: Window, radius: float) -> Floats:
-    """A curve, [n], less the samples of the slowing down: inertia then takes up to 1.3 su."""
+    """A curve, [n], NaN where the penetrometer slows down: inertia then takes up to 1.3 su."""
     approach = window.approach
     if approach is None:
         return values
@@ -128,7 +128,7 @@ def without_slowing(values: Floats, window: Window, radius: float) -> Floats:
 
 
 def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """What `PenetrationCurves` come to at the end over su [Pa], each as a `steady_mean`."""
+    """Steady means of `PenetrationCurves` over the strength su [Pa]; see `steady_mean`."""
     resistance, over = steady_mean(recorded.penetration_resistance)
     shear, _ = steady_mean(recorded.penetration_resistance_shear)
     sleeve, _ = steady_mean(recorded.sleeve_friction)
@@ -149,15 +149,15 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
 
 
 AXIS = "penetration"
-"""What the moments of a cone test are called; the parameter of that name bounds them."""
+"""Name of the coordinate of snapshots of a cone test, and of the parameter that bounds it."""
 
 
 class PenetrationSnapshots:
     """Takes snapshots of a test with a `History`, each time `curves` has sampled the forces.
 
-    The moments are penetrations over the radius of the penetrometer. Places on the surface are
-    nodes of the face from the tip on, then of the shaft. The shoulder is among both, for the shear
-    traction is another on either side of it.
+    Snapshots are taken at penetrations over the radius of the penetrometer. Places on the surface
+    are the nodes of the face from the tip on, then those of the shaft. The shoulder is in both,
+    because the shear traction jumps there.
     """
 
     def __init__(self, test: object, curves: PenetrationCurves, snapshots: Snapshots) -> None:
@@ -169,12 +169,12 @@ class PenetrationSnapshots:
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 
     def sample(self, *, is_last: bool = False) -> None:
-        """Take the snapshots that are due; at the end of a run, one for all it has not reached."""
+        """Take the snapshots that are due; at the end of a run, one for all those still due."""
         penetration = round(len(self._curves.forces) * SAMPLE_SPACING, 9)
         self._snapshots.take(penetration, self._fields, is_last=is_last)
 
     def dataset(self) -> xr.Dataset:
-        """Nothing: fields are no curves; the snapshots have them."""
+        """Empty: the fields are in the snapshots."""
         return xr.Dataset()
 
     def _surface_places(self) -> dict[str, xr.Variable]:
@@ -205,7 +205,7 @@ class PenetrationSnapshots:
         return scalars | soil_fields(simulation) | self._surface_traction()
 
     def _surface_traction(self) -> dict[str, xr.Variable]:
-        """Linear between nodes: with the radius as weight it integrates to the forces exactly."""
+        """Tractions at the nodes; weighted by radius they integrate to the forces exactly."""
         contact, nodal = self._curves.contact, self._curves.nodal_forces
         numbers = np.concatenate([self._face, self._shaft])
         pressure = nodal[numbers, 0] / contact.normal_areas[numbers]

@@ -1,8 +1,8 @@
 """The penetrometer: a cone below a shaft, the grid fitted to it, its contact, the forces on it.
 
-The standard penetrometer is 35.7 mm wide, which is 10 cm2. The cylindrical part of its cone reaches
-10 mm above the shoulder. There begins the friction sleeve, of 150 cm2. These heights are over the
-radius, so that a larger penetrometer has its places in proportion.
+The standard penetrometer has a diameter of 35.7 mm, a base of 10 cm2. The cylindrical part of its
+cone reaches 10 mm above the shoulder. The friction sleeve, of 150 cm2, begins there. Heights here
+are over the radius, so that they scale with a larger penetrometer.
 """
 
 import math
@@ -15,13 +15,11 @@ from mpm_warp.grid.fitted import Floats, Grid, nodal_areas
 from mpm_warp.parts.contact import SurfaceContact
 
 _RADIUS = 17.85
-"""Of the standard penetrometer [mm]."""
+"""Radius of the standard penetrometer [mm]."""
 SLEEVE_BEGIN = 10.0 / _RADIUS
 """Height of the lower end of the sleeve above the shoulder, over the radius."""
 SLEEVE_LENGTH = 133.7 / _RADIUS
 """Length of the sleeve over the radius."""
-ROUNDING = 1e-9
-"""What an angle may differ by and be the same [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +40,7 @@ class Penetrometer:
         return fraction * self.radius
 
     def rows_on_face(self, cell_size: float) -> int:
-        """Rows of cells beside the face, of the height that is nearest to a size [m]."""
+        """Number of rows of cells beside the face whose height is nearest to a size [m]."""
         return max(1, round(self.cone_height / cell_size))
 
     def fitted_grid(
@@ -51,8 +49,8 @@ class Penetrometer:
         """A grid whose rows meet tip and shoulder and whose first column follows the surface.
 
         Args:
-            cell_size: height of all rows, to that of a whole number of them beside the face [m].
-            columns: distances of the columns of nodes from the shaft, from 0, rising [m].
+            cell_size: height of all rows, rounded so that a whole number fits the face [m].
+            columns: distances of the columns of nodes from the shaft, increasing from 0 [m].
             depth_below: extent of the grid below the tip, to the nearest row [m].
             height_above: extent of the grid above the shoulder, to the nearest row [m], >= 0.
         """
@@ -63,7 +61,7 @@ class Penetrometer:
         row = np.arange(-rows_below, rows_on_face + rows_above + 1)
         rows = cell_height * row.astype(np.float64)
         surface = self.surface_radius(rows)
-        # Exactly on tip and shoulder, whatever rounding made of their rows.
+        # Tip and shoulder are met exactly, whatever the rounding of their rows.
         surface[row <= 0] = 0.0
         surface[row >= rows_on_face] = self.radius
         return Grid(
@@ -75,9 +73,10 @@ class Penetrometer:
 
 
 def sleeve_mean(heights: Floats, values: Floats) -> float:
-    """Mean over the sleeve of what is linear between heights above the shoulder, over the radius.
+    """Mean over the sleeve of values that are linear between heights.
 
-    The heights rise; it is not a number where the sleeve ends above the highest.
+    The heights, above the shoulder and over the radius, increase. The mean is NaN where the sleeve
+    ends above the highest.
     """
     begin, end = SLEEVE_BEGIN, SLEEVE_BEGIN + SLEEVE_LENGTH
     if heights[-1] < end:
@@ -107,12 +106,12 @@ class PenetrometerForces(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PenetrometerContact(SurfaceContact):
-    """Contact of the soil with a penetrometer that a grid is fitted to, and the forces on it.
+    """Contact of the soil with a penetrometer to which a grid is fitted, and the forces on it.
 
     The normal of a node is that of its consistent area vector, the integral of N n over the
-    surface, so that on the whole no soil flows through (Engelman, Sani & Gresho 1982, Int. J.
-    Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a smooth cone
-    has Nc 10.61 with it, 10.84 with the normal of the face alone, 9.99 with the shaft's.
+    surface. With it the net flow of soil through the surface is 0 (Engelman, Sani & Gresho 1982,
+    Int. J. Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a
+    smooth cone has Nc 10.61 with it, 10.84 with the normal of the face, 9.99 with the shaft's.
     """
 
     face_areas: Floats  # integrals of N r along the face for each node [m2], shape [node_count]
@@ -146,7 +145,7 @@ class PenetrometerContact(SurfaceContact):
         shaft = nodal_areas(radius, np.where(on_face, 0.0, length))
         half = 0.5 * penetrometer.apex_angle
         vectors = np.outer(face, [-np.cos(half), np.sin(half)]) + np.outer(shaft, [-1.0, 0.0])
-        # On the axis nothing moves sideways: the tip resists along z alone.
+        # Nothing on the axis moves radially, so the normal of the tip is vertical.
         vectors[grid.node_positions[nodes, 0] == 0.0, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
         return cls(
@@ -167,18 +166,18 @@ class PenetrometerContact(SurfaceContact):
         )
 
     def forces(self, nodal: Floats) -> PenetrometerForces:
-        """Forces on face and shaft, by normal and tangential ones at the nodes [N], [n, 2].
+        """Forces on face and shaft, from the normal and tangential nodal forces [N], [n, 2].
 
-        The shoulder belongs to both: its normal traction acts on either area, and its shear force
-        is shared as the greatest shear that the two can bear. The tip, which cannot slip on the
-        axis, bears as much of its greatest shear as the face does beside it.
+        The shoulder belongs to both. Its normal traction acts on both areas; its shear force is
+        divided in proportion to the largest shear of each. The tip cannot slip on the axis; its
+        shear is assumed to be the same share of its largest as at the next node of the face.
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
         limits, on_face = self._shear_limits(normal), self.shear_on_face(nodal)
         face_shear = float(on_face.sum())
         tip_shear = float(limits[0, 0] * on_face[1] / limits[0, 1]) if limits[0, 1] > 0.0 else 0.0
         upward_from_tip = tip_shear * math.cos(self.half_angle)
-        # A node's normal force acts on its area; the part of it on the face pushes upward.
+        # The part of a node's normal force that acts on the face pushes upward.
         on_face_part = float(normal @ (self.face_areas / self.normal_areas))
         return PenetrometerForces(
             face_normal=on_face_part * math.sin(self.half_angle) - upward_from_tip,
@@ -204,9 +203,9 @@ class PenetrometerContact(SurfaceContact):
         )
 
     def _shear_limits(self, normal: Floats) -> Floats:
-        """Greatest shear force on face and shaft of each node, by its normal one [N], [2, n].
+        """Largest shear force on face and shaft of each node, from its normal force [N], [2, n].
 
-        Strength and adhesion are those at the start; only their shares at shoulder and tip count.
+        Strength and adhesion are those at the start; only the ratios at shoulder and tip are used.
         """
         rubbing = self.friction * (normal / self.normal_areas + self.in_situ_stress)
         on_face = np.minimum(self.face_adhesion + rubbing, self.strength) * self.face_areas

@@ -1,19 +1,20 @@
 """The excess pore pressure beside a penetrometer, where a piezocone measures it.
 
-It is the change of mean total stress of the soil at the surface; an elastic, perfectly plastic
-undrained clay has no other part. Each reading is a weighted sum of the pressures of cells.
+It is the change of the mean total stress of the soil at the surface; an elastic, perfectly plastic
+undrained clay has no other excess pore pressure. Each reading is a weighted sum over cells.
 
-    u1  a line through the first two columns of cells, drawn on to the face
+    u1  a line through the first two columns of cells, extrapolated to the face
     u2  a + b ln(z/R + 0.15), z the height above the shoulder, fitted to the pressure of the first
         column from the third row above the shoulder on; its mean over the height of the filter
-    u3  the first column, linear between the middles of its cells
+    u3  the first column, linear between the centres of its cells
 
-At the shoulder the pressure falls at once from 9 su on the face to below 6 (Ir 100), and every mesh
-smears this over two and a half rows; above, it falls in all meshes alike.
+At the shoulder the pressure jumps from 9 su on the face to below 6 su (Ir 100). Every mesh smears
+this jump over two and a half rows; above them all meshes give the same fall.
 
-So where the law of its error holds u2 is stated by what all meshes have alike: the radial stress on
-the shaft some radii above the shoulder (`mpm_warp.uncertainty.pore_pressure`). It is the same in
-the soil that touches the shaft and in the cells beside it, which the pressure is not.
+So where the law of its error holds, u2 is not taken from this reading but from the radial stress on
+the shaft some radii above the shoulder (`mpm_warp.uncertainty.pore_pressure`). That stress hardly
+depends on the mesh: it is the same in the soil that touches the shaft and in the cells beside it,
+which the pressure is not.
 """
 
 import math
@@ -46,35 +47,34 @@ from mpm_warp.uncertainty.steadiness import steady_mean
 FILTER_HEIGHT = 0.5 * SLEEVE_BEGIN
 """Height of a filter over the radius: 5 mm."""
 SHOULDER_FILTER, SHAFT_FILTER = FILTER_HEIGHT, SLEEVE_BEGIN + SLEEVE_LENGTH + FILTER_HEIGHT
-"""Heights of u2 and u3 above the shoulder, over the radius: in the middle of the cylindrical part
-of the cone, and 5 mm over the sleeve."""
+"""Heights of u2 and u3 above the shoulder, over the radius: the middle of the cylindrical part of
+the cone, and 5 mm above the sleeve."""
 PLACES: Mapping[str, str] = {
     "face": "u1: in the middle of the cone's face",
     "shoulder": f"u2: on the shaft, {SHOULDER_FILTER:.2g} radii above the shoulder",
     "shaft": f"u3: on the shaft, {SHAFT_FILTER:.3g} radii above the shoulder, over the sleeve",
 }
-"""The places by their names in results."""
+"""Where each pressure is read, by its name in results."""
 SMEARED_ROWS, LEAST_ROWS = 2, 3
-"""Rows above the shoulder that are not read for u2, and the fewest that are."""
-READ_FROM, READ_TO = 1.4, 3.2
-"""Heights above the shoulder between which the radial stress is read, over the radius; u2 is read
-up to the upper one."""
-OFFSET = 0.15
-"""Of the height in the logarithm, over the radius: from there on the pressure of 20 rows beside the
-face follows it down to the filter."""
+"""Number of rows above the shoulder left out of the fit for u2, and least number in it."""
+RADIAL_FROM, RADIAL_TO = 1.4, 3.2
+"""Heights above the shoulder between which the radial stress is averaged, over the radius. The fit
+for u2 ends at the upper one."""
+LOG_OFFSET = 0.15
+"""The 0.15 in ln(z/R + 0.15): with it the pressure on 20 rows beside the face follows the fit down
+to the filter."""
 
-ALONG_SHAFT = f"on the shaft, mean from {READ_FROM:g} to {READ_TO:g} radii above the shoulder"
+ALONG_SHAFT = f"on the shaft, mean from {RADIAL_FROM:g} to {RADIAL_TO:g} radii above the shoulder"
 
 Reading = tuple[Integers, Floats]
 """Numbers of cells, and the weights of their pressures."""
 
 
 def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> Samples:
-    """Samples the excess pore pressure beside a penetrometer, where `PenetrationCurves` samples.
+    """Samples excess pore pressures and radial stress beside a penetrometer.
 
-    With them it samples the radial stress on the shaft. A sample is the mean of the values at its
-    begin and at its end. The grid is fitted to the penetrometer. While it slows down nothing is
-    given.
+    It samples at the penetrations of `PenetrationCurves`. A sample is the mean of the values at its
+    begin and end, NaN while the penetrometer slows down. The grid is fitted to the penetrometer.
     """
     scene = soil_scene(simulation)
     grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
@@ -116,7 +116,7 @@ def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> 
 
 
 def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variable]:
-    """What `pore_pressure_curves` come to at the end over su [Pa], at each place."""
+    """Steady means of `pore_pressure_curves` over the strength su [Pa], at each place."""
     factors: dict[str, Quantity] = {}
     for name, place in PLACES.items():
         pressure, over = steady_mean(recorded[f"excess_pore_pressure_{name}"])
@@ -132,27 +132,30 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
 def stated_beside_shaft(
     test: ConeTestByDefault, results: xr.Dataset, built: Scene
 ) -> dict[str, xr.Variable]:
-    """The factors of u1 and u2, corrected, with their uncertainty; and that of sleeve friction.
+    """Corrected factors of u1 and u2 with uncertainties, and the uncertainty of sleeve friction.
 
-    Results are those as simulated, and `cone_factor_uncertainty`. What was built says by how much
-    less than its adhesion the shaft may bear, not the parameters of the test.
+    Args:
+        test: the cone test.
+        results: its results as simulated, with the uncertainty of the cone factor.
+        built: the scene that was built. It, not the parameters, says how far the sleeve friction
+            may be below the adhesion.
     """
     face, shaft, _ = test.interface
     laws, strength = test.laws(penetration=test.penetration), test.undrained_shear_strength
     material, contact = built.material, built[PenetrometerContact]
-    is_told = contact.shaft_adhesion == shaft * strength
-    slips_at_adhesion = is_told and contact.friction == 0.0
-    is_bounded = slips_at_adhesion and type(material) in MEASURED_LAWS
+    is_as_given = contact.shaft_adhesion == shaft * strength
+    slips_at_adhesion = is_as_given and contact.friction == 0.0
+    has_lower_bound = slips_at_adhesion and type(material) in MEASURED_LAWS
     remoulded = 1.0
     if isinstance(material, EinavRandolph):
-        is_bounded &= not material.depends_on_rate
+        has_lower_bound &= not material.depends_on_rate
         remoulded = material.remoulded_strength_ratio
     why_none = str(results[REASON].values)
     if shaft != face:
         why_none = why_none or "shaft: its adhesion is another than that of the face"
     if laws.cell_growth > LARGEST_GROWTH:
         why_none = why_none or f"mesh: cell_growth is above {LARGEST_GROWTH:g}"
-    sleeve = stated_sleeve(results, remoulded=shaft * remoulded if is_bounded else math.nan)
+    sleeve = stated_sleeve(results, remoulded=shaft * remoulded if has_lower_bound else math.nan)
     return stated_pressures(results, laws, strength=strength, why_none=why_none) | sleeve
 
 
@@ -162,7 +165,7 @@ def _middles(edges: Floats) -> Floats:
 
 
 def _in_first_column(grid: Grid, height: float) -> Reading:
-    """Linear between the middles of the first cells; not a number above the highest."""
+    """Linear between the centres of the first column of cells; NaN above the highest."""
     middles = _middles(grid.rows)
     row = int(np.clip(np.searchsorted(middles, height), 1, grid.row_count - 1))
     upper = (height - middles[row - 1]) / (middles[row] - middles[row - 1])
@@ -172,33 +175,33 @@ def _in_first_column(grid: Grid, height: float) -> Reading:
 
 
 def _on_face(grid: Grid, height: float) -> Reading:
-    """The line through the middles of the first two columns, drawn on to the surface."""
+    """The line through the centres of the first two columns, extrapolated to the surface."""
     cells, weights = _in_first_column(grid, height)
     first, second = _middles(grid.columns)[:2]
     outward = first / (second - first)
-    drawn_on = np.concatenate([(1.0 + outward) * weights, -outward * weights])
-    return np.concatenate([cells, cells + 1]), drawn_on
+    extrapolated = np.concatenate([(1.0 + outward) * weights, -outward * weights])
+    return np.concatenate([cells, cells + 1]), extrapolated
 
 
 def _behind_shoulder(grid: Grid, penetrometer: Penetrometer) -> Reading:
-    """Mean over the filter of a + b ln(z/R + offset), fitted to the first column by rows."""
+    """Mean over the filter of a + b ln(z/R + 0.15), fitted to the first column of cells."""
     heights = (_middles(grid.rows) - penetrometer.cone_height) / penetrometer.radius
     first = int(np.searchsorted(heights, 0.0)) + SMEARED_ROWS
-    count = max(LEAST_ROWS, int(np.searchsorted(heights, READ_TO)) - first)
+    count = max(LEAST_ROWS, int(np.searchsorted(heights, RADIAL_TO)) - first)
     rows = np.arange(first, min(first + count, grid.row_count))
     if rows.size < LEAST_ROWS:
         return np.zeros(1, dtype=int), np.array([math.nan])
-    form = np.stack([np.ones(rows.size), np.log(heights[rows] + OFFSET)], axis=-1)
-    begin, end = SHOULDER_FILTER + OFFSET + 0.5 * FILTER_HEIGHT * np.array([-1.0, 1.0])
+    form = np.stack([np.ones(rows.size), np.log(heights[rows] + LOG_OFFSET)], axis=-1)
+    begin, end = SHOULDER_FILTER + LOG_OFFSET + 0.5 * FILTER_HEIGHT * np.array([-1.0, 1.0])
     mean_logarithm = (end * math.log(end) - begin * math.log(begin)) / (end - begin) - 1.0
     return rows * grid.column_count, np.array([1.0, mean_logarithm]) @ np.linalg.pinv(form)
 
 
 def _along_shaft(grid: Grid, penetrometer: Penetrometer) -> Reading:
-    """Mean over READ_FROM to READ_TO in the first column; not a number where the grid ends."""
+    """Mean over RADIAL_FROM to RADIAL_TO in the first column; NaN where the grid ends below."""
     heights = (grid.rows - penetrometer.cone_height) / penetrometer.radius
-    if heights[-1] < READ_TO:
+    if heights[-1] < RADIAL_TO:
         return np.zeros(1, dtype=int), np.array([math.nan])
-    shares = np.diff(np.clip(heights, READ_FROM, READ_TO)) / (READ_TO - READ_FROM)
+    shares = np.diff(np.clip(heights, RADIAL_FROM, RADIAL_TO)) / (RADIAL_TO - RADIAL_FROM)
     rows = np.flatnonzero(shares)
     return rows * grid.column_count, shares[rows]

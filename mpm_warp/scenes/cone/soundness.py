@@ -1,6 +1,6 @@
-"""When a cone factor counts as a result: energy kept, resistance level, size within bounds.
+"""Checks that a cone factor is sound: its energy error, steadiness and size.
 
-And where the work of the penetrometer goes, as shares of it.
+The energy balance is here too: the shares of the penetrometer's work by where it goes.
 """
 
 import math
@@ -25,17 +25,16 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import STEADY_SAMPLES
 
 LARGEST_ENERGY_ERROR = 0.05
-"""Share of the penetrometer's work that the method itself may create or dissipate."""
+"""Largest share of the penetrometer's work that the method itself may create or dissipate."""
 LARGEST_VARIATION = 0.05
-"""Range of the resistance over its last two radii, over its mean, of a run that is not steady.
-
-Runs that end steady have 0.5 to 2 %, one of 6 radii 4.5 %, one of 2 radii 30 % or more.
-"""
+"""Largest range of the resistance over its last two radii, over its mean, of a run that has not
+become steady. Steady runs end with 0.5 to 2 %, a run of 6 radii with 4.5 %, one of 2 radii with
+30 % or more."""
 LARGEST_OVER_CAVITY = 2.0
-"""What a cone factor may be over the estimate from cavity expansion; sound ones reach 1.6."""
+"""Largest ratio of a cone factor to the estimate from cavity expansion; sound ones reach 1.6."""
 
 LARGEST_RESIDUAL = 0.01
-"""What may be left of the balance, over the work of the penetrometer."""
+"""Largest residual of the energy balance, over the work of the penetrometer."""
 MEANING = {
     "plastic": "plastic work in the soil, over the penetrometer's",
     "sliding": "work of sliding along face and shaft, over the penetrometer's",
@@ -48,11 +47,11 @@ MEANING = {
     "least_mass": "work that the least mass of nodes keeps from the stress, over the "
     "penetrometer's",
 }
-"""Where the work goes."""
+"""Shares of the energy balance by name, each with its meaning."""
 
 
 def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
-    """What the transfers of a run made of the penetrometer's work [J], as a share of it."""
+    """Energy that the transfers of a run created, over the penetrometer's work [J]."""
     error = variable(
         transferred_energy(simulation) / work,
         meaning="energy error",
@@ -64,9 +63,9 @@ def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
 
 
 def check_energy(results: xr.Dataset, longer: str = "") -> None:
-    """Raise `InaccurateRun` where transfers took over `LARGEST_ENERGY_ERROR` of the work.
+    """Raise `InaccurateRun` where the energy error is above `LARGEST_ENERGY_ERROR`.
 
-    `longer` is what a scene has to make its run longer, where that helps.
+    `longer` names the parameter that makes the run longer, for scenes where that helps.
     """
     share = float(results.energy_error)
     if not abs(share) <= LARGEST_ENERGY_ERROR:
@@ -91,15 +90,15 @@ def check_levelled(results: xr.Dataset) -> None:
 
 
 def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
-    """Raise `InaccurateRun` where a cone factor is far above all that soil can give.
+    """Raise `InaccurateRun` where a cone factor is far above any that soil can have.
 
-    That is `LARGEST_OVER_CAVITY` times the limit pressure of a spherical cavity and the shear on
-    the face, by law and contact of the scene that was built, over the strength su [Pa]; and what
-    the inertia of the soil adds where its wall moves as fast as the face of the cone moves out,
-    3/2 rho v^2 (Rayleigh 1917, Phil. Mag. 34:94-98).
+    The bound is `LARGEST_OVER_CAVITY` times the limit pressure of a spherical cavity plus the shear
+    on the face, by material and contact of the scene built, over the strength su [Pa]. Added to it
+    is the inertia of the soil, 3/2 rho v^2 (Rayleigh 1917, Phil. Mag. 34:94-98), for a cavity wall
+    that moves at the outward speed v of the face.
     """
     contact = built[PenetrometerContact]
-    # With friction soil still bears no more shear than su.
+    # With friction too, the shear stress is at most su.
     face_shear = 1.0 if contact.friction > 0.0 else contact.face_adhesion / strength
     estimate = _cavity_pressure(built) / strength + face_shear / math.tan(contact.half_angle)
     outward = built[Window].speed * math.sin(contact.half_angle)
@@ -117,8 +116,8 @@ def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
 def _cavity_pressure(built: Scene) -> float:
     """Limit pressure of a spherical cavity in the soil of a cone test [Pa].
 
-    It is 4/3 q (1 + ln(G / q)), q half the strength of intact clay in compression along one axis,
-    at the rate of the cone; in a law of one's own, what the law says.
+    It is 4/3 q (1 + ln(G / q)). q is half the strength of intact clay in uniaxial compression, at
+    the strain rate of the cone. A user's own material states its limit pressure itself.
     """
     clay, criterion = built.material, type(built.material)
     if not isinstance(clay, UndrainedClay) or criterion not in (Tresca, VonMises, EinavRandolph):
@@ -134,13 +133,13 @@ def _cavity_pressure(built: Scene) -> float:
 
 
 def energy_balance_curves(simulation: Simulation) -> Samples:
-    """Samples the works of a scene with an energy balance, and gives their shares.
+    """Samples the terms of the energy balance of a scene, as shares of the penetrometer's work.
 
-    The work is that on face and shaft within the window, of the excess over the in-situ stress.
+    This is the work of the stress in excess of the in-situ stress, on face and shaft in the window.
     """
 
     def works_so_far() -> list[float]:
-        """The sums of the audited steps, taken for all steps [J]."""
+        """The sums over the audited steps, scaled to all steps [J]."""
         array = simulation.array
         sums = [*array(OF_NODES).sum(axis=0), array(OF_CELLS).sum(), *array(OF_POINTS).sum(axis=0)]
         return [*(AUDIT_INTERVAL * float(total) for total in sums), transferred_energy(simulation)]
@@ -148,7 +147,7 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
     at_first = works_so_far()
 
     def shares_of_work(*by_work: Floats) -> xr.Dataset:
-        """Over the last two radii, or the last half of the way."""
+        """The shares over the last two radii, or over the last half if that is shorter."""
         works = np.vstack([at_first, np.stack(by_work, axis=-1)])
         count = min(STEADY_SAMPLES, len(works) // 2)
         done = works[-1] - works[-1 - count]

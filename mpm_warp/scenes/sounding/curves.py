@@ -1,6 +1,7 @@
-"""The curves of a sounding over the depth of the tip, and what they say of a layer.
+"""The curves of a sounding over the depth of the tip, and scalars of a layer.
 
-That is how far the resistance feels a border, and how much of a thin layer's resistance is reached.
+The scalars say from which distance a border changes the resistance, and which share of the
+resistance of a thin layer is reached.
 """
 
 import math
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
-from mpm_warp.scenes.cone.pore_pressure import READ_TO
+from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, Condition
@@ -26,23 +27,24 @@ from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_STRESS, shoulde
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
 FELT = 0.05
-"""Share of the whole change of the resistance from which on a border is felt."""
+"""Share of the whole change of the resistance at which a border counts as felt."""
 SMOOTHED = 10
-"""Samples of a running mean, one radius: the noise of one sample is a few hundredths."""
+"""Number of samples in a running mean, one radius; the noise of one sample is a few hundredths."""
 NOISE = 0.002
 """Half width of the noise of a mean over a radius, over the resistance."""
 PRESSURE_NOISE = 0.05
-"""Half width of the noise of one sample of u2, over u2: twice the standard deviation that samples
-have in uniform clay, 0.022 to 0.03 at Ir 40 to 300 and 2.3 and 3 cells per radius."""
+"""Half width of the noise of one sample of u2, over u2: twice the standard deviation of samples in
+uniform clay, 0.022 to 0.03 at Ir 40 to 300 and 2.3 and 3 cells per radius."""
 HALF_WIDTH = "half width, 95 %"
-"""What an uncertainty is."""
+"""Description of an uncertainty in results."""
 BORDER = "border: the resistance feels another layer, where nothing was tested"
-"""Why samples have no uncertainty near a jump of the ground."""
+"""Reason why samples have no uncertainty near a jump of the ground."""
 UNDISTURBED = 20
-"""Samples at the begin of the curves, two radii, whose mean is the resistance without the layer."""
+"""Number of samples at the begin of the curves, two radii, whose mean is the resistance without the
+layer."""
 PAST_LAYER = 1.5
-"""Way below a thin layer by which its greatest change, a mean over a radius, has come, over the
-radius: that of layers one radius thick comes up to one radius below them."""
+"""Distance below a thin layer, over the radius, by which the mean over a radius has had its largest
+change. In layers one radius thick this change is up to one radius below them."""
 
 
 def sounding_curves(
@@ -51,10 +53,14 @@ def sounding_curves(
     why_none: Sequence[str],
     measured: MeasuredError | None = None,
 ) -> xr.Dataset:
-    """Curves over the depth of the tip, with the ground beside them, without the way before.
+    """Curves over the depth of the tip, with the ground beside them.
 
-    They are recorded over `penetration`, from the start of a run, which may have ended early. What
-    further runs have measured of the error is in place of the laws.
+    Args:
+        sounding: the sounding.
+        recorded: curves over `penetration` from the start of the run, which may have ended early;
+            the part above the first depth is left out.
+        why_none: reasons why the laws of the error hold for no sample.
+        measured: the error measured by further runs, in place of the laws; None without them.
     """
     given = recorded.isel(penetration=slice(sounding.lead_count, None))
     samples = np.array(sounding.samples[: given.sizes["penetration"]])
@@ -102,9 +108,9 @@ def error_of_samples(
     why_none: Sequence[str] = (),
     measured: MeasuredError | None = None,
 ) -> SampleError:
-    """What is known of the error of the samples of a resistance; see `sounding_curves`.
+    """The error of the samples of a resistance; see `sounding_curves`.
 
-    The `depth` of the tip [m] and the net `resistance`, as simulated [Pa], are of shape [n].
+    `depth` of the tip [m] and net `resistance` as simulated [Pa] have shape [n].
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
 
@@ -145,10 +151,10 @@ def error_of_samples(
 def _pore_pressure(
     sounding: SoundingTest, depth: Floats, recorded: xr.Dataset, is_known: NDArray[np.bool_]
 ) -> tuple[Floats, Floats]:
-    """u2 less what is known of its error, and its half width [Pa], shape [n].
+    """Corrected u2 and its half width [Pa], each of shape [n].
 
-    Near a border the strength where it is read is not that beside the filter; all of what this
-    changes is a part of the half width.
+    Where the strength changes, it differs between the filter and the height at which the radial
+    stress is read. The whole effect of this on u2 is a part of the half width.
     """
     ground, radius = sounding.ground, sounding.cone_radius
     simulated = recorded.excess_pore_pressure_shoulder.values
@@ -164,7 +170,7 @@ def _pore_pressure(
         stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
         extent_ratio=sounding.extent_ratio,
     )
-    above = np.maximum(0.0, at_shoulder - READ_TO * radius)
+    above = np.maximum(0.0, at_shoulder - RADIAL_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)
     as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
     is_as_measured = sounding.cell_growth <= LARGEST_GROWTH
@@ -195,12 +201,11 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
 def layer_values(
     sounding: SoundingTest, recorded: xr.Dataset, *, is_known: bool
 ) -> dict[str, xr.Variable]:
-    """Scalars of a sounding through a layer of the scene's parameters; none where there is none.
+    """Scalars of a sounding through the layer that its parameters define; empty without a layer.
 
-    There are none of a sounding from the surface either, nor of one whose curves begin where the
-    layer is felt: they have no resistance of undisturbed ground to compare it with. Where they do
-    not pass the layer the greatest change is still to come. `is_known` says whether laws of the
-    error hold for its clay.
+    They are empty too where the curves have no resistance of undisturbed ground to compare with: in
+    a sounding from the surface, and where the curves begin near the layer. They are empty where the
+    curves end before the largest change. `is_known` says whether the laws of the error hold.
     """
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
     if top is None or sounding.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
@@ -249,10 +254,10 @@ def _half_width(sounding: SoundingTest, reached: float) -> float:
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:
-    """Change of the resistance over that from one soil to the other, mean over a radius, [n].
+    """Change of the resistance over its change from one soil to the other, [n].
 
-    `factor` is net resistance over the strength that the soil would have without the layer, and
-    `ratio` the strength of the layer over it.
+    It is a running mean over a radius. `factor` is the net resistance over the strength that the
+    ground would have without the layer, `ratio` the strength of the layer over that strength.
     """
     undisturbed = float(np.mean(factor[:UNDISTURBED]))
     smooth = np.convolve(factor, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
@@ -261,8 +266,8 @@ def change_of_resistance(factor: Floats, ratio: float) -> Floats:
     return (smooth / undisturbed - 1.0) / (ratio - 1.0)
 
 
-def _first(way: Floats, reached: NDArray[np.bool_]) -> float:
-    """The way at the first sample from which on something is reached for a whole radius."""
+def _first(position: Floats, reached: NDArray[np.bool_]) -> float:
+    """The position of the first sample from which `reached` holds for a whole radius."""
     window = round(1.0 / SAMPLE_SPACING)
     lasting = np.convolve(reached, np.ones(window), mode="valid") >= window
-    return float(way[int(np.argmax(lasting))]) if lasting.any() else math.nan
+    return float(position[int(np.argmax(lasting))]) if lasting.any() else math.nan

@@ -11,10 +11,10 @@ from mpm_warp.sampling import excess_pore_pressure, soil_scene
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from mpm_warp.scenes.cone.pore_pressure import (
-    OFFSET,
+    LOG_OFFSET,
     PLACES,
-    READ_FROM,
-    READ_TO,
+    RADIAL_FROM,
+    RADIAL_TO,
     SHAFT_FILTER,
     SHOULDER_FILTER,
     pore_pressure_curves,
@@ -43,7 +43,7 @@ def pressures_in(test: ConePenetration, simulation: Simulation) -> np.ndarray:
     grid = soil_scene(simulation).grid
     middles = 0.5 * (grid.rows[:-1] + grid.rows[1:]) / test.cone_radius - SHOULDER
     behind = middles > 0.0
-    by_height = np.where(behind, -np.log(np.abs(middles) + OFFSET), 1.0 - middles)
+    by_height = np.where(behind, -np.log(np.abs(middles) + LOG_OFFSET), 1.0 - middles)
     columns = 0.5 * (grid.columns[:-1] + grid.columns[1:])
     in_row = np.outer(~behind, -INWARD * columns) - np.outer(behind, LOWER * (columns < columns[1]))
     field: np.ndarray = 1e5 + FALL * by_height[:, None] + in_row
@@ -56,7 +56,7 @@ def pressures_in(test: ConePenetration, simulation: Simulation) -> np.ndarray:
 def pressures_read() -> np.ndarray:
     """What is to be read in that field, at each of the places."""
     filter_heights = SHOULDER_FILTER + np.linspace(-0.14, 0.14, 2001)
-    logarithms = np.log([*filter_heights + OFFSET, SHAFT_FILTER + OFFSET])
+    logarithms = np.log([*filter_heights + LOG_OFFSET, SHAFT_FILTER + LOG_OFFSET])
     shoulder = 1e5 - FALL * logarithms[:-1].mean() - LOWER
     return np.array(
         [1e5 + FALL * (1.0 + 0.5 * SHOULDER), shoulder, 1e5 - FALL * logarithms[-1] - LOWER]
@@ -94,11 +94,13 @@ def test_pressures_are_of_the_places_and_begin_at_0() -> None:
 def test_the_radial_stress_is_that_of_the_ground_and_its_change() -> None:
     """Over the mean at rest; the deviator there is (sigma_v - sigma_h) / 3 = 2 Delta su / 3."""
     test = dataclasses.replace(TEST, cells_per_radius=6.0)
-    pressures = 1e5 - LOWER - FALL * np.log(np.linspace(READ_FROM, READ_TO, 1000) + OFFSET)
+    pressures = 1e5 - LOWER - FALL * np.log(np.linspace(RADIAL_FROM, RADIAL_TO, 1000) + LOG_OFFSET)
     at_rest = 2.0 * test.stress_anisotropy * test.undrained_shear_strength / 3.0
     expected = pressures.mean() - WITHOUT_PRESSURE[0] - at_rest
     # Mean over rows of their middles: off by the width squared over 24, times the mean curvature.
-    curvature = (1.0 / (READ_FROM + OFFSET) - 1.0 / (READ_TO + OFFSET)) / (READ_TO - READ_FROM)
+    curvature = (1.0 / (RADIAL_FROM + LOG_OFFSET) - 1.0 / (RADIAL_TO + LOG_OFFSET)) / (
+        RADIAL_TO - RADIAL_FROM
+    )
     off = FALL * curvature * (0.5 / 6.0) ** 2
     radial = sampled(test, 2)[RADIAL_STRESS]
     assert float(radial[-1]) == pytest.approx(expected, abs=off)
