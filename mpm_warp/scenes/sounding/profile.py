@@ -26,23 +26,23 @@ from mpm_warp.scenes.sounding.table import (
 )
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, CLEAR_OF_LARGE_CHANGE
 
-ROUNDED = 1e-9
-"""Relative difference of two rows that is none."""
-RAMP, LEAST_OF_RAMP, GREAT = 1.5, 0.3, 0.76
-"""Way over a radius within which a change above the second is felt as a border is; and change of
-strength above which it is felt farther away, just more than a factor of four."""
-OF_NO_SCALE = {"adhesion_factor", "stress_anisotropy"}
-"""Columns whose change counts as it is, not over the greater value."""
+ROUNDING = 1e-9
+"""Relative difference of two rows that counts as rounding."""
+RAMP_LENGTH, RAMP_CHANGE, LARGE_CHANGE = 1.5, 0.3, 0.76
+"""A change by more than the second within this many radii, the first, counts as a border. A change
+of strength by more than the third, just over a factor of four, is felt from farther away."""
+ABSOLUTE_CHANGES = {"adhesion_factor", "stress_anisotropy"}
+"""Columns whose change is taken as it is; that of others is relative to the larger value."""
 TINY = 1e-300
-"""In place of a value of 0, to divide by."""
-FILLED_IN: Any = None
-"""Default of a column that all ground has."""
+"""Divisor in place of 0."""
+FILLED_IN_LATER: Any = None
+"""Default of a column that `__post_init__` fills in."""
 
 
 def _change(name: str, one: Floats, other: Floats) -> Any:
-    """Change of a column from one value to another, of their shape."""
+    """Change of a column between two values or arrays, relative but for `ABSOLUTE_CHANGES`."""
     scale = np.maximum(np.maximum(np.abs(one), np.abs(other)), TINY)
-    return np.abs(other - one) / (1.0 if name in OF_NO_SCALE else scale)
+    return np.abs(other - one) / (1.0 if name in ABSOLUTE_CHANGES else scale)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,16 +50,15 @@ class Profile:
     """Ground by depth, in SI units; all arrays of shape [n], n >= 1.
 
     Attributes:
-        depth: below the surface of the ground [m], >= 0, not falling, no depth more than twice.
+        depth: below the surface of the ground [m], >= 0, not decreasing, no depth more than twice.
         strength: undrained shear strength su [Pa], > 0.
         shear_modulus: G [Pa], > 0; default: 100 su.
         unit_weight: total unit weight [N/m3], >= 0; default: 17 kN/m3.
-        adhesion_factor: of the cone's face beside the soil, dimensionless, 0 to 1; none where it is
-            not of the ground.
-        stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), dimensionless, > -1 and < 1, in
-            the ground before; none where it is not of the ground. Between rows the stress is
-            linear.
-        of_law: parameters of the law of the ground that vary with depth, by name, in SI units.
+        adhesion_factor: of the cone's face beside the soil, dimensionless, 0 to 1; None where the
+            profile does not give it.
+        stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su) in situ, dimensionless, > -1 and
+            < 1; None where the profile does not give it. Between rows the stress is linear.
+        of_law: parameters of the material law that vary with depth, by name, in SI units.
 
     Raises:
         ParameterError: a column is unknown, or a value is not allowed; the message names column,
@@ -68,8 +67,8 @@ class Profile:
 
     depth: Floats
     strength: Floats
-    shear_modulus: Floats = FILLED_IN
-    unit_weight: Floats = FILLED_IN
+    shear_modulus: Floats = FILLED_IN_LATER
+    unit_weight: Floats = FILLED_IN_LATER
     adhesion_factor: Floats | None = None
     stress_anisotropy: Floats | None = None
     of_law: Mapping[str, Floats] = field(default_factory=dict)
@@ -139,7 +138,7 @@ class Profile:
         return all(np.ptp(values) == 0.0 for values in self._felt.values())
 
     def between(self, begin: float, end: float) -> Self:
-        """The ground from one depth to another [m], `begin` < `end`; beyond it goes on as there."""
+        """The ground from one depth to another [m], `begin` < `end`; constant beyond both."""
         inside = (self.depth > begin) & (self.depth < end)
 
         def column(values: Floats) -> Floats:
@@ -165,11 +164,15 @@ class Profile:
         strength: float | None = None,
         rows: tuple[Material, ...] | None = None,
     ) -> Variation | None:
-        """Strength, stiffness and adhesion over the greatest of them, and the horizontal stress.
+        """Variation of the material with depth; None in uniform ground.
 
-        There is none in uniform ground. z = 0 in the grid is at the origin's depth [m]. Elsewhere
-        is the stress anisotropy where it is not of the ground. Strength is that of the material
-        [Pa], by default the greatest; a law whose parameters vary has a material in each row.
+        It has strength, stiffness, adhesion over their largest values, and the horizontal stress.
+
+        Args:
+            origin_depth: depth of z = 0 of the grid [m].
+            elsewhere: stress anisotropy where the profile gives none.
+            strength: of the material [Pa]; default: the largest of the profile.
+            rows: the material in each row, for a law whose parameters vary.
         """
         if self.is_uniform:
             return None
@@ -196,38 +199,38 @@ class Profile:
 
     @property
     def _felt(self) -> dict[str, Floats]:
-        """The columns whose change the resistance feels."""
+        """The columns whose change acts on the resistance."""
         not_felt = ("depth", "unit_weight")
         return {name: it for name, it in self._columns.items() if name not in not_felt}
 
-    def near_border(self, way: Floats, radius: float) -> NDArray[np.bool_]:
-        """Whether the resistance feels a border of the ground, at depths over a radius [m], [n].
+    def near_border(self, position: Floats, radius: float) -> NDArray[np.bool_]:
+        """Whether a border changes the resistance, at depths over a radius [m], shape [n].
 
-        That is a jump, or where much of the ground changes within a radius and a half.
+        A border is a jump between two rows, or a large change within a radius and a half.
         """
-        near = np.zeros(len(way), dtype=bool)
+        near = np.zeros(len(position), dtype=bool)
 
-        def feel(top: float, bottom: float, ratio: float) -> None:
-            before, behind = CLEAR_OF_LARGE_CHANGE if ratio > GREAT else CLEAR_OF_BORDER
-            near[(way > top / radius - before) & (way < bottom / radius + behind)] = True
+        def mark(top: float, bottom: float, ratio: float) -> None:
+            before, behind = CLEAR_OF_LARGE_CHANGE if ratio > LARGE_CHANGE else CLEAR_OF_BORDER
+            near[(position > top / radius - before) & (position < bottom / radius + behind)] = True
 
         is_jump = np.diff(self.depth) == 0.0
         for row in np.flatnonzero(is_jump):
             changes = {name: _change(name, *it[[row, row + 1]]) for name, it in self._felt.items()}
-            if max(changes.values()) > ROUNDED:
-                feel(self.depth[row], self.depth[row], changes["strength"])
+            if max(changes.values()) > ROUNDING:
+                mark(self.depth[row], self.depth[row], changes["strength"])
         jumps = self.depth[1:][is_jump]
-        for way_on in (-RAMP * radius, RAMP * radius):
-            ends = np.sort([self.depth, self.depth + way_on], axis=0)
+        for offset in (-RAMP_LENGTH * radius, RAMP_LENGTH * radius):
+            ends = np.sort([self.depth, self.depth + offset], axis=0)
             beyond = {
-                name: _change(name, it, np.interp(self.depth + way_on, self.depth, it))
+                name: _change(name, it, np.interp(self.depth + offset, self.depth, it))
                 for name, it in self._felt.items()
             }
-            changed = np.max(list(beyond.values()), axis=0) > LEAST_OF_RAMP
+            changed = np.max(list(beyond.values()), axis=0) > RAMP_CHANGE
             for row in np.flatnonzero(changed):
                 top, bottom = ends[:, row]
                 if not ((jumps >= top) & (jumps <= bottom)).any():
-                    feel(top, bottom, beyond["strength"][row])
+                    mark(top, bottom, beyond["strength"][row])
         return near
 
     def strength_at(self, depth: Floats) -> Floats:
@@ -235,20 +238,20 @@ class Profile:
         return np.interp(depth, self.depth, self.strength)
 
     def adhesion_factor_at(self, depth: Floats, elsewhere: float) -> Floats:
-        """Adhesion factor of the face at depths; `elsewhere` where it is not of the ground."""
+        """Adhesion factor of the face at depths; `elsewhere` if the profile gives none."""
         if self.adhesion_factor is None:
             return np.full_like(depth, elsewhere)
         return np.interp(depth, self.depth, self.adhesion_factor)
 
     def stress_anisotropy_at(self, depth: Floats, elsewhere: float) -> Floats:
-        """Stress anisotropy at depths; `elsewhere` where it is not of the ground."""
+        """Stress anisotropy at depths; `elsewhere` if the profile gives none."""
         if self.stress_anisotropy is None:
             return np.full_like(depth, elsewhere)
         half = np.interp(depth, self.depth, self.stress_anisotropy * self.strength)
         return half / self.strength_at(depth)
 
     def greatest_adhesion_factor(self, elsewhere: float) -> float:
-        """Greatest adhesion factor of the face; `elsewhere` where it is not of the ground."""
+        """Largest adhesion factor of the face; `elsewhere` if the profile gives none."""
         return float(self.adhesion_factor_at(self.depth, elsewhere).max())
 
     def shear_modulus_at(self, depth: Floats) -> Floats:
@@ -270,7 +273,7 @@ class Profile:
         return float(np.diff(borders).min()) if len(borders) > 1 else math.inf
 
     def _integral(self, values: Floats, begin: Floats, end: Floats) -> Floats:
-        """Integral of what is linear between the rows, and constant beyond them, over depth."""
+        """Integral over depth of a column, linear between rows and constant beyond them."""
         areas = np.diff(self.depth) * 0.5 * (values[1:] + values[:-1])
         until_row = np.append(0.0, np.cumsum(areas))
 

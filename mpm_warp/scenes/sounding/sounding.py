@@ -40,21 +40,21 @@ PIC_FRACTION = 0.02
 Without it soil is thrown off the surface. At 0.01 and 0.03, 3 cells per radius, the resistance
 differs by 10 % two radii below the surface, and by 1 % from three radii on."""
 STEADY_TOLERANCE = 0.003
-"""Of the tests that measure the error, as by default."""
+"""`steady_tolerance` of the cone tests that measure the error; the default of a cone test."""
 TIME_STEP_FRACTION = 0.7
-"""Greatest time step over the critical one: cells near the surface have no mass-matrix correction,
-without which 0.76 is stable."""
+"""Largest time step over the critical one. Cells near the surface have no mass-matrix correction;
+without it 0.76 is stable."""
 CELLS_AT_SURFACE = 1.5
-"""Cells per radius below which 41 of 70 random soundings from the surface did not complete; with
-more 8 of 46."""
+"""Cells per radius below which a sounding from the surface is likely to fail: 41 of 70 random ones
+did not complete, with more cells 8 of 46."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sounding(SoundingTest):
     """A penetrometer pushed at constant speed through clay whose strength and stiffness vary.
 
-    The strength may fall with plastic strain, and rise with the rate that the strain has at the
-    real speed, everywhere by the same law.
+    The strength may fall with plastic strain, and rise with the strain rate of the real speed, by
+    the same law everywhere.
 
     The ground is a `profile`, or one of linear strength with a layer in it. The penetrometer starts
     in place, above the first depth, or with its tip at the surface of the ground. Excess stresses
@@ -65,7 +65,7 @@ class Sounding(SoundingTest):
     version = 30
 
     def check_clay(self) -> None:
-        """See `ClayScene`; of ground by depth it is the clay in each row."""
+        """See `ClayScene`; in a profile the clay of each row is checked."""
         if self.profile is None:
             self._follow_law()
         check_sounding(self)
@@ -79,7 +79,7 @@ class Sounding(SoundingTest):
 
     @property
     def likely_failure(self) -> str:
-        """See `CatalogueScene`: that of a cone in the strongest soil, where most of the work is."""
+        """See `CatalogueScene`; judged by a cone test in the strongest soil of the ground."""
         test = self._test
         scale = self.speed_ratio / test.speed_ratio
         if test.inertia > SANE_INERTIA:
@@ -93,18 +93,18 @@ class Sounding(SoundingTest):
 
     @property
     def _test(self) -> ConePenetration:
-        """The test in uniform clay as strong and as stiff as the ground is anywhere on the way.
+        """The cone test in uniform clay of the largest strength and stiffness in the ground passed.
 
-        Of a law with parameters of its own it is that in the stiffest row.
+        For a law with parameters of its own it is the test in the stiffest row.
         """
         ground = self.ground_passed
         row = int(ground.shear_modulus.argmax()) if ground.of_law else None
-        # Where the ground varies its stress is a part of the variation.
+        # In ground that varies the in-situ stress is a part of the variation.
         of_ground = ground.stress_anisotropy_at(ground.depth[:1], self.stress_anisotropy)
         return self._test_in(row, float(of_ground[0]) if ground.is_uniform else 0.0)
 
     def _test_in(self, row: int | None, stress_anisotropy: float) -> ConePenetration:
-        """The test in the clay of a row of the ground that is passed; None: see `_test`."""
+        """The cone test in the clay of a row of the ground passed; for None see `_test`."""
         ground = self.ground_passed
         chosen = slice(None) if row is None else slice(row, row + 1)
         shear_modulus = ground.shear_modulus[chosen].max()
@@ -140,10 +140,10 @@ class Sounding(SoundingTest):
     def _in_ground(
         self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any
     ) -> dict[str, Any]:
-        """Parameters of a cone test in such clay, under such a vertical stress [Pa]."""
+        """Parameters of a cone test in this clay, under this vertical stress [Pa]."""
         index = float(shear_modulus) / float(strength)
         return {
-            # Between rows of its ground that of a law is another.
+            # A law's own stiffness is not linear between rows.
             "rigidity_index": Derived(index) if self.has_own_stiffness else index,
             "undrained_shear_strength": float(strength),
             "adhesion_factor": float(adhesion),
@@ -154,7 +154,7 @@ class Sounding(SoundingTest):
 
     @property
     def clay(self) -> Material:
-        """The clay of that test, varied as the ground is."""
+        """The clay of `_test`, varied with depth like the ground."""
         test, ground = self._test, self.ground_passed
         anisotropy = ground.stress_anisotropy_at(ground.depth, self.stress_anisotropy)
         rows = None
@@ -172,11 +172,12 @@ class Sounding(SoundingTest):
 
     @property
     def tests_by_depth(self) -> dict[float, ConePenetration]:
-        """Tests whose further runs measure the error, in uniform clay as the ground is at depths.
+        """Cone tests whose further runs measure the error, by depth [m].
 
-        The depths are the ends of the stretch, the upper one where the surface has left the window,
-        and those half a sample above and below each border between. Of uniform ground the lower end
-        will do. There are none where the surface does not leave.
+        Each is in uniform clay like that of the ground at its depth. The depths are both ends of
+        the sounding and half a sample above and below each border between. The upper end is where
+        the surface has left the window. Uniform ground has the lower end alone. There are none if
+        the surface does not leave the window.
         """
         begin = self._first_depth
         end = self.from_depth + (self.samples[-1] + 1) * self.spacing
@@ -192,7 +193,7 @@ class Sounding(SoundingTest):
         return {depth: self._test_at(depth) for depth in chosen}
 
     def _test_at(self, depth: float) -> ConePenetration:
-        """That test in uniform clay as the ground is at a depth [m], its error to be measured."""
+        """The cone test of `tests_by_depth` at a depth [m]; its error is measured."""
         ground, at = self.ground, np.array(depth)
         changes = self._in_ground(
             ground.strength_at(at),
@@ -208,17 +209,17 @@ class Sounding(SoundingTest):
         return replace(self._test, **changes)
 
     def build(self) -> Scene:
-        """The scene of a cone test, in clay that varies; or of one from the surface."""
+        """The scene of a cone test in clay that varies; it may start from the surface."""
         scene = replace(self._test.build(), material=self.clay)
         return self._from_surface(scene) if self.starts_at_surface else scene
 
     def _from_surface(self, scene: Scene) -> Scene:
-        """The scene of a cone test, with soil up to the surface of the ground only.
+        """The scene of a cone test whose soil ends at the surface of the ground.
 
-        The cone goes in, soil heaves beside it, the surface moves up through the window and leaves
-        it above. From then on the scene is that of the deep cone. The soil is weightless. Its
-        weight is in the in-situ stress, and acts on the cone as sigma_v0. The weight of the heave
-        is left out: it is some gamma R / su, about 0.01, of the strength.
+        As the cone goes in, soil heaves beside it. The surface moves up through the window and
+        leaves it at the top; from then on the scene is that of a deep cone. The soil is weightless:
+        its weight is in the in-situ stress, and acts on the cone as sigma_v0. The weight of the
+        heave is left out; it is some gamma R / su, about 0.01, of the strength.
         """
         level = self.start_depth
         grid, window = replace(scene.grid, ground_level=level), scene[Window]
@@ -256,11 +257,11 @@ class Sounding(SoundingTest):
 
     @property
     def end_time(self) -> float:
-        """Time to the last depth of the stretch [s]."""
+        """Time to the last depth [s]."""
         return self._test.window.time_to(self.travel)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """What a run gives; with its uncertainty to be measured, cone tests are run before."""
+        """The results of a run; where the uncertainty is measured, cone tests are run before."""
         tests = {} if self.uncertainty == "known" else self.tests_by_depth
         if not tests or why_not_as_measured(self.build(), expected_scene(self)):
             return super().compute(progress, execution)
@@ -279,11 +280,11 @@ class Sounding(SoundingTest):
     def record(
         self, simulation: Simulation, progress: Progress, measured: MeasuredError | None = None
     ) -> xr.Dataset:
-        """Push the penetrometer through the ground; the error is as measured, or as known.
+        """Push the penetrometer through the ground; `measured` replaces the laws of the error.
 
         Raises:
-            InaccurateRun: the transfers took too much of the penetrometer's work; not while the
-                surface is in the window, where no accuracy is stated.
+            InaccurateRun: the transfers took too much of the penetrometer's work. It is not raised
+                while the surface is in the window, where no accuracy is stated.
         """
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(simulation, self.penetrometer)

@@ -1,7 +1,7 @@
-"""The text of a ground by depth: a table of columns with units.
+"""The text of a profile, the ground by depth: a table of columns with units.
 
-The text has a header that names columns and units, and a row for each depth; rows are parted by
-new lines or by semicolons, values by commas:
+The text has a header with names and units of the columns, and a row for each depth. Rows are
+separated by new lines or semicolons, values by commas:
 
     depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
     0, 40, 100, 18
@@ -10,8 +10,8 @@ new lines or by semicolons, values by commas:
     12, 80, 150, 19
     20, 90, 150, 19
 
-Two rows of one depth make the border of two layers. A row that begins with # is a remark. Ground of
-a law with parameters of its own may have these as columns too, by their names.
+Two rows of one depth make the border of two layers. A row that begins with # is a comment. The
+parameters of a material law may be columns too, by their names.
 
 In place of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress,
 and ground_water [m], the depth of the water table. At each row they give
@@ -22,7 +22,7 @@ and its effective stress is linear between rows; where the water table lies betw
 is added there. A law of effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
 
 Parameters of a law are linear between two rows. Strength and stiffness that follow from them need
-not be: so each part between two rows is made of several.
+not be, so further rows are inserted between.
 """
 
 import re
@@ -50,13 +50,13 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "K0": {"1": 1.0},
     "ground_water": {"m": 1.0},
 }
-"""Units of each column, and what they are in SI units."""
+"""Allowed units of each column, with their values in SI units."""
 OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
-"""What a column may be called too."""
+"""Other names of columns, with the names they stand for."""
 OF_EFFECTIVE_STRESS = ("K0", "ground_water")
 """Columns that give the stress anisotropy together."""
 MEAN_STRESS, EARTH_PRESSURE = "mean_effective_stress", "earth_pressure_at_rest"
-"""What a law of effective stress calls its p0' and K0; these columns give them too."""
+"""Parameters p0' and K0 of a law of effective stress; K0 and ground_water give them too."""
 OF_REST = ("K0", EARTH_PRESSURE, "vertical_overconsolidation_ratio")
 """Columns by which there is a stress anisotropy."""
 OWN = tuple(name for name in UNITS if name not in ("rigidity_index", *OF_EFFECTIVE_STRESS))
