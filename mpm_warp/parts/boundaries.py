@@ -1,10 +1,10 @@
-"""What the edges of a grid do to its nodes: held, moved along rays, an elastic far field.
+"""Conditions at the edges of a grid: held nodes, radial motion, an elastic far field.
 
-Held nodes rest relative to undisturbed soil, free being 0 or 1. Radial motion is along the ray n of
-a node; it keeps a flow as round as it began. Soil whose stress falls as it is strained would part
-from such a flow at the least disturbance: its strain gathers in bands (Rudnicki & Rice 1975, J.
-Mech. Phys. Solids 23:371-394). The far field has springs k and dashpots c, per radian, w the radial
-displacement of a node; the dashpots are implicit:
+Held nodes rest relative to undisturbed soil; free is 0 or 1 for each component. Radial motion is
+along the ray n of a node. It keeps a flow radial where soil softens: otherwise the slightest
+disturbance would localise its strain in bands (Rudnicki & Rice 1975, J. Mech. Phys. Solids
+23:371-394). The far field has springs k and dashpots c, per radian; w is the radial displacement of
+a node. The dashpots are implicit:
 
     v <- free v                                                 held nodes
     v <- (v . n) n                                              radial motion
@@ -140,10 +140,10 @@ class FarField(Part):
     """The infinite elastic medium beyond the outer radius of the grid.
 
     Statically a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G); for waves the quiet
-    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877). They resist flow
-    that never stops too, in proportion to c; so the speed of the pressure waves is taken as at most
-    `QUIET_SPEED_RATIO` times that of the shear waves. In clay that hardly changes its volume it is
-    more, and part of these waves comes back.
+    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877). They also resist
+    steady flow, in proportion to c. So the speed of pressure waves is taken as at most
+    `QUIET_SPEED_RATIO` times that of shear waves. In nearly incompressible clay it is higher, and
+    part of these waves is reflected.
 
     Attributes:
         nodes: flat indices of the nodes on the side, from below to above, shape [node_count].

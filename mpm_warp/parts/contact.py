@@ -12,22 +12,23 @@ times contact area, which the simulated stress leaves out.
     J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
     P   = m d.n + K + p A dt        where the surface goes through the nodes, as here
 
-Two things bound the friction of a surface in the grid. Soil bears no more shear than its strength
-k, whatever presses: a rougher surface shears the cells beside it, whose stress acts half a cell
-farther out, so that it bore 1.28 k on five rows of cells beside a cone. And friction that follows
-the pressure at once makes sliding on elastic soil unstable, the shortest waves most (Adams 1995, J.
-Appl. Mech. 62:867-872): along a shaft waves of six cells ran at the speed of shear waves, of a
-third of the speed of the cone. So it follows over a way of sliding L, as it does where it was
-measured (Prakash & Clifton 1993; Ranjith & Rice 2001, J. Mech. Phys. Solids 49:341-361): the
-shortest way of a wave across a cell, some 0.7 of its side beside a cone of 60 degrees. V is the
-speed of the body, R the force that friction is of, which starts as p A:
+The friction of a surface in the grid is limited in two ways. First, the shear stress is at most the
+strength k of the soil, whatever the pressure. Without this limit a rougher surface shears the cells
+beside it, whose stress acts half a cell farther out; the shear was 1.28 k on five rows of cells
+beside a cone. Second, friction that follows the pressure at once makes sliding on elastic soil
+unstable, the shortest waves most (Adams 1995, J. Appl. Mech. 62:867-872): along a shaft waves of
+six cells ran at the speed of shear waves, with a third of the speed of the cone. So friction
+follows the pressure over a sliding distance L, as experiments show (Prakash & Clifton 1993; Ranjith
+& Rice 2001, J. Mech. Phys. Solids 49:341-361). L is the shortest path of a wave across a cell, some
+0.7 of its side beside a cone of 60 degrees. V is the speed of the body, R the normal force that
+friction follows, which starts as p A:
 
     R   <- R + min(|V| dt / L, 1) (P / dt - R)     where the body has a speed, else P / dt
     J_t at most (mu R + a A) dt, R at least 0, and at most k A dt
 
-The least mass M of a node limits what the force does to one that has little soil, for it could be
-thrown. The body bears what the force does not do to the soil; with u and v the velocities before
-and after the force, the impulse on the body is J_n + K, at least -p A dt,
+The least mass M of a node limits the acceleration of a node with little soil, which could be thrown
+off. The part of the force that then does not act on the soil acts on the body. With u and v the
+velocities before and after the force, the impulse on the body is J_n + K, at least -p A dt,
 
     K   = (max(m, M) - m) (v - u) . n
 
@@ -37,8 +38,8 @@ ratio of the particle where that varies, else 1, m mass of the particle.
 
     a A = (a A)_0 sum m x (k / k0) / sum m,     k A likewise, without x
 
-So a rough surface is as rough when the soil beside it is remoulded, or of another layer. Every 16th
-step brings the adhesion up to date: in that time soil moves by a small part of a cell.
+So a rough surface stays rough where the soil beside it is remoulded or of another layer. Every 16th
+step updates the adhesion: in that time soil moves by a small part of a cell.
 """
 
 import functools
@@ -58,7 +59,7 @@ from mpm_warp.plan.plan import Plan, ShareRow
 from mpm_warp.scene import Part, Scene
 
 PARTED = 1e-3
-"""Mean pressure over the in-situ stress below which nothing has pressed: that of rounding."""
+"""Mean pressure over the in-situ stress that counts as rounding: below it there is no contact."""
 OF_ADHESION, OF_STRENGTH = 0, 1
 """Components of the sums that adhesion and strength beside a surface follow."""
 UNIT_ROUNDING = 1e-6

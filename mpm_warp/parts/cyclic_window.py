@@ -6,16 +6,17 @@ the greatest speed, the speed is
 
     +-V min(1, t / t_r, (t_p - t) / t_r)        + on the way down
 
-At a turn the body stands still, and the soil is set at rest with it. Particles have velocities that
-no node has a share in; these would add up from passage to passage, until soil is thrown about.
+At a turn the body stands still, and the soil is set to rest with it. The velocities of particles
+have parts that no node represents. These would add up from passage to passage, until soil is thrown
+about.
 
-No soil enters, and none is lost. The soil of the whole stroke is there from the start: that of the
-grid, and that below it. A point that the grid has left keeps its place in the ground, its stress
-and its memory, and has no speed. Seen from the grid, which moves down by V, it passes by:
+No soil enters, and none is lost. The soil of the whole stroke exists from the start, in the grid
+and below it. A point that the grid has left keeps its place in the ground, its stress and its
+memory, and is at rest. Relative to the grid, which moves down by V, it moves up:
 
     x <- x + dt V e_z,      v = 0           outside: cell (-1, -1)
 
-It comes back in the column that it left: what rests does not go sideways.
+It comes back in the column that it left, as it does not move sideways.
 """
 
 import math

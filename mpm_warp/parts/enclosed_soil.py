@@ -1,15 +1,15 @@
-"""Soil that encloses every cell: one that no point is in for a moment is not a hole.
+"""Soil that encloses every cell: a cell without points for a moment is not a hole.
 
-Behind a body that soil flows around, points part, and now and then a cell has none. A cell that
-kept the stress it had would push at the soil around it, or pull, by the same force whatever that
-does: points never come back into a cell that pushes, and the work of it has no end. Symbols: sigma
-stress of the cell, K bulk modulus, e strain of a step.
+Behind a body that soil flows around, points separate, and at times a cell has none. If it kept its
+last stress, it would push or pull the soil around it by a constant force. Points never return to a
+cell that pushes, so the work of this force would grow without end. Symbols: sigma stress of the
+cell, K bulk modulus, e strain of a step.
 
     sigma <- (tr sigma / 3 + K tr e) 1          of a cell without points
 
-So it is like a drop of liquid, which resists a change of its volume as the soil does, and no shear.
-A node of a surface that has soil in none of its cells moves along its normal with the body: else
-the volume of these cells would change by all of the body's speed.
+Such a cell acts like a drop of liquid: it resists a change of volume as the soil does, but no
+shear. A node of a surface without soil in any of its cells moves along its normal with the body.
+Otherwise the volume of these cells would change at the full speed of the body.
 """
 
 import numpy as np

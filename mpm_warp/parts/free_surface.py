@@ -1,7 +1,7 @@
-"""Free surfaces: cells that soil fills in part, whose stress acts as far as they are filled.
+"""Free surfaces: the stress of a partly filled cell acts in proportion to its filling.
 
-The surface of the ground passes a window that goes down through it, and is left behind above. Only
-near it cells are filled in part. In those
+The surface of the ground moves up through a window that goes down, and leaves it at the top. Cells
+are partly filled only near it. In those
 
 - the stress acts as far as the cell is filled (`mpm_warp.step.cells`),
 - a material point takes a share a of its velocity from the grid as it is, in every step:
@@ -9,12 +9,12 @@ near it cells are filled in part. In those
   24:965-972). It takes away what the transfers add where points come into empty cells. It acts as a
   shear viscosity of the order a rho h^2 / (8 dt), h the width of a cell: less in finer cells.
 
-Deeper cells have the mass-matrix correction of full cells instead, and all of their stress where
-they are half full at the least. Were it reduced as near the surface, soil would be weaker by the
-scatter of points, some 4 %; were it never, soil that has come off a hole beside the shaft would be
-thrown about.
+Deeper cells have the mass-matrix correction of full cells instead, and act with all of their stress
+where they are at least half full. If their stress were reduced as near the surface, the scatter of
+points would make the soil some 4 % weaker. If it were never reduced, soil that separates at a hole
+beside the shaft would be thrown about.
 
-The soil is weightless, so the surface need not be known better than that it is in the layer.
+The soil is weightless, so it is enough to know that the surface is in the layer near it.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 DEEP_FILLING = 0.5
-"""Share of its volume from which on a cell far below the surface acts with all of its stress."""
+"""Filled share of a cell above which, far below the surface, all of its stress acts."""
 
 
 @dataclass(frozen=True)
@@ -55,8 +55,8 @@ class PassingSurface(FreeSurface):
 
     Attributes:
         level: height of the undisturbed surface in the grid at the start [m].
-        layer: thickness of the layer below it that counts as near [m], > 0; what is above the level
-            counts too, soil heaves there.
+        layer: thickness of the layer below it that counts as near [m], > 0; all above the level
+            counts as near too, as soil heaves there.
         pic_fraction: a in that layer and above it, dimensionless, > 0 and <= 1.
     """
 

@@ -1,18 +1,18 @@
-"""History: where the soil of a run has come from, and the plastic shear strain that it has borne.
+"""History: where the soil of a run comes from, and its plastic shear strain.
 
-Places of entry X are those in the ground: a grid that has travelled down by T sees soil at rest at
-x + T e_z where it was seen at x before. So the displacement u since needs no kernel:
+The place of entry X is a position in the ground. Soil at rest at x in the grid is at x + T e_z
+after the grid has travelled down by T. So the displacement u since entry needs no kernel:
 
     u = x - T e_z - X
 
-Every 16th step also records the plastic shear strain that soil bears in it. Symbols: tau elastic
-trial stress, G the shear modulus that it is made with, sigma stress after the law of the material,
-dev the deviator. The law changes stress by plastic strain. Its deviator, and what is added up, are
+Every 16th step also records the plastic shear strain of the soil. Symbols: tau elastic trial
+stress, G its shear modulus, sigma stress after the law of the material, dev the deviator. The
+difference of both stresses is due to plastic strain. Its deviator de, and the sum gamma, are
 
     de = dev(tau - sigma) / (2 G),    gamma <- gamma + 16 sqrt(2 de:de)
 
 so gamma, in pure shear, is the plastic part of the engineering shear strain. A step moves a point
-by a small part of a cell: 16 steps bear about 16 times what one of them does.
+by a small part of a cell: the strain of 16 steps is about 16 times that of one of them.
 """
 
 import functools

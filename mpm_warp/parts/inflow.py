@@ -1,24 +1,24 @@
-"""Soil enters a window that travels, layer by layer; what a point carries is bounded then.
+"""Soil enters a travelling window layer by layer; then the velocities of all points are bounded.
 
-A layer that enters is a copy of the lowest layer as it was seeded, in all that particles carry, so
-that what a part or a material adds to the particles enters with them. Where the material varies,
-the layer has the properties of its depth. A part may give it more (`Part.enter`), and what depends
-on the travel follows (`Part.follow`). At last the law takes a step without strain: ground around
-the window, which stays elastic, may give a stress outside the yield surface.
+A layer that enters is a copy of the lowest layer as it was seeded. It copies every array of the
+particles, so those that parts or materials have added are copied too. Where the material varies,
+the layer has the properties of its depth. A part may set further values (`Part.enter`), and update
+what depends on the travel (`Part.follow`). Last, the material law takes a step without strain: the
+ground around the window is elastic, and its stress may be outside the yield surface.
 
-The bound is on what a point carries beside the velocity of the soil at it. Symbols: v_p velocity of
-the point, v velocity of the nodes, N shape functions at the point.
+The bound limits w, the velocity of a point relative to the interpolated velocity of the grid.
+Symbols: v_p velocity of the point, v velocity of the nodes, N shape functions at the point.
 
     w = v_p - N v, |w| at most W:    v_p <- N v + w W / |w| beyond
 
-Where a scene bounds it more closely, by s, it is at most the greater of s and of OVER_CELL times
-the difference of v at opposite corners of the cell: what sound soil may have within a coarse one.
+A scene may give a closer bound s. Then |w| is at most s, or OVER_CELL times the difference of v at
+opposite corners of the cell where that is more: sound soil may have as much within a coarse cell.
 
-No point moves by its w; it is what the point brings to the nodes in the next step beside their own
-velocity. A point that stays near a tip, a shoulder or a pole for long gathers more and more of it,
-for it gets the same changes as those that hurry past, and would at last be faster than waves. That
-takes many steps: the bound is kept whenever a layer of soil enters, and costs next to nothing. What
-is faster than waves already is a fault, left for the watch to tell.
+A point does not move by its w, but passes it to the nodes in the next step. A point that stays near
+a tip, a shoulder or a pole for long gathers more and more of it, as it gets the same changes as
+points that pass quickly. In the end it would be faster than waves. This takes many steps, so the
+bound is applied only when a layer enters, and costs next to nothing. A point that is faster than
+waves already is a fault; the watch reports it.
 """
 
 import functools
@@ -38,19 +38,19 @@ from mpm_warp.plan.plan import Plan, Run, share_bounds
 from mpm_warp.scene import Scene
 
 ROUNDING = 1e-6
-"""Share of a step that counts as rounding: no step beyond a distance is taken for it."""
+"""Share of a step that counts as rounding: no further step is taken to reach a distance."""
 REMEDY = "where soil piles up finer cells, more spare slots or less travel"
 VELOCITY_BOUND = "velocity.bound"
-"""The launch, ordered between steps."""
+"""Name of the launch, which is ordered between steps."""
 SHARE_OF_WAVE, OVER_WINDOW = 0.5, 4.0
-"""W is the lesser of these, over the speed of the pressure wave and the greatest of the grid; in
-sound runs points have up to 0.12 and 2.7 of it."""
+"""W is the smaller of the first times the speed of pressure waves and the second times the largest
+speed of the grid. In sound runs points reach 0.12 and 2.7 of these speeds."""
 OVER_CELL = 2.0
-"""Closest bound where it is greater than s, over the difference of the velocities in the cell."""
+"""Bound of w over the difference of the velocities at opposite corners of a cell, if above s."""
 
 
 def add_inflow(plan: Plan, scene: Scene, *, window_speed: float, stray_speed: float) -> None:
-    """Add what lets a layer enter, when the plan has all arrays of its particles.
+    """Add the arrays and launches by which a layer enters, once all particle arrays are added.
 
     The greatest speed of the window is `window_speed`, the closer bound s `stray_speed` [m/s]. Of
     every array "particle.x" the plan gets "layer.x", its values in a layer that enters, and the

@@ -1,10 +1,10 @@
-"""Conservative velocity interpolation: flow that changes volume alike all over a cell.
+"""Conservative velocity interpolation: a flow whose divergence is uniform in a cell.
 
-The strain of a cell is one for all of it. The bilinear velocity between its nodes follows that
-only in the mean: here it gathers particles, there it parts them. Soil that stays for long where it
-gathers, beside a rough wall say, piles up without end. So particles also move with a flow within
-the cell that corrects this and vanishes on the edges that it would cross (Meyer & Jenny 2004, PAMM
-4:466-467), here about an axis or in plane strain.
+A cell has one strain. The divergence of the bilinear velocity between its nodes has this value only
+in the mean; in some parts of the cell particles gather, in others they separate. Soil that stays
+long where particles gather, such as beside a rough wall, piles up without end. So particles also
+move with a flow within the cell that corrects the divergence and does not cross its edges (Meyer &
+Jenny 2004, PAMM 4:466-467), here about an axis or in plane strain.
 
 Symbols: xi, eta natural coordinates of the cell, u_ij velocity (r, z) of its nodes, d change over
 the step. At half the height, r0 and r1 radii of the left and right edge, r their mean, c centroid

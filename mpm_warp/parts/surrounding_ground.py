@@ -6,17 +6,17 @@ from the source, z upward, d = |x|, and V the speed of the body, incompressible 
 
     v = V R^2 / 4 x / d^3                                          velocity
 
-which is harmonic, so that the mean stress stays. On the source's path from infinitely far above the
-ground has got the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
+which is harmonic, so that the mean stress does not change. While the source comes from infinitely
+far above, the ground gets the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
 
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
 
-The soil in the grid starts as if the body had come from far: with this stress, its deviator scaled
-to su where soil does not bear it. The pressure that belongs to it comes with the first waves. Soil
-that yields before the body carries its push on, so the source is ahead there, by 0.3 R sqrt(G/su).
-From undisturbed ground it would take a way of two to three heights of the window until the
-resistance has forgotten the start.
+The soil in the grid starts with this stress, its deviator reduced to su where it is larger, as if
+the body had come from far. The pressure in equilibrium with it builds up with the first waves. Soil
+that yields ahead of the body transmits its push, so this source is ahead of the body, by
+0.3 R sqrt(G/su). From undisturbed ground, the start would act on the resistance for a penetration
+of two to three heights of the window.
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
 about that motion, per radian and for each component, A its area and t the growth of the source's
@@ -24,14 +24,15 @@ traction per travel, v the source's velocity over V:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
-Where a free surface passes, a node with less mass than beside full cells has as much less of k, c.
+Where a free surface passes, k and c of a node are in proportion to its mass over that beside full
+cells.
 
 Soil that enters at the bottom has the velocity and the stress of the source, and springs that enter
 beside it hold that stress. Where the material varies, stress, springs and dashpots are those of the
 soil's own stiffness; k and t are in proportion, so that the motion is that of uniform ground.
 
-So a small window has the resistance of a large one: a bottom at rest and a lid would have the
-volume of the body flow out between them, which costs pressure.
+So a small window has the resistance of a large one. With a bottom and a top at rest, the volume of
+the body would have to flow out between them, which needs additional pressure.
 """
 
 import functools
