@@ -1,8 +1,8 @@
 """A plan on a device. Each step is recorded once and then repeated without Python.
 
-On a processor the steps are replayed by as many threads as are faster than one; each replays a loop
-over its part of a step, and Python is called again only between two calls of a replay. On a GPU
-each step is one launch of a captured graph.
+On a processor several threads replay the steps where that is faster than one. Each thread replays a
+loop over its part of the steps; Python runs only between two calls of a replay. On a GPU each step
+is one launch of a captured graph.
 """
 
 import time
@@ -19,7 +19,7 @@ from mpm_warp.kernel_types import kernels_kept
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan
 
 UPDATES_PER_CALL = 5_000_000
-"""Particle updates of one call, about: a quarter of a second, for which Ctrl-C has to wait."""
+"""Approximate particle updates in one call: a quarter of a second, which delays Ctrl-C."""
 STEP, END, GOES_ON, AUDITED = range(4)
 """State of a loop: the step to take, the step at which to stop, and two conditions."""
 
@@ -108,12 +108,12 @@ class RecordedSteps:
 
 
 FEWEST, MOST_TOGETHER = 16, 64
-"""Steps from which on the time of a replay counts for the choice of the number of threads, and the
-most that several threads take until it is made again."""
+"""Least number of steps in a replay whose time counts for the choice of the number of threads, and
+most steps by several threads before the choice is made again."""
 COST_OF_TRIALS = 0.05
-"""Share of the time of one thread that trials of several may take where they are slower."""
+"""Largest share of the run time of one thread that slower trials of several threads may take."""
 WEIGHT = 0.25
-"""Weight of the last replay in the mean time of a step: a single replay may be late by chance."""
+"""Weight of the last replay in the mean time of a step, as a single replay may be slow by chance."""
 
 
 class DeviceRun:

@@ -1,8 +1,8 @@
-"""Threads of a processor that do the parts of one launch at the same time.
+"""Threads of a processor that execute the parts of one launch at the same time.
 
-What each does of a launch (shares), how they wait for each other (a barrier on the device), and the
-threads themselves. Warp runs a kernel on one thread of the processor. Each thread therefore
-launches the barrier for itself; its array is one that the threads have in common.
+Here are the shares of each thread in a launch, the barrier at which they wait for each other, and
+the threads themselves. Warp runs a kernel on one thread of the processor, so each thread launches
+the barrier itself; all of them share its array.
 """
 
 import functools
@@ -54,7 +54,7 @@ def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> lis
 
 
 LEFT = wp.constant(-1)
-"""Arrivals of a thread that has left: the others do not wait for it any more."""
+"""Number of arrivals given to a thread that has ended, so that others do not wait for it."""
 
 
 @wp.func_native("""

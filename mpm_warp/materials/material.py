@@ -1,9 +1,9 @@
-"""What every law of a material is: one file, whatever it does.
+"""The interface of a material law; each law is one file.
 
-A law gets the stress of a point, its strain in a step, the time step, its properties and its state.
-It gives stress and state. It owns its elasticity, the state that a point starts with, what its
-volume does, a bound on its wave speed and a check of its stress. What it does not have compiles to
-nothing. Most laws are a subclass of `Isotropic`, which brings constant elastic moduli.
+A law maps the stress of a point, its strain in a step, the time step, its properties and its state
+to the new stress and state. It defines its elasticity, the initial state of a point, its plastic
+change of volume, a bound of its wave speed and a check of its stress. Features that a law lacks are
+not compiled. Most laws are subclasses of `Isotropic`, which has constant elastic moduli.
 """
 
 import functools

@@ -1,10 +1,10 @@
-"""How the ground varies with depth: strength, stiffness and adhesion as ratios, its own stress.
+"""Variation of the ground with depth: strength, stiffness and adhesion as ratios, in-situ stress.
 
-Numbers of a law that are not in proportion to strength and stiffness have a material at each depth.
+Laws whose parameters are not in proportion to strength and stiffness have a material at each depth.
 
-A place in the ground is where soil was before anything moved, in the coordinates (r, z) that the
-grid had at the start: a grid that has travelled down by T sees soil at rest from x - T e_z at x.
-Soil keeps the properties of its place wherever it moves.
+The place of soil in the ground is its position (r, z) before anything moved, in the coordinates of
+the grid at the start. After the grid has travelled down by T, soil at rest at x in the grid has the
+place x - T e_z. Soil keeps the properties of its place wherever it moves.
 """
 
 from dataclasses import dataclass, field

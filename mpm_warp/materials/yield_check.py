@@ -1,4 +1,4 @@
-"""How near to yield points are, for the watch."""
+"""Checks for the watch that no point has a stress outside its yield surface."""
 
 import functools
 from typing import Any
@@ -11,9 +11,9 @@ from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
 YIELD_ROUNDINGS = 64
-"""Roundings of the greatest stress by which a stress may be beyond the yield surface."""
+"""Allowed distance beyond the yield surface, over the rounding of the largest stress."""
 BLOCK = 256
-"""Particles that one thread looks at; it keeps the worst of them."""
+"""Number of particles that one thread checks; it keeps the worst of them."""
 
 
 def add_yield_check(plan: Plan, material: Material) -> None:

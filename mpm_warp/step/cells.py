@@ -1,14 +1,14 @@
 """Stage 2: the mean stress of each cell.
 
 Symbols: sigma stress (rr, zz, rz, tt), m mass, h length of a cell, rho density, c pressure wave
-speed, b coefficient of the bulk viscosity, M mass of a cell that is full, K bulk modulus, e strain
-of the last step.
+speed, b coefficient of the bulk viscosity, M mass of a full cell, K bulk modulus, e strain of the
+last step.
 
     sigma_c = sum m sigma / sum m + b rho c h div v            mean stress and bulk viscosity
     sigma_c <- min(sum m / M, 1) sigma_c                       where a free surface may pass
     sigma_c <- (tr sigma_c / 3 + K tr e) 1                     an empty cell that soil encloses
 
-Stage 5: the mean velocity gradient of each cell, and what it does to points in a step.
+Stage 5: the mean velocity gradient of each cell, and the strain and rotation of points in a step.
 
 Symbols: v velocity of the nodes after the step, G_i the integrals over a cell of
 (dN_i/dr r, dN_i/dz r, N_i), V volume of the cell, L velocity gradient (rr, rz, zr, zz, tt).

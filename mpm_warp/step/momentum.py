@@ -10,31 +10,32 @@ v_ij velocity of its nodes after the step before, rho density, V volume.
     u_i     = (m v)_i / m_i + (S v)_i / max(m_i, 2 M_i)
     v_i     = u_i + dt f_i / max(m_i, M_i)
 
-The force is that of full cells, whatever particles are near the node at the moment; so M bounds
-what it can do to a node that has few.
+The force is that of full cells, however few particles are near the node. So M bounds the
+acceleration of a node with few of them.
 
-A field that particles have from the nodes comes back to them smoothed, as if it had diffused: each
-particle spreads its momentum over the nodes of its cell. That takes the mean of xi (1 - xi) over
-the particles of a cell, times second differences. The operator S gives back the part k of it that
-is taken wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
+A velocity field that goes from the nodes to particles and back is smoothed, as by diffusion: each
+particle spreads its momentum over the nodes of its cell. The loss is the mean of xi (1 - xi) over
+the particles of a cell, times second differences. The operator S restores k of it, the part that is
+lost wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
 
     (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -
     X, Y    = v_10 - v_00 + v_11 - v_01,  v_01 - v_00 + v_11 - v_10
 
-Why so much: of a motion that alternates from node to node the particles return the share P, 1/4 to
-1/2 for n = 2, and S the share A, 1/2. The force f acts on the nodes at once, and on what comes back
-one step later: v' = v + f - q, q' = A q + (1 - A - P) f. An oscillator is then stable up to 0.93 of
-the critical time step, without S up to 0.76 of it, and at no time step where A + P > 1. With the
-affine part of a particle's momentum instead (Jiang et al. 2015, ACM Trans. Graph. 34(4):51), which
-returns all of a linear field, but what it takes from one motion for another not the other way,
-waves of pressure grew that alternate between wide, flat cells of nearly incompressible soil.
+k has this value for stability. Of a motion that alternates from node to node the particles return
+the share P, 1/4 to 1/2 for n = 2, and S the share A, 1/2. The force f acts on the velocity of the
+nodes at once, and on the returned velocity one step later: v' = v + f - q,
+q' = A q + (1 - A - P) f. An oscillator is then stable up to 0.93 of the critical time step, without
+S up to 0.76 of it, and at no time step where A + P > 1. The affine part of a particle's momentum
+(Jiang et al. 2015, ACM Trans. Graph. 34(4):51) is no alternative: it returns all of a linear field,
+but its losses between two motions are not symmetric. With it pressure waves grew that alternate
+between wide, flat cells of nearly incompressible soil.
 
-Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short waves of shear
-grow, with 4 points a cell by up to 7 % a row: what S gives back belongs to soil that has moved on.
-It takes hundreds of rows to see it (`studies/stability.md`).
+Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short shear waves
+grow, with 4 points a cell by up to 7 % a row, as S restores momentum of soil that has moved on. The
+growth shows after hundreds of rows (`studies/stability.md`).
 
-In cells that are filled in part P may be anything: there is no S where a free surface passes, or
-only far below it (`mpm_warp.parts.free_surface`).
+In partly filled cells P may have any value. So there is no S where a free surface passes, or only
+far below it (`mpm_warp.parts.free_surface`).
 """
 
 import functools
@@ -47,7 +48,7 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
 ABSURD_SPEED = 100.0
-"""Speed over that of the pressure wave beyond which a node is left out of the step."""
+"""Speed over that of pressure waves above which a node is left out of the step."""
 
 
 def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:

@@ -1,8 +1,8 @@
-"""The material points (particles) of a run: where they start, what they carry and give to the grid.
+"""The material points (particles) of a run: their start, their arrays, their transfer to the grid.
 
-A slot of these arrays holds a particle in the grid, or none: its cell is then (-1, -1). Every array
-called `particle.*` belongs to the particles: what enters through a window, and what moves, brings
-all of them along, whichever they are.
+A slot of these arrays holds a particle in the grid, or none; its cell is then (-1, -1). Every array
+named `particle.*` has one entry for each slot. Soil that enters through a window, or moves to
+another slot, brings its entries in all of these arrays.
 
 Stage 1: particles give mass and momentum to nodes, and stress to cells.
 
