@@ -4,8 +4,8 @@ Loads rise linearly in time, then stay:
 
     f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
 
-They are taken in the middle of the step: then the impulse of a load is exact in every step in which
-it only rises or only stays.
+They are evaluated at the middle of the step, so the impulse of a load is exact in every step in
+which it only rises or only stays.
 
 Shape functions are quadratic B-splines, nine nodes for each particle. Symbols: h cell size, X_0
 lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5 and 1.5.
@@ -228,7 +228,7 @@ def spline(where: real, h: real, node_count: int):
 
 
 MARGIN = 2
-"""Empty cells of a grid around bodies, at least."""
+"""Least number of empty cells around the bodies in a grid."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ weights (1 2 1) x (1 2 1) of a node and its neighbours; l spacing of particles a
     n = -b / |b|, b = sum w a_B;    A_k = a_A . n
     s_A = max over A's particles near the node of x . n + l/2,    gap = -(s_A + s_B)
 
-The normal of a node that few particles reach is poor, and a normal that is off by degrees acts as
-friction of that many per cent. So normals are those of a neighbourhood.
+The normal of a node that few particles reach is inaccurate, and an error of some degrees acts as
+friction of as many per cent. So normals are averaged over a neighbourhood.
 
 Then m mass, v velocity predicted for each alone, v_S that of both together, d = v_A - v_S; mu
 friction coefficient, a adhesion:
@@ -17,8 +17,8 @@ friction coefficient, a adhesion:
     J = law(m_A, d, n, P, mu P + a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
 
-The nodes on either side of an interface share its normal force in a way that stresses leave open.
-So what presses a node is its share, by area, of the normal impulses around it; their sum stays.
+The stresses do not determine how the nodes on both sides of an interface share its normal force. So
+P is the node's share, by area, of the normal impulses around it; their sum is unchanged.
 
 With v_S = (m_A v_A + m_B v_B) / (m_A + m_B) the law's m_A (v_A - v_S) is the reduced mass
 m_A m_B / (m_A + m_B) times v_A - v_B, the same for either body but for its sign. So one impulse
@@ -42,9 +42,9 @@ NEIGHBOURHOOD = 2
 CLOSED_GAP = 0.05
 """Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""
 FAR = wp.constant(real(-1e30))
-"""Where the surface of a body is that has no particle near a node [m]."""
+"""Position of the surface of a body that has no particle near a node [m]."""
 A, B = wp.constant(0), wp.constant(1)
-"""Rows of the body and of its base in arrays over fields."""
+"""Rows of the body and its base in arrays over fields."""
 reach = wp.constant(NEIGHBOURHOOD)
 
 

@@ -19,7 +19,7 @@ and back, after contact, L the velocity gradient (xx, xy, yx, yy, zz):
     x <- x + dt v,       V <- V exp(dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
-    W <- W + dt V sigma_v : L                        what it has dissipated
+    W <- W + dt V sigma_v : L                        energy that it has dissipated
 
 The affine transfer: Jiang, Schroeder, Selle, Teran & Stomakhin (2015, ACM Trans. Graph. 34(4):51).
 

@@ -113,7 +113,7 @@ most steps by several threads before the choice is made again."""
 COST_OF_TRIALS = 0.05
 """Largest share of the run time of one thread that slower trials of several threads may take."""
 WEIGHT = 0.25
-"""Weight of the last replay in the mean time of a step, as a single replay may be slow by chance."""
+"""Weight of the last replay in the mean time of a step; a single replay may be slow by chance."""
 
 
 class DeviceRun:

@@ -5,11 +5,10 @@ A node sits at
     r(i, j) = s + (fitted_radius - s) * columns[i]      s = surface_radius[j] where columns[i] < 1,
     z(i, j) = rows[j]                                       0 beyond
 
-so the first column of nodes lies on the surface, a penetrometer say, and nowhere else does the
-grid need to know of it. Columns follow the surface less and less up to the fitted radius, and are
-upright from there on. With a surface radius of zero the grid is rectilinear. Inside a cell the
-map from natural coordinates (xi, eta), both from 0 to 1, to (r, z) is bilinear and its inverse has
-a closed form.
+so the first column of nodes lies on the surface, such as that of a penetrometer. Columns follow the
+surface less and less up to the fitted radius, and are upright beyond it. With a surface radius of
+zero the grid is rectilinear. Inside a cell the map from natural coordinates (xi, eta), both from 0
+to 1, to (r, z) is bilinear and its inverse has a closed form.
 
 Arrays over cells and nodes are flat, column fastest: cell (i, j) is ``j * column_count + i``,
 node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian, or in
@@ -43,7 +42,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
 
 LARGEST_EXPONENT = 700.0
-"""Of e, in double precision: beyond 709 it overflows."""
+"""Largest exponent of e in double precision, rounded down: beyond 709 it overflows."""
 
 # Two Gauss points on [0, 1], equal weights: exact for cubics.
 GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)

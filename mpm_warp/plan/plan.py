@@ -27,14 +27,14 @@ from mpm_warp.kernel_types import mat22, real, vector
 from mpm_warp.parameters import nearest_name
 
 AUDIT_INTERVAL = 16
-"""One of so many steps is audited, where a plan has an audited step."""
+"""Every so many steps one is audited, where a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
 """Types of whole numbers."""
 
 WORTH_SHARING = 200
-"""Items of a launch, at least, whose work takes longer than the threads' wait for each other."""
+"""Fewest items of a launch whose work takes longer than the threads wait for each other."""
 OFFSET = object()
-"""The argument by which a share of a launch gets the number of its first item."""
+"""Argument in whose place a share of a launch gets the number of its first item."""
 SLACK = 1.05
 """Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
 SURPRISE = 1.1
@@ -200,7 +200,7 @@ def check_time_step(*, time_step: float, longest: float) -> None:
 
 
 SMALLER_STEP = "try a smaller time_step_fraction"
-"""What may help where a run diverges, by default."""
+"""Default remedy in the message of a run that diverges."""
 
 
 @dataclass(kw_only=True, eq=False)
