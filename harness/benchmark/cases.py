@@ -140,7 +140,7 @@ def read_results(path: Path) -> dict[str, Result]:
         if name not in known:
             raise StudyError(f"{where}: case {name!r} is unknown{nearest_name(name, known)}")
         if name in results:
-            raise StudyError(f"{where}: case {name} is there twice")
+            raise StudyError(f"{where}: case {name} is listed twice")
         results[name] = Result(*_numbers(where, row[1:]))
     if not results:
         raise StudyError(f"{path}: has no results")

@@ -41,7 +41,7 @@ from harness.archive.conventions import (
 )
 from harness.archive.provenance import OF_CASE
 from harness.compare.compared import NothingToCompareError
-from harness.study.cases import completed
+from harness.study.cases import complete_parameters
 from harness.study.compared import ERROR
 from mpm_warp.parameters import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
@@ -191,7 +191,7 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
         others = {
             key: value for key, value in given.items() if key in shared or dataset[names[key]].ndim
         }
-        identity = frozenset({**completed(scene, known)[0], **others}.items())
+        identity = frozenset({**complete_parameters(scene, known)[0], **others}.items())
         places[name, identity] = place
     return places
 

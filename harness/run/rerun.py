@@ -16,7 +16,7 @@ from harness.archive.study_files import read_result
 from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
-from harness.study.cases import Case, completed, naming
+from harness.study.cases import Case, complete_parameters, identifying_parameters
 from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
@@ -66,7 +66,7 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
     try:
         if "study" in dataset.attrs:
             given = _parameters_of_cell(dataset, parameters_of(known))
-            parameters = naming(known, completed(known, given)[0])
+            parameters = identifying_parameters(known, complete_parameters(known, given)[0])
         else:
             parameters = dict(json.loads(dataset.attrs["parameters"]))
     except (KeyError, TypeError, ValueError):

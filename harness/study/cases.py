@@ -1,4 +1,4 @@
-"""From a study to its cases. The key of a case is a hash of everything its numbers depend on."""
+"""The cases of a study. The key of a case is a hash of all that its numbers depend on."""
 
 import dataclasses
 import functools
@@ -22,8 +22,8 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
-MANY = 10_000
-"""Cases beyond which a study takes seconds to read, and says so."""
+MANY_CASES = 10_000
+"""With more cases than this a study takes seconds to read, and a line says so."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,45 +31,49 @@ class Case:
     """One run of a scene."""
 
     scene: str
-    scene_version: int  # that the parameters are meant for
-    # all of the scene, derived defaults filled in; None is one that it derives only when it runs
+    scene_version: int  # version of the scene that the parameters are for
+    # all parameters of the scene with their defaults; None: the scene derives the value as it runs
     parameters: Mapping[str, Value | None]
-    label: str  # the varied values, for people
-    changed: tuple[str, ...] = ()  # of which the design gives values; the others are the fixed ones
+    label: str  # the varied values in words, for messages and tables
+    changed: tuple[str, ...] = ()  # parameters that the design sets in this case
     snapshots: tuple[float, ...] = ()  # moments at which the soil is kept; they change no result
-    draws: int = 1  # samples of a Latin hypercube that are this case, as many at a bound are
+    draws: int = 1  # samples of a Latin hypercube that give this same case; often > 1 at a bound
 
     @functools.cached_property
     def key(self) -> str:
-        """16 hexadecimal digits: the same parameters of the same scene version, the same key."""
+        """16 hexadecimal digits, the same for equal parameters of the same scene and version."""
         identity = [self.scene, self.scene_version, self.parameters]
         canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()[:16]
 
     def built(self) -> CatalogueScene:
-        """Its scene with its parameters; a `ParameterError` says why the scene refuses them."""
+        """The scene with these parameters.
+
+        Raises:
+            ParameterError: the scene does not allow them; the message says why.
+        """
         return scene_class(self.scene)(**self.parameters)
 
 
 def most_cases(parts: Sequence[ScenePart], design: Design) -> int:
-    """Number of cases of a study, those that it excludes among them; known at once."""
+    """Number of cases before duplicates and excluded ones are removed; quick to compute."""
     return sum(combination_count(design, part.varied, part.listed) for part in parts)
 
 
 def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Case, ...]:
-    """All cases of a study, each once, scene by scene in the order of the design.
+    """All cases of a study without duplicates, scene by scene in the order of the design.
 
-    A combination that a scene does not allow is an error in every design but the Latin hypercube,
-    where chance has chosen it: there it is a case that its scene will refuse.
+    A combination that a scene does not allow is an error, except in a Latin hypercube. There chance
+    has drawn it, and it stays as a case that will end as `refused`.
 
     Raises:
-        StudyError: a scene does not allow a combination, or none of a Latin hypercube; or there are
-            too many cases, or none.
+        StudyError: a scene does not allow a combination; in a Latin hypercube it allows none of
+            them; there are too many cases, or none is left.
     """
     if (count := most_cases(parts, design)) > LARGEST_STUDY:
         raise StudyError(f"{where}: gives {count} cases; a study has at most {LARGEST_STUDY}")
-    if count > MANY:
-        tell(f"{where}: checks the parameters of {count} cases")
+    if count > MANY_CASES:
+        tell(f"{where}: checking the parameters of {count} cases")
     cases: dict[str, Case] = {}
     refusals: dict[str, StudyError] = {}
     for part in parts:
@@ -78,7 +82,9 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             text = [f"{name}={value}" for name, value in values.items()]
             label = ", ".join([*of_many, *text]) or part.name
             try:
-                complete, refusal = completed(part.scene, {**part.fixed, **values}, part.derived)
+                complete, refusal = complete_parameters(
+                    part.scene, {**part.fixed, **values}, part.derived
+                )
                 if refusal is not None and design.kind != LATIN_HYPERCUBE:
                     raise StudyError(f"{where}: {label}: {refusal}")
                 is_excluded = any(condition.is_true(complete) for condition in part.excluded)
@@ -89,7 +95,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             case = Case(
                 scene=part.name,
                 scene_version=part.scene.version,
-                parameters=naming(part.scene, complete),
+                parameters=identifying_parameters(part.scene, complete),
                 label=label,
                 changed=tuple(values),
                 snapshots=part.snapshots,
@@ -101,28 +107,38 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             if refusal is not None:
                 refusals[case.key] = StudyError(f"{where}: {label}: {refusal}")
     if not cases:
-        raise StudyError(f"{where}: exclude: leaves no case")
+        raise StudyError(f"{where}: exclude: removes every case")
     if len(refusals) == len(cases):
         raise next(iter(refusals.values()))
     return tuple(cases.values())
 
 
-def naming(scene: Scene, complete: Mapping[str, Value | None]) -> dict[str, Value | None]:
-    """The parameters that name a case, of all of its scene: without those of laws that it has not.
+def identifying_parameters(
+    scene: Scene, complete: Mapping[str, Value | None]
+) -> dict[str, Value | None]:
+    """The parameters that the key of a case depends on.
 
-    So a case keeps its name whatever packages with laws are installed.
+    Parameters of material laws from other packages are left out where they have no value. So the
+    key is the same whether or not such packages are installed.
     """
     absent = {name for name in scene.of_other_laws if complete[name] is None}
     return {name: value for name, value in complete.items() if name not in absent}
 
 
-def completed(
+def complete_parameters(
     scene: Scene, given: dict[str, Value], derived: Mapping[str, Expression] | None = None
 ) -> tuple[dict[str, Value | None], ParameterError | None]:
-    """All parameters of a scene with these values, and why the scene refuses them, if it does.
+    """All parameters of a scene, and the error if the scene does not allow them.
 
-    Where it does, nothing is worked out from others. That it lacks a parameter which an expression
-    still gives is no refusal.
+    Args:
+        scene: the scene.
+        given: values by name; the scene's defaults fill in the others.
+        derived: expressions for further parameters, evaluated in this order.
+
+    Returns:
+        The parameters, and None or why the scene refuses them. A refused scene has only plain
+        defaults, because it cannot derive values. A parameter that is missing until its expression
+        is evaluated is no reason to refuse.
     """
     defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
     to_come = dict(derived or {})

@@ -1,7 +1,8 @@
-"""What a study is compared with: ``[compare]``, and references of its own, ``[references.NAME]``.
+"""What a study is compared with: the tables ``[compare]`` and ``[references.NAME]``.
 
-That is references, the result of another study, experience, and tolerances. A reference of its own
-is a formula of parameters of the scene, in SI units, and of the symbols of those that ship.
+``[compare]`` names references, bands of experience, a reference study and tolerances.
+``[references.NAME]`` defines a reference of the user's own: a formula of parameters of the scene
+in SI units, and of the symbols Ir, alpha_c, alpha_s and Delta.
 """
 
 import functools
@@ -26,44 +27,50 @@ from mpm_warp.parameters import Value, did_you_mean, nearest_name
 ERROR = "error"
 """Result with the error against the exact solution, of scenes that have one."""
 ERROR_FINEST = "error_finest"
-"""Result with the error against the case known best, of scenes without an exact solution."""
+"""Result with the difference from the most accurate case, in scenes without an exact solution."""
+NO_CONE_FACTOR = f"needs a scene that computes a {COMPARED}"
 REFERENCE_STUDY = "reference_study"
 OWN_REFERENCES = "references"
 OWN_LABEL = "label"
-"""Key that every reference of a study's own has, in the study and in the file of a result."""
+"""Key by which a reference of the user's own is recognised in the file of a result."""
 REFERENCE_NAME = "[a-z][a-z0-9_]*"
-"""What the name of a reference looks like, as a pattern."""
+"""Pattern of the name of a reference."""
 SYMBOLS = {
     "Ir": "rigidity_index",
     "alpha_c": "face_adhesion",
     "alpha_s": "shaft_adhesion",
     "Delta": "stress_anisotropy",
 }
-"""Symbols that a formula may have, and what they are among the `Conditions`."""
-OPTIONAL = {
+"""Symbols that a formula may use, and the field of `Conditions` that each stands for."""
+DEFAULT_TEXTS = {
     "how_known": "as the study's own file says",
     "criterion": "not stated here",
     "method": "not stated here",
 }
-"""Texts that may be left out, and what they are then."""
-MISSPELT = 0.85
-"""Likeness from which on a name is a slip; two results of a scene are less alike."""
+"""Optional texts of a reference, with their defaults."""
+MISSPELLING_LIKENESS = 0.85
+"""A name at least this similar to a known one is a misspelling; names of two results are not."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compared:
-    """What a result is compared with; every name is known."""
+    """What a result is compared with. Every name has been checked."""
 
-    references: tuple[ConeFactor, ...]  # of the literature or the study's own
-    reference_result: Path | None  # whose cases stand for the true values of errors
-    experience: tuple[str, ...]  # bands of factors measured in the field, to set beside the result
+    references: tuple[ConeFactor, ...]  # from the literature or defined in the study
+    reference_result: Path | None  # file of the result that errors are differences from
+    experience: tuple[str, ...]  # names of bands measured in the field, shown beside the result
     tolerances: Mapping[str, float]  # largest deviation from a reference, or size of a result
 
 
 def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> Compared:
-    """What a study with these scenes, whose file is in a folder, is compared with.
+    """Read what a study is compared with.
 
-    The references that it defines itself are among them, whether it names them again or not.
+    References that the study defines are always included, whether [compare] names them or not.
+
+    Args:
+        document: the whole study file.
+        parts: the scenes of the study.
+        folder: folder of the study file; a reference study is looked for there.
     """
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
@@ -81,32 +88,33 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
 
 
 def takes_references(scene: Scene) -> bool:
-    """Whether a scene gives what the references and the experience are of."""
+    """Whether a scene computes a cone factor, which references and experience are about."""
     return scene.comparable == COMPARED
 
 
 def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, "OwnReference"]:
-    """The references that the study defines: formulas of parameters of the scenes compared."""
+    """The references that the study defines; a formula may use parameters of any compared scene."""
     compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:
-        raise StudyError(f"{table.where}: no scene here gives a {COMPARED}, which they are of")
+        raise StudyError(f"{table.where}: {NO_CONE_FACTOR}")
     known = dict.fromkeys(name for part in compared for name in part.parameters)
     return {name: read_own_reference(name, table.table(name), known) for name in table.values}
 
 
 def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) -> Path | None:
-    """The result, kept beside its study, whose cases stand for the true values."""
+    """The result of the reference study, a file beside that study; None where none is named."""
     if REFERENCE_STUDY not in table.values:
         return None
     if len(parts) > 1 or not takes_references(parts[0].scene):
-        raise table.refuse(REFERENCE_STUDY, f"needs one scene, which gives a {COMPARED}")
+        raise table.refuse(REFERENCE_STUDY, f"needs a single scene that computes a {COMPARED}")
     try:
         result = find_study(table.text(REFERENCE_STUDY), folder).with_suffix(".nc")
     except StudyError as error:
         raise table.refuse(REFERENCE_STUDY, str(error)) from None
     if not result.is_file():
         raise table.refuse(
-            REFERENCE_STUDY, f"its result {result} is missing: run that study, and put it there"
+            REFERENCE_STUDY,
+            f"its result {result} is missing; run that study and copy its result there",
         )
     return result
 
@@ -114,7 +122,7 @@ def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) ->
 def _ids(
     table: Table, key: str, noun: str, known: Sequence[str], parts: Sequence[ScenePart]
 ) -> tuple[str, ...]:
-    """What a study is compared with, under one key: each known, and named once."""
+    """The names under one key of [compare]; each must be known and stand there once."""
     ids = table.list(key)
     for given in ids:
         if not isinstance(given, str) or given not in known:
@@ -124,14 +132,17 @@ def _ids(
     if len(set(ids)) < len(ids):
         raise table.refuse(key, f"names a {noun} twice")
     if ids and not any(takes_references(part.scene) for part in parts):
-        raise table.refuse(key, f"no scene here gives a {COMPARED}, which they are of")
+        raise table.refuse(key, NO_CONE_FACTOR)
     return tuple(ids)
 
 
 def _tolerances(
     table: Table, references: Sequence[str], parts: Sequence[ScenePart]
 ) -> dict[str, float]:
-    """Tolerances by name, which may be that of any result: slips in known names are refused."""
+    """Tolerances by name of a reference or a result.
+
+    Names of results are known only after a run, so only misspellings of known names are refused.
+    """
     unused = set(REFERENCE_IDS) - set(references)
     verified = {
         name for part in parts for check in part.scene.verifications for name in check.bounds
@@ -139,24 +150,20 @@ def _tolerances(
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
         if name in EXPERIENCE_IDS:
-            raise table.refuse(name, "is a band of experience, from which no result deviates")
+            raise table.refuse(name, "is a band of experience; a tolerance needs a reference")
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
-        if name not in known and (near := did_you_mean(name, known, MISSPELT)):
+        if name not in known and (near := did_you_mean(name, known, MISSPELLING_LIKENESS)):
             raise table.refuse(name, f"is neither a reference nor a result{near}")
     return {name: table.positive(name) for name in table.values}
 
 
 @dataclass(frozen=True, kw_only=True)
 class OwnReference(ConeFactor):
-    """A reference of a study's own; outside its ranges it has no value.
+    """A reference that a study defines. Outside its ranges its value is not a number."""
 
-    The formula depends on the parameters and symbols `names`; the ranges are by parameter or
-    symbol.
-    """
-
-    names: frozenset[str]
-    ranges: Mapping[str, tuple[float, float]]
+    names: frozenset[str]  # parameters and symbols in the formula
+    ranges: Mapping[str, tuple[float, float]]  # least and greatest value, by parameter or symbol
 
     @property
     def validity(self) -> str:
@@ -165,13 +172,13 @@ class OwnReference(ConeFactor):
         return ", ".join(spans) or "no range stated"
 
     def applies(self, conditions: Conditions) -> Quantity:
-        """Whether `conditions` lie within all ranges, element by element."""
+        """Whether `conditions` lie inside all ranges, element by element."""
         return _lies_within(self.ranges, conditions)
 
 
 def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReference:
-    """A reference as the file of a result keeps it."""
-    keys = ("formula", OWN_LABEL, "source", *OPTIONAL)
+    """A reference of the user's own, read from the attributes that the file of a result keeps."""
+    keys = ("formula", OWN_LABEL, "source", *DEFAULT_TEXTS)
     said = {key: attributes[key] for key in keys if key in attributes}
     try:
         ranges = json.loads(attributes.get("range", "{}"))
@@ -183,13 +190,18 @@ def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReferen
 def read_own_reference(name: str, table: Table, known: Collection[str] | None) -> OwnReference:
     """A reference from its table [references.NAME].
 
-    Its formula may have the parameters `known` and `SYMBOLS`, or any name where that is None.
+    Args:
+        name: NAME.
+        table: the table.
+        known: parameters that the formula may use beside `SYMBOLS`; None allows any name.
     """
-    table.allow("formula", "label", "source", *OPTIONAL, "range")
+    table.allow("formula", "label", "source", *DEFAULT_TEXTS, "range")
     if not re.fullmatch(REFERENCE_NAME, name):
-        raise StudyError(f"{table.where}: a name is small letters, digits and '_', a letter first")
+        raise StudyError(
+            f"{table.where}: a name has lower-case letters, digits and '_', with a letter first"
+        )
     if name in REFERENCE_IDS or name in EXPERIENCE_IDS:
-        raise StudyError(f"{table.where}: the harness has a reference of this name; choose another")
+        raise StudyError(f"{table.where}: a reference that ships has this name; choose another")
     text = table.text("formula", "; an expression of parameters of the scene")
     try:
         formula = Expression.parsed(text)
@@ -205,7 +217,9 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
                 problem = f"unknown parameter or symbol {symbol!r}{nearest_name(symbol, every)}"
                 raise table.refuse(key, problem)
     bounds = {name: _span(ranges, name) for name in ranges.values}
-    optional = OPTIONAL | {key: table.text(key) for key in OPTIONAL if key in table.values}
+    optional = DEFAULT_TEXTS | {
+        key: table.text(key) for key in DEFAULT_TEXTS if key in table.values
+    }
     return OwnReference(
         id=name,
         label=table.text("label", "; its name in pictures, as authors and year"),
@@ -230,7 +244,7 @@ def _span(ranges: Table, name: str) -> tuple[float, float]:
 def _evaluated(
     formula: Expression, ranges: Mapping[str, tuple[float, float]], conditions: Conditions
 ) -> Quantity:
-    """The formula element by element; not a number outside the ranges, or where it has no value."""
+    """The formula element by element; NaN outside the ranges and where it has no value."""
     names = sorted(formula.names)
 
     def value(inside: bool, *given: Value) -> float:
@@ -255,7 +269,7 @@ def _lies_within(ranges: Mapping[str, tuple[float, float]], conditions: Conditio
 
 
 def _quantity(conditions: Conditions, name: str) -> Quantity:
-    """A parameter or what a symbol stands for; not a number where the scene has none."""
+    """The value of a parameter or symbol; NaN where the scene has no such parameter."""
     if name in SYMBOLS:
         found: Quantity = getattr(conditions, SYMBOLS[name])
         return found

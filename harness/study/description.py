@@ -1,8 +1,8 @@
-"""Scenes and studies in words: described, written anew, and asked about unusual values.
+"""Scenes and studies in words: `harness describe`, `harness new`, and warnings of unusual values.
 
-A value is unusual that is off by what looks like a unit. It is reported where every value that the
-study gives is outside the usual range, and inside it in another unit: a study that goes through
-many orders of magnitude means what it says.
+A value is unusual if it looks as if it were given in another unit. A parameter is reported only if
+all of its values in the study are outside the usual range and would be inside in that other unit.
+So a study that spans many orders of magnitude gets no warning.
 """
 
 import itertools
@@ -17,7 +17,7 @@ import numpy as np
 from harness.errors import tell
 from harness.references.cone_factors import ENVELOPE
 from harness.references.experience import EXPERIENCE
-from harness.study.cases import completed, most_cases
+from harness.study.cases import complete_parameters, most_cases
 from harness.study.compared import takes_references
 from harness.study.designs import DESIGNS, Range, Variation
 from harness.study.distributions import Input
@@ -27,8 +27,8 @@ from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of
 
-MOST_BUILT = 1000
-"""Cases of a study that are made to count them; of more it takes too long to wait for."""
+MOST_COUNTED = 1000
+"""Up to so many cases are made to count them; for more an upper bound of their number is told."""
 
 
 def scene_rows(name: str) -> list[str]:
@@ -36,13 +36,13 @@ def scene_rows(name: str) -> list[str]:
     scene = scene_class(name)
     rows = [f"{name}: {scene.summary}", ""]
     for parameter, definition in parameters_of(scene).items():
-        meaning = f"{definition.meaning}; {definition.allowed}{_sane(definition)}"
+        meaning = f"{definition.meaning}; {definition.allowed}{_sane_range(definition)}"
         rows.append(f"{parameter:26} {_default(definition):16} {meaning}")
     return rows
 
 
-def _sane(definition: Parameter) -> str:
-    """The range in which nearly all cases complete, where that is not all that is allowed."""
+def _sane_range(definition: Parameter) -> str:
+    """The range in which nearly all cases complete, if it is narrower than the allowed one."""
     if definition.sane is None:
         return ""
     least, greatest = definition.sane
@@ -63,19 +63,19 @@ def study_rows(study: Study) -> list[str]:
     return [
         f"{study.name}: {study.title}",
         "",
-        *(f"{title:12} {text}" for title, text in _of_study(study)),
+        *(f"{title:12} {text}" for title, text in _study_lines(study)),
         "",
         f"all parameters: {scenes}",
     ]
 
 
-def _of_study(study: Study) -> Iterator[tuple[str, str]]:
+def _study_lines(study: Study) -> Iterator[tuple[str, str]]:
     count, compared = most_cases(study.parts, study.design), study.compared
-    told = f"{count} at most" if count > MOST_BUILT else f"{len(study.cases)}"
+    told = f"{count} at most" if count > MOST_COUNTED else f"{len(study.cases)}"
     yield "file", str(study.source)
     yield "cases", f"{told}, {DESIGNS[study.design.kind]}"
     for part in study.parts:
-        yield from _of_part(part)
+        yield from _part_lines(part)
     if compared.references:
         yield "references", ", ".join(reference.id for reference in compared.references)
     if compared.reference_result is not None:
@@ -88,7 +88,7 @@ def _of_study(study: Study) -> Iterator[tuple[str, str]]:
         yield "timing", f"{study.timing_repeats} warm runs a case"
 
 
-def _of_part(part: ScenePart) -> Iterator[tuple[str, str]]:
+def _part_lines(part: ScenePart) -> Iterator[tuple[str, str]]:
     yield "scene", f"{part.name}, {part.scene.summary}"
     for name, values in part.varied.items():
         yield "varied", f"{name} = {_span(values)}{_unit(part.parameters[name])}"
@@ -112,8 +112,8 @@ def _unit(definition: Parameter) -> str:
     return "" if definition.unit == "1" else f" {definition.unit}"
 
 
-WIDTH = 100
-"""Columns of the file."""
+LINE_WIDTH = 100
+"""Characters of a line in the file that `harness new` writes."""
 
 
 OWN_GROUND = """\
@@ -138,10 +138,10 @@ OWN_REFERENCE = """\
 
 
 def study_text(name: str, scene_name: str) -> str:
-    """A study in TOML that varies one parameter and has the defaults of the others as comments."""
+    """A study in TOML that varies one parameter and shows the other defaults as comments."""
     scene = scene_class(scene_name)
     parameters = parameters_of(scene)
-    varied, values = _to_vary(scene)
+    varied, values = _parameter_to_vary(scene)
     method = method_of(scene)
     others = {key: definition for key, definition in parameters.items() if key != varied}
     parts = [
@@ -177,18 +177,25 @@ def study_text(name: str, scene_name: str) -> str:
     return "\n".join([*parts, ""])
 
 
-def _to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
-    """The first parameter with several values that the scene allows, those of the method last."""
+def _parameter_to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
+    """The first parameter for which the scene allows several values; those of the method last."""
     method, known = method_of(scene), parameters_of(scene)
     tried = {
-        name: [it for it in _candidates(known[name]) if completed(scene, {name: it})[1] is None]
+        name: [
+            it
+            for it in _candidates(known[name])
+            if complete_parameters(scene, {name: it})[1] is None
+        ]
         for name in sorted(known, key=lambda it: it in method)
     }
     return max(tried.items(), key=lambda it: min(len(it[1]), 2))
 
 
 def _candidates(definition: Parameter) -> list[Value]:
-    """The choices of a parameter; or half its default, or its greatest value, and its default."""
+    """Values to try: all choices of a parameter, or its default and half of it.
+
+    Where the default is 0 the greatest allowed value takes the place of the half.
+    """
     default = definition.default
     if definition.choices is not None:
         return list(definition.choices)
@@ -210,8 +217,8 @@ def _commented(parameters: Iterable[Parameter]) -> list[str]:
 
 
 def comment(text: str) -> str:
-    """A text as a comment, of as many lines as it needs."""
-    return textwrap.fill(text, WIDTH, initial_indent="# ", subsequent_indent="#   ")
+    """A text as a comment, broken into lines."""
+    return textwrap.fill(text, LINE_WIDTH, initial_indent="# ", subsequent_indent="#   ")
 
 
 def assignment(name: str, value: object) -> str:
@@ -220,7 +227,7 @@ def assignment(name: str, value: object) -> str:
 
 
 def toml(value: object) -> str:
-    """A value as it stands in a file; JSON writes texts, numbers and truth as TOML does."""
+    """A value in TOML. JSON writes texts, numbers, true and false in the same way."""
     if isinstance(value, dict):
         return "{ " + ", ".join(itertools.starmap(assignment, value.items())) + " }"
     if isinstance(value, list):
@@ -228,23 +235,23 @@ def toml(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-PASCAL = {"kPa": 1e3, "MPa": 1e6}
-METRE = {"mm": 1e-3, "cm": 1e-2}
-MEANT = (0.0, 1.0)
-"""Values that are no slip: none of it, and the unit of a scaled study, as lengths in cone radii."""
+STRESS_UNITS = {"kPa": 1e3, "MPa": 1e6}
+LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2}
+NEVER_A_SLIP = (0.0, 1.0)
+"""Values that are never reported: 0 means none, 1 is the unit of a dimensionless study."""
 
 
 @dataclass(frozen=True)
 class Usual:
-    """The usual range of a parameter, in its unit, and the size of others that are often given."""
+    """The usual range of a parameter, and other units in which it is often given by mistake."""
 
-    low: float
+    low: float  # in the unit of the parameter, as `high`
     high: float
-    units: Mapping[str, float]
+    units: Mapping[str, float]  # other units: name, and size in the unit of the parameter
 
     def unit_of(self, value: float) -> str | None:
-        """The unit in which the value would be usual; None where it is, or in no unit would be."""
-        if value in MEANT or self.low <= value <= self.high:
+        """The other unit in which the value would be usual; None if it is usual, or in no unit."""
+        if value in NEVER_A_SLIP or self.low <= value <= self.high:
             return None
         return next(
             (unit for unit, size in self.units.items() if self.low <= value * size <= self.high),
@@ -252,38 +259,38 @@ class Usual:
         )
 
     def unit_of_all(self, values: Iterable[float]) -> str | None:
-        """The unit in which all values would be usual; None where one is, or there are none."""
+        """The other unit in which all values would be usual; None if there is no such unit."""
         units = {self.unit_of(value) for value in values}
         return units.pop() if len(units) == 1 else None
 
 
 USUAL = {
-    "undrained_shear_strength": Usual(1e3, 1e6, PASCAL),
-    "in_situ_stress": Usual(1e3, 1e8, PASCAL),
-    "normal_pressure": Usual(1e3, 1e8, PASCAL),
-    "shear_modulus": Usual(1e5, 1e11, PASCAL),
-    "cone_radius": Usual(5e-3, 0.1, METRE),
+    "undrained_shear_strength": Usual(1e3, 1e6, STRESS_UNITS),
+    "in_situ_stress": Usual(1e3, 1e8, STRESS_UNITS),
+    "normal_pressure": Usual(1e3, 1e8, STRESS_UNITS),
+    "shear_modulus": Usual(1e5, 1e11, STRESS_UNITS),
+    "cone_radius": Usual(5e-3, 0.1, LENGTH_UNITS),
     "density": Usual(1000.0, 3000.0, {"t/m3": 1e3, "kN/m3": 1e3 / 9.81}),
 }
-"""Clays from very soft to hard, offshore and on land; penetrometers from 0.8 cm2 to 300 cm2."""
+"""Usual ranges: clays from very soft to hard, offshore and on land; cones of 0.8 to 300 cm2."""
 USUAL_BY_DEPTH = {
     "strength": USUAL["undrained_shear_strength"],
     "unit_weight": Usual(1e4, 3e4, {"kN/m3": 1e3}),
 }
-USUAL_STRESS = Usual(1e3, 1e11, PASCAL)
-"""Any stress or stiffness, of a law of another package."""
+USUAL_STRESS = Usual(1e3, 1e11, STRESS_UNITS)
+"""Usual range of any stress or stiffness of a material law from another package."""
 MOST_NAMED = 8
-"""Values beyond the sane range that a line names."""
+"""Values outside the sane range that a warning lists; it counts the others."""
 
 
-def tell_of_unusual_values(study: Study) -> None:
-    """Warn of each value that looks like a slip of the unit, or is beyond the sane range."""
-    for line in [*unusual_values(study), *beyond_sane_range(study)]:
+def warn_of_unusual_values(study: Study) -> None:
+    """Warn of values that seem to be in a wrong unit, or with which fewer cases complete."""
+    for line in [*unusual_values(study), *outside_sane_range(study)]:
         tell(line)
 
 
-def beyond_sane_range(study: Study) -> list[str]:
-    """Parameters of which a study gives values that fewer cases complete with, and these values."""
+def outside_sane_range(study: Study) -> list[str]:
+    """A line for each parameter with a value outside its sane range: fewer cases complete there."""
     lines = []
     for part in study.parts:
         for name, definition in part.parameters.items():
@@ -293,12 +300,12 @@ def beyond_sane_range(study: Study) -> list[str]:
             if beyond:
                 named = ", ".join(f"{value:g}" for value in beyond[:MOST_NAMED])
                 further = f" and {len(beyond) - MOST_NAMED} more" if beyond[MOST_NAMED:] else ""
-                lines.append(f"{name} = {named}{further}{_sane(definition)}")
+                lines.append(f"{name} = {named}{further}{_sane_range(definition)}")
     return list(dict.fromkeys(lines))
 
 
 def unusual_values(study: Study) -> list[str]:
-    """What a study gives that looks like a slip of the unit: name, value, what to give instead."""
+    """A line for each parameter that seems to be in a wrong unit; it says what to give instead."""
     lines = []
     for part in study.parts:
         laws = [name for name in part.scene.of_other_laws if part.parameters[name].unit == "Pa"]

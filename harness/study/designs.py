@@ -1,8 +1,10 @@
 """Which combinations of values a study runs.
 
-Of a full design the last parameter is the fastest. One at a time begins with the fixed values
-alone. Of a Latin hypercube each range, and each distribution, has as many equally probable shares
-as there are samples, and every share is sampled once.
+- ``full``: all combinations; the last parameter changes fastest.
+- ``one_at_a_time``: a case with the fixed values, then each value of each parameter by itself.
+- ``list``: the combinations that the study lists.
+- ``latin_hypercube``: random. Each range or distribution is divided into as many equally probable
+  intervals as there are samples, and each interval is sampled once.
 """
 
 import itertools
@@ -20,30 +22,30 @@ DESIGNS = {
     LIST: "as they are listed",
     LATIN_HYPERCUBE: "a Latin hypercube",
 }
-"""The designs, and the cases of each in words."""
-EITHER_FIXED_OR_VARIED = (FULL, LATIN_HYPERCUBE)
-"""Designs of which no case has a varied parameter's fixed value; one at a time most cases do."""
+"""The designs, and what each runs, in words."""
+VARY_REPLACES_FIXED = (FULL, LATIN_HYPERCUBE)
+"""Designs in which a varied parameter needs no fixed value; one at a time most cases have it."""
 SPACINGS = ("linear", "logarithmic")
 
 Combination = Mapping[str, Value]
-"""The values that a case has of its own, by name."""
+"""The values that the design gives to one case, by parameter name."""
 
 
 def rounded(number: float) -> float:
-    """12 digits: the last ones are not the same on every machine, and they would name the case."""
+    """A number with 12 digits. Later digits differ between machines and would change case keys."""
     return float(f"{number:.12g}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Range:
-    """Numbers from one end to the other, both included; equal ratios where logarithmic."""
+    """Numbers from `start` to `stop`, both included, in equal steps or, logarithmic, ratios."""
 
     start: float
     stop: float
     logarithmic: bool
 
     def at(self, fraction: float) -> float:
-        """The number at `fraction` of the way, 0 to 1, to 12 digits."""
+        """The number at a fraction, 0 to 1, of the way from `start` to `stop`; 12 digits."""
         if fraction in (0.0, 1.0):
             return self.stop if fraction else self.start
         if self.logarithmic:
@@ -53,17 +55,17 @@ class Range:
         return rounded(number)
 
     def values(self, count: int) -> tuple[float, ...]:
-        """`count` numbers, 2 or more."""
+        """`count` evenly spaced numbers; `count` is at least 2."""
         return tuple(self.at(i / (count - 1)) for i in range(count))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """How values are combined: one of `DESIGNS`; of a Latin hypercube its cases and its seed."""
+    """How the values of a study are combined."""
 
-    kind: str
-    samples: int = 0
-    seed: int = 0
+    kind: str  # one of `DESIGNS`
+    samples: int = 0  # number of cases of a Latin hypercube
+    seed: int = 0  # of its random numbers
 
 
 Variation = tuple[Value, ...] | Range | Input
@@ -71,7 +73,7 @@ Variations = Mapping[str, Variation]
 
 
 def combination_count(design: Design, varied: Variations, listed: Sequence[Combination]) -> int:
-    """How many combinations :func:`combinations` gives."""
+    """The number of combinations that :func:`combinations` yields."""
     sizes = [len(values) for values in varied.values() if isinstance(values, tuple)]
     counts = {
         FULL: math.prod(sizes),
@@ -88,7 +90,14 @@ def combinations(
     listed: Sequence[Combination],
     known: Mapping[str, Parameter],
 ) -> Iterator[Combination]:
-    """The combinations of a design, in order; those of the design ``list`` are `listed`."""
+    """Yield the combinations of a design in order.
+
+    Args:
+        design: how values are combined.
+        varied: what varies, by parameter name.
+        listed: the combinations of the design ``list``.
+        known: the parameters of the scene, which say what type of value each has.
+    """
     if design.kind == LIST:
         yield from listed
     elif design.kind == LATIN_HYPERCUBE:
@@ -108,7 +117,7 @@ def combinations(
 def _latin_hypercube(
     design: Design, varied: Variations, known: Mapping[str, Parameter]
 ) -> Iterator[Combination]:
-    # SciPy takes half a second to load, which no other design is to wait for.
+    # Imported here because SciPy takes half a second to load, and no other design needs it.
     from scipy.stats.qmc import LatinHypercube
 
     points = LatinHypercube(len(varied), rng=design.seed).random(design.samples)
@@ -126,6 +135,6 @@ def _sampled(values: Variation, fraction: float, kind: type) -> Value:
         return rounded(values.at(fraction))
     if kind is not int:
         return values.at(fraction)
-    # Every integer has the same share, those at the ends too.
+    # Half a unit more at either end gives the first and the last integer the same probability.
     wide = Range(start=values.start - 0.5, stop=values.stop + 0.5, logarithmic=values.logarithmic)
     return min(max(round(wide.at(fraction)), round(values.start)), round(values.stop))

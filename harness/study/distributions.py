@@ -1,10 +1,10 @@
-"""Inputs that are not known exactly: a number, a range, or a distribution, and samples of them.
+"""Uncertain inputs: a number, a range or a distribution, and random samples of them.
 
-In the file of a site, and under [vary] of a study, each is written as harness/interpret/README.md
-says. Percentiles are joined by straight lines, and the lines of the two outermost pairs go on to 0
-and 100 %.
+They stand in site files and under [vary] of a study; harness/interpret/README.md lists the ways to
+write them. Given percentiles are joined by straight lines. The first and the last line are extended
+to 0 and 100 %.
 
-SciPy takes half a second to load; what has no distributions does not wait for it.
+SciPy is imported inside functions because it takes half a second to load.
 """
 
 import re
@@ -19,46 +19,46 @@ from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 
 Quantiles = Callable[[Floats], Floats]
-"""Of shares between 0 and 1, shape [...], the values that so much lies below."""
+"""Quantile function: from probabilities, 0 to 1, shape [...], to values of the same shape."""
 WIDE_RANGE = 3.0
-"""High over low from which on a range is uniform in its logarithm."""
+"""A positive range with a larger ratio high / low is uniform in its logarithm."""
 FORMS = (
     ("low", "high"),
     ("low", "mode", "high"),
     ("mean", "deviation"),
     ("mean", "deviation", "shape"),
 )
-"""Keys that an input may have together; the other form is percentiles, p5, p50 say."""
+"""Sets of keys that describe a distribution. The other form is percentiles, such as p5 and p50."""
 PERCENTILE = r"p\d{1,2}"
 HOW = (
     "a number, { low, high }, { low, mode, high }, { mean, deviation, shape } or { p10, p50, p90 }"
 )
-SURELY = 1e-6
-"""Share beyond which the tails of a distribution are cut."""
+TAIL_SHARE = 1e-6
+"""Probability at either end of a distribution that is cut off."""
 
-INSIDE = 1e-9
-"""From a bound that is not allowed itself, a sample beyond it; parameters have 12 digits."""
+BOUND_MARGIN = 1e-9
+"""If a bound itself is not allowed, samples beyond it are moved this far inside it."""
 
 
 @dataclass(frozen=True)
 class Input:
-    """One input: how it is written, and its distribution."""
+    """One uncertain input."""
 
-    text: str
+    text: str  # as the file gives it, for messages and tables
     quantiles: Quantiles
 
     def at(self, share: float) -> float:
-        """The value that a share, 0 to 1, lies below."""
+        """The quantile of a probability `share`, 0 to 1."""
         return float(self.quantiles(np.array(share)))
 
 
 def known(value: float) -> Input:
-    """An input that is one number."""
+    """An input that is known exactly."""
     return Input(f"{value:g}", lambda share: np.full_like(share, value))
 
 
 def normal(deviation: float) -> Input:
-    """An error around 0 [of the unit of `deviation`]."""
+    """A normally distributed error with mean 0 and this standard deviation, in its unit."""
     if deviation == 0.0:
         return known(0.0)
     from scipy.stats import norm
@@ -67,23 +67,23 @@ def normal(deviation: float) -> Input:
 
 
 def is_distribution(value: Mapping[str, Any]) -> bool:
-    """Whether a table is meant as a distribution: has a key that only these have."""
+    """Whether a table is meant as a distribution: it has a key that only distributions have."""
     names = {name for form in FORMS for name in form}
     return any(word in names or re.fullmatch(PERCENTILE, word) for word in value)
 
 
 def read_input(table: Table, key: str, allowed: Range, words: Sequence[str] = ()) -> Input:
-    """An input of a table of a file.
+    """Read an uncertain input.
 
     Args:
-        table: where it stands.
-        key: its name.
-        allowed: the range of what it may be; samples beyond are moved to its bounds, and a
-            distribution whose middle is beyond is refused.
-        words: what it may be besides, for the message.
+        table: the table that it stands in.
+        key: its key.
+        allowed: range of allowed values. Samples outside are moved to the nearest bound. A
+            distribution whose median is outside is refused.
+        words: other values that the key may have, for the error message.
 
     Raises:
-        StudyError: it is none of the forms, or not allowed.
+        StudyError: it has none of the allowed forms, or is out of range.
     """
     value = table.values[key]
     if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -96,21 +96,22 @@ def read_input(table: Table, key: str, allowed: Range, words: Sequence[str] = ()
         if name != "shape" and not is_number(entry):
             raise table.refuse(key, f"{name} must be a number")
     quantiles = _distribution(table, key, value)
-    middle, ends = quantiles(np.array(0.5)), quantiles(np.array([SURELY, 1.0 - SURELY]))
+    middle, ends = quantiles(np.array(0.5)), quantiles(np.array([TAIL_SHARE, 1.0 - TAIL_SHARE]))
     if not (np.isfinite(ends).all() and allowed.holds(middle, middle)):
         raise table.refuse(key, f"its median {middle:g} must be {allowed.allowed}")
     if "mean" not in value and not allowed.holds(*ends):
         raise table.refuse(key, f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
-    low = max(allowed.minimum, allowed.above + INSIDE)
-    high = min(allowed.maximum, allowed.below - INSIDE)
+    low = max(allowed.minimum, allowed.above + BOUND_MARGIN)
+    high = min(allowed.maximum, allowed.below - BOUND_MARGIN)
     text = ", ".join(f"{name} {entry}" for name, entry in value.items())
     return Input(
-        text, lambda share: np.clip(quantiles(np.clip(share, SURELY, 1 - SURELY)), low, high)
+        text,
+        lambda share: np.clip(quantiles(np.clip(share, TAIL_SHARE, 1 - TAIL_SHARE)), low, high),
     )
 
 
 def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
-    """The quantiles of a distribution as it is written."""
+    """The quantiles of a distribution that is given as a table of the file."""
     from scipy import stats
 
     if len(value) > 1 and all(re.fullmatch(PERCENTILE, name) for name in value):
@@ -131,7 +132,7 @@ def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quan
         case {"low": low, "high": high}:
             chosen = stats.uniform(low, high - low)
         case {"deviation": deviation} if not deviation > 0.0:
-            raise table.refuse(key, "deviation must be > 0; without one it is a number")
+            raise table.refuse(key, "deviation must be > 0; give an exact value as a number")
         case {"mean": mean, "deviation": deviation} if shape == "lognormal" and mean > 0.0:
             width = np.sqrt(np.log1p((deviation / mean) ** 2))
             chosen = stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2))
@@ -155,7 +156,7 @@ def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Qu
 
 
 def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats]:
-    """Samples of inputs that are independent of each other, a Latin hypercube; each [count]."""
+    """Samples of independent inputs from a Latin hypercube, each of shape [count]."""
     from scipy.stats.qmc import LatinHypercube
 
     shares = LatinHypercube(len(inputs), rng=seed).random(count)

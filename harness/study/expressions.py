@@ -1,7 +1,8 @@
-"""Small arithmetic in study definitions: for derived parameters and for exclusions.
+"""Arithmetic expressions in study files, for derived parameters, exclusions and formulas.
 
-An expression is read into Python's syntax tree and worked out here, node by node; nothing is
-executed. It has what `ALLOWED` says. Numbers are floats, so that no power grows without bound.
+An expression is parsed by Python's `ast` and evaluated here node by node; it is never executed as
+Python code. It may have what `ALLOWED` lists. All numbers are floats: a power of integers could
+otherwise grow without bound.
 """
 
 import ast
@@ -14,10 +15,10 @@ from typing import Self
 
 from mpm_warp.parameters import Value, nearest_name
 
-LONGEST = 200
-"""Characters that an expression may have, which bounds its depth too."""
+LONGEST_EXPRESSION = 200
+"""Characters that an expression may have; this limits its depth too."""
 
-OF_NUMBERS: dict[type[ast.AST], Callable[..., Value]] = {
+NUMBER_OPERATORS: dict[type[ast.AST], Callable[..., Value]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -30,7 +31,10 @@ OF_NUMBERS: dict[type[ast.AST], Callable[..., Value]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
-EQUALITY: dict[type[ast.AST], Callable[..., bool]] = {ast.Eq: operator.eq, ast.NotEq: operator.ne}
+EQUALITY_OPERATORS: dict[type[ast.AST], Callable[..., bool]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "exp": math.exp,
@@ -41,7 +45,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "min": min,
     "max": max,
 }
-"""Angles are in degrees, as those of parameters are; `log` and `ln` are the natural logarithm."""
+"""Functions by name. Angles are in degrees, like parameters; `log` and `ln` are both natural."""
 ALLOWED = "numbers, texts, parameters, + - * / **, comparisons, and, or, not, " + ", ".join(
     f"{name}()" for name in FUNCTIONS
 )
@@ -52,40 +56,48 @@ class ExpressionError(ValueError):
 
 
 Parameters = Mapping[str, Value | None]
-Meaning = Callable[[Parameters], Value]
-"""What works a piece of an expression out, from the values of the parameters."""
+Evaluator = Callable[[Parameters], Value]
+"""Computes the value of a part of an expression from the values of the parameters."""
 
 
 @dataclass(frozen=True)
 class Expression:
-    """A well-formed expression."""
+    """A valid expression."""
 
-    text: str  # as it was written
-    names: frozenset[str]  # the parameters that it needs
-    is_condition: bool  # whether it is true or false, no number
-    meaning: Meaning = field(compare=False, repr=False)
+    text: str  # as given in the file
+    names: frozenset[str]  # the parameters that it uses
+    is_condition: bool  # whether its value is true or false instead of a number
+    evaluator: Evaluator = field(compare=False, repr=False)
 
     @classmethod
     def parsed(cls, text: object) -> Self:
-        """Read an expression."""
+        """Parse an expression.
+
+        Raises:
+            ExpressionError: it is malformed, or has something that is not allowed.
+        """
         if not isinstance(text, str) or not text.strip():
-            raise ExpressionError('must be an expression in a text, as "2 * penetration"')
-        if len(text) > LONGEST:
+            raise ExpressionError('must be an expression in quotes, such as "2 * penetration"')
+        if len(text) > LONGEST_EXPRESSION:
             raise ExpressionError(
-                f"has {len(text)} characters; an expression has at most {LONGEST}"
+                f"has {len(text)} characters; an expression has at most {LONGEST_EXPRESSION}"
             )
         tree = _tree(text)
-        meaning = _meaning(tree)
+        evaluator = _evaluator(tree)
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         names = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
         is_negation = isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.Not)
         is_condition = is_negation or isinstance(tree, ast.Compare | ast.BoolOp)
-        return cls(text, frozenset(name.id for name in names), is_condition, meaning)
+        return cls(text, frozenset(name.id for name in names), is_condition, evaluator)
 
     def value(self, parameters: Parameters) -> Value:
-        """Work it out."""
+        """Its value for these parameters.
+
+        Raises:
+            ExpressionError: it has none, as after a division by zero.
+        """
         try:
-            value = self.meaning(parameters)
+            value = self.evaluator(parameters)
         except (ArithmeticError, ValueError, TypeError) as error:
             raise ExpressionError(f"{self.text!r} has no value: {error}") from None
         if isinstance(value, float) and not math.isfinite(value):
@@ -93,7 +105,11 @@ class Expression:
         return value
 
     def is_true(self, parameters: Parameters) -> bool:
-        """Work out a condition."""
+        """Whether the condition holds for these parameters.
+
+        Raises:
+            ExpressionError: it has no value, or its value is not true or false.
+        """
         value = self.value(parameters)
         if not isinstance(value, bool):
             raise ExpressionError(f"{self.text!r} is {value!r}, neither true nor false")
@@ -103,32 +119,32 @@ class Expression:
 def _tree(text: str) -> ast.expr:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # remarks on style, to whoever writes programs
+            warnings.simplefilter("ignore")  # Python's warnings about style
             return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f"is no expression; allowed: {ALLOWED}") from None
+        raise ExpressionError(f"is not an expression; allowed: {ALLOWED}") from None
 
 
-def _meaning(node: ast.expr) -> Meaning:
-    """What works out one of the few things that an expression may have; others are refused."""
+def _evaluator(node: ast.expr) -> Evaluator:
+    """The evaluator of a node of the syntax tree; a node that is not allowed raises an error."""
     match node:
         case ast.Constant(value=bool() | int() | float() | str() as constant):
-            return lambda _: _plain("", constant)
+            return lambda _: _operand("", constant)
         case ast.Name(id=name):
-            return lambda given: _plain(name, given[name])
-        case ast.BinOp(op=op, left=left, right=right) if type(op) in OF_NUMBERS:
-            function, nodes = OF_NUMBERS[type(op)], [left, right]
-        case ast.UnaryOp(op=op, operand=operand) if type(op) in OF_NUMBERS:
-            function, nodes = OF_NUMBERS[type(op)], [operand]
+            return lambda given: _operand(name, given[name])
+        case ast.BinOp(op=op, left=left, right=right) if type(op) in NUMBER_OPERATORS:
+            function, nodes = NUMBER_OPERATORS[type(op)], [left, right]
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in NUMBER_OPERATORS:
+            function, nodes = NUMBER_OPERATORS[type(op)], [operand]
         case ast.UnaryOp(op=ast.Not(), operand=operand):
-            return _applied(operator.not_, bool, operand)
+            return _function_evaluator(operator.not_, bool, operand)
         case ast.BoolOp(op=op, values=values):
-            decide, parts = all if isinstance(op, ast.And) else any, [*map(_meaning, values)]
-            return lambda given: decide(_of_kind(bool, part(given)) for part in parts)
+            decide, parts = all if isinstance(op, ast.And) else any, [*map(_evaluator, values)]
+            return lambda given: decide(_typed(bool, part(given)) for part in parts)
         case ast.Compare(left=left, ops=ops, comparators=others) if all(
-            type(op) in OF_NUMBERS or type(op) in EQUALITY for op in ops
+            type(op) in NUMBER_OPERATORS or type(op) in EQUALITY_OPERATORS for op in ops
         ):
-            links = [*map(_compared, ops, [left, *others], others)]
+            links = [*map(_comparison_evaluator, ops, [left, *others], others)]
             return lambda given: all(link(given) for link in links)
         case ast.Call(func=ast.Name(id=name), args=nodes, keywords=[]):
             if name not in FUNCTIONS:
@@ -136,38 +152,40 @@ def _meaning(node: ast.expr) -> Meaning:
             function = FUNCTIONS[name]
         case _:
             raise ExpressionError(f"{ast.unparse(node)!r} is not allowed; allowed: {ALLOWED}")
-    return _applied(function, float, *nodes)
+    return _function_evaluator(function, float, *nodes)
 
 
-def _compared(op: ast.cmpop, left: ast.expr, right: ast.expr) -> Meaning:
-    if type(op) in OF_NUMBERS:
-        return _applied(OF_NUMBERS[type(op)], float, left, right)
-    sides = _meaning(left), _meaning(right)
+def _comparison_evaluator(op: ast.cmpop, left: ast.expr, right: ast.expr) -> Evaluator:
+    if type(op) in NUMBER_OPERATORS:
+        return _function_evaluator(NUMBER_OPERATORS[type(op)], float, left, right)
+    sides = _evaluator(left), _evaluator(right)
 
     def holds(given: Parameters) -> bool:
         one, other = (side(given) for side in sides)
         if type(one) is not type(other):
             raise TypeError(f"{one!r} and {other!r} cannot be equal")
-        return EQUALITY[type(op)](one, other)
+        return EQUALITY_OPERATORS[type(op)](one, other)
 
     return holds
 
 
-def _applied(function: Callable[..., Value], kind: type[Value], *nodes: ast.expr) -> Meaning:
-    """The meaning of a function of numbers, or of truths."""
-    parts = [*map(_meaning, nodes)]
-    return lambda given: function(*(_of_kind(kind, part(given)) for part in parts))
+def _function_evaluator(
+    function: Callable[..., Value], kind: type[Value], *nodes: ast.expr
+) -> Evaluator:
+    """The evaluator of a function whose arguments all have one type, float or bool."""
+    parts = [*map(_evaluator, nodes)]
+    return lambda given: function(*(_typed(kind, part(given)) for part in parts))
 
 
-def _of_kind(kind: type[Value], value: Value) -> Value:
+def _typed(kind: type[Value], value: Value) -> Value:
     if not isinstance(value, kind):
-        told = "not a number" if kind is float else "neither true nor false"
-        raise TypeError(f"{value!r} is {told}")
+        problem = "not a number" if kind is float else "neither true nor false"
+        raise TypeError(f"{value!r} is {problem}")
     return value
 
 
-def _plain(name: str, value: Value | None) -> Value:
-    """A value in which a number is a float, whatever it is written as."""
+def _operand(name: str, value: Value | None) -> Value:
+    """A constant or the value of a parameter; every number becomes a float."""
     if value is None:
-        raise ExpressionError(f"{name} is what the scene derives itself; give it a value")
+        raise ExpressionError(f"{name} has no value, because the scene derives it; give it one")
     return value if isinstance(value, (str, bool)) else float(value)

@@ -1,7 +1,8 @@
-"""The files of studies: found by name or path, read from TOML, joined with those they build on.
+"""Study files: finding them by name or path, reading TOML, and merging a study with its bases.
 
-The ground of a study, [profile], is columns by depth, or a CSV file beside it. Either becomes the
-parameter `profile` of the scene, a text of one line. harness/README.md has examples.
+The ground of a study, [profile], is given as columns over depth or as a CSV file beside the study.
+Both become the parameter `profile` of the scene, a text of one line. harness/README.md has
+examples.
 """
 
 import re
@@ -11,8 +12,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from harness.study.designs import EITHER_FIXED_OR_VARIED
-from harness.study.scene_part import OF_SCENE
+from harness.study.designs import VARY_REPLACES_FIXED
+from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.parameters import nearest_name
@@ -21,23 +22,23 @@ from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, text_of
 
 STUDY_NAME = r"\w[\w.-]*"
-"""What the name of a study looks like, as a pattern."""
+"""Pattern of the name of a study."""
 LARGEST_FILE = 1_000_000
-"""Bytes of a definition, or of a profile; what is larger is not a study but a mistake."""
+"""Bytes that a study file or a profile may have; a larger file is a mistake."""
 LONGEST_LINEAGE = 8
-"""Studies that may stand one on the other by ``base``."""
-MOST_PARTS = 20
-"""Parts of a dotted key; those of a study have five at most."""
-# Without going back (++, *+): a megabyte of anything is searched at once.
+"""Studies that may be chained by ``base``."""
+MOST_KEY_PARTS = 20
+"""Parts that a dotted key may have; keys of a study have five at most."""
+# Possessive quantifiers (++, *+) never backtrack, so that even a megabyte is searched in no time.
 LONG_KEY = re.compile(
-    rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_PARTS}}}"
+    rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}"
 )
-ASSIGNING = ("fixed", "vary", "derived")
-"""Tables that say what a parameter is; what a study says takes the place of what its base says."""
+ASSIGNING_TABLES = ("fixed", "vary", "derived")
+"""Tables that give a parameter its value; a study's own entry replaces all those of its base."""
 
 
 def studies_folder() -> Path:
-    """Folder of the studies that ship: inside an installed package, or beside it in a checkout."""
+    """Folder of the studies that ship: inside the installed package, or beside it in a checkout."""
     package = Path(__file__).parents[1]
     packaged = package / "studies"
     return packaged if packaged.is_dir() else package.parent / "studies"
@@ -49,10 +50,15 @@ def study_names() -> tuple[str, ...]:
 
 
 def find_study(study: str, beside: Path | None = None) -> Path:
-    """The file of the study called `study`, or the file `study` itself, in a folder or here.
+    """The file of a study.
+
+    Args:
+        study: name of a study that ships, or path of a file.
+        beside: folder that a relative path starts from; by default the current one.
 
     Raises:
-        StudyError: there is none (the nearest name is given), or its name names no results.
+        StudyError: there is no such file, with the nearest known name; or the file has a name by
+            which no results can be named.
     """
     path, here = Path(study), beside or Path()
     is_name = path.suffix != ".toml" and path.name == study
@@ -75,11 +81,17 @@ def find_study(study: str, beside: Path | None = None) -> Path:
 
 
 def read_bounded(path: Path, most: int, what: str) -> bytes:
-    """The content of an ordinary file of at most so many bytes; `what` it is, for the message."""
+    """The content of a regular file.
+
+    Args:
+        path: the file.
+        most: bytes that it may have.
+        what: kind of file, for the error message: "a study".
+    """
     try:
         about = path.stat()
-        if not stat.S_ISREG(about.st_mode):  # whoever opens a FIFO waits, a device may have no end
-            raise StudyError(f"{path}: is no ordinary file")
+        if not stat.S_ISREG(about.st_mode):  # opening a FIFO would block, a device may be endless
+            raise StudyError(f"{path}: is not a regular file")
         content = path.read_bytes() if about.st_size <= most else b""
     except (OSError, ValueError) as error:  # a null character in its name
         raise StudyError(f"{path}: cannot be read: {getattr(error, 'strerror', error)}") from None
@@ -89,7 +101,7 @@ def read_bounded(path: Path, most: int, what: str) -> bytes:
 
 
 def read_text(path: Path, what: str) -> str:
-    """The text of an ordinary file of UTF-8 of at most `LARGEST_FILE` bytes."""
+    """The text of a UTF-8 file of at most `LARGEST_FILE` bytes; `what` as in `read_bounded`."""
     try:
         return read_bounded(path, LARGEST_FILE, what).decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -97,11 +109,11 @@ def read_text(path: Path, what: str) -> str:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The tables of a file as they stand there."""
+    """The tables of a TOML file."""
     text = read_text(path, "a study")
     try:
-        if LONG_KEY.search(text):  # the time that it takes grows with the square of its parts
-            raise StudyError(f"{path}: a key has more than {MOST_PARTS} parts with dots between")
+        if LONG_KEY.search(text):  # the parser takes a time that grows with the square of the parts
+            raise StudyError(f"{path}: a dotted key has more than {MOST_KEY_PARTS} parts")
         return tomllib.loads(text)
     except RecursionError:
         raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
@@ -110,7 +122,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _remedy(text: str, error: ValueError) -> str:
-    """What is wrong in the line that an error of TOML names, where it is a slip of beginners."""
+    """How to correct the line that a TOML error names, if it is a common mistake; else ""."""
     place = re.search(r"at line (\d+)", str(error))
     if place is None:
         return ""
@@ -119,14 +131,14 @@ def _remedy(text: str, error: ValueError) -> str:
     if equals and re.fullmatch(r"[A-Za-z][\w -]*", value):
         return f'; a text needs quotes: {key} = "{value}"'
     if equals and re.fullmatch(r"[-+]?\d+,\d+", value):
-        return f"; a number has a point: {key} = {value.replace(',', '.')}"
+        return f"; a number has a decimal point: {key} = {value.replace(',', '.')}"
     if re.fullmatch(r"[\w.-]+\s*:.*", line):
-        return "; a key and its value are parted by ="
+        return "; write = between a key and its value"
     return ""
 
 
 def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
-    """A study's file and those that it stands on by ``base``, the farthest first."""
+    """A study file and its bases, each with its tables; the most distant base comes first."""
     line: list[tuple[Path, dict[str, Any]]] = []
     here: Path | None = path
     while here is not None:
@@ -135,8 +147,8 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
         base = Table(f"{here}:", values).text("base") if "base" in values else None
         if base is not None and len(line) == LONGEST_LINEAGE:
             raise StudyError(
-                f"{here}: base = {base!r}: more than {LONGEST_LINEAGE} studies stand one on the "
-                "other, or in a circle"
+                f"{here}: base = {base!r}: more than {LONGEST_LINEAGE} studies are chained by "
+                "base, or they form a circle"
             )
         try:
             here = None if base is None else find_study(base, here.parent)
@@ -145,25 +157,30 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
     return line
 
 
-def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> dict[str, Any]:
-    """What `own` says, and what `base` says where `own` says nothing.
+def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> dict[str, Any]:
+    """A study merged with its base.
 
-    Both are definitions, or what stands in them under [scenes.NAME]. Tables are joined key by key.
-    A parameter that `own` fixes, varies or derives is no longer what `base` makes of it; but one
-    that `own` varies keeps its fixed value where a case of the design has that. What `own` says for
-    all scenes takes the place of what `base` says for one.
+    Tables are merged key by key, and entries of `own` replace those of `base`. A parameter that
+    `own` fixes, varies or derives loses its entries in `base`. One exception: a parameter that
+    `own` varies keeps its fixed value where the design uses it (see `VARY_REPLACES_FIXED`). What
+    `own` says for all scenes replaces what `base` says for a single scene.
+
+    Args:
+        base: tables of the base, or its [scenes.NAME].
+        own: tables of the study, or its [scenes.NAME].
+        design: name of the design.
     """
     result = dict(base)
-    for name in ASSIGNING:
-        keeps = name == "fixed" and design not in EITHER_FIXED_OR_VARIED
-        tables = (own.get(key) for key in ASSIGNING if not (keeps and key == "vary"))
+    for name in ASSIGNING_TABLES:
+        keeps = name == "fixed" and design not in VARY_REPLACES_FIXED
+        tables = (own.get(key) for key in ASSIGNING_TABLES if not (keeps and key == "vary"))
         said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
             result[name] = {key: value for key, value in table.items() if key not in said}
     if isinstance(scenes := result.get("scenes"), dict):
-        of_all = {key: own[key] for key in OF_SCENE if key in own}
+        of_all = {key: own[key] for key in SCENE_KEYS if key in own}
         result["scenes"] = {
-            name: joined(of_scene, of_all, design) if isinstance(of_scene, dict) else of_scene
+            name: merged(of_scene, of_all, design) if isinstance(of_scene, dict) else of_scene
             for name, of_scene in scenes.items()
         }
     for key, value in own.items():
@@ -174,14 +191,16 @@ def joined(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
             result[key] = {**inherited, **value}
             for name in inherited.keys() & value.keys() if key == "scenes" else ():
                 if isinstance(inherited[name], dict) and isinstance(value[name], dict):
-                    result[key][name] = joined(inherited[name], value[name], design)
+                    result[key][name] = merged(inherited[name], value[name], design)
     return result
 
 
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
-    """A study's definition with its [profile] as a fixed parameter.
+    """The tables of a study file in which [profile] has become a fixed parameter.
 
-    The file of a profile is found from the folder of the study.
+    Args:
+        path: the study file; the file of a profile is looked for in its folder.
+        values: the tables of the study.
     """
     rest = {key: value for key, value in values.items() if key != PROFILE}
     if PROFILE not in values:
@@ -190,20 +209,24 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
     fixed = Table(f"{path}:", values).table("fixed")
     if PROFILE in fixed.values:
         raise fixed.refuse(PROFILE, f"stands under [{PROFILE}] as well; keep one of them")
-    text = _of_file(path.parent, table) if "file" in table.values else _of_columns(table)
+    text = (
+        _profile_from_file(path.parent, table)
+        if "file" in table.values
+        else _profile_from_columns(table)
+    )
     where = table.place("file") if "file" in table.values else table.where
     try:
         columns = columns_of(text)
         # The strength of a law that has its own follows from the parameters of a case.
         ground = Profile.of(columns).text if "strength" in columns else text_of(columns)
     except ParameterError as error:
-        # The place says already whose it is.
+        # The message begins with the parameter, which the place names already.
         raise StudyError(f"{where}: {str(error).removeprefix(f'{PROFILE}: ')}") from None
     return rest | {"fixed": {**fixed.values, PROFILE: ground}}
 
 
-def _of_file(folder: Path, table: Table) -> str:
-    """The text of a profile's file: a regular one beside the study, or in a folder below."""
+def _profile_from_file(folder: Path, table: Table) -> str:
+    """The text of the CSV file of a profile, which must be in the study's folder or below it."""
     table.allow("file")
     path = folder / table.text("file")
     try:
@@ -211,10 +234,10 @@ def _of_file(folder: Path, table: Table) -> str:
             return read_text(path, "a profile")
     except (StudyError, OSError, ValueError) as error:
         raise table.refuse("file", str(error).removeprefix(f"{path}: ")) from None
-    raise table.refuse("file", "must be beside the study, or in a folder below")
+    raise table.refuse("file", "must be in the folder of the study, or below it")
 
 
-def _of_columns(table: Table) -> str:
+def _profile_from_columns(table: Table) -> str:
     lengths = {}
     for key, column in table.values.items():
         if not isinstance(column, list) or not all(map(is_number, column)):

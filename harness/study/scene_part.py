@@ -1,4 +1,4 @@
-"""What a study does with one scene: its parameters and their values, read from the definition."""
+"""What a study does with one scene: the values of its parameters, read from the study file."""
 
 import math
 from collections.abc import Mapping
@@ -7,11 +7,11 @@ from typing import Any
 
 from harness.errors import tell
 from harness.study.designs import (
-    EITHER_FIXED_OR_VARIED,
     FULL,
     LATIN_HYPERCUBE,
     LIST,
     SPACINGS,
+    VARY_REPLACES_FIXED,
     Combination,
     Design,
     Range,
@@ -26,20 +26,20 @@ from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 LARGEST_STUDY = 100_000
-"""Cases that a study may have; more than that is a slip in a list."""
+"""Cases that a study may have; more are a mistake in a list or range."""
 MOST_EXCLUSIONS = 100
-"""Conditions of a study, each of which is worked out for every case."""
+"""Conditions that `exclude` may have; each is evaluated for every case."""
 
 SNAPSHOTS = "snapshots"
 """Key of the moments at which the soil is kept."""
-OF_SCENE = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
-"""Keys that may stand under [scenes.NAME] as well, for that scene alone."""
+SCENE_KEYS = ("fixed", "vary", "derived", "exclude", "case", SNAPSHOTS)
+"""Keys that may also stand under [scenes.NAME], where they apply to that scene only."""
 
 Scene = type[CatalogueScene]
 
 
 def loaded_scenes() -> dict[str, Scene]:
-    """All scenes, by name; of one that cannot be loaded a line tells why it is left out."""
+    """All scenes by name. A scene that cannot be loaded is left out, and a line says why."""
     loaded: dict[str, Scene] = {}
     for name in scene_names():
         try:
@@ -50,28 +50,28 @@ def loaded_scenes() -> dict[str, Scene]:
 
 
 def method_of(scene: Scene) -> tuple[str, ...]:
-    """The parameters of a scene's method; what refines an exact solution is one of them."""
+    """The parameters of a scene's numerical method, among them those that its checks refine."""
     refining = (check.resolution for check in scene.verifications)
     return tuple(dict.fromkeys([*scene.method, *refining]))
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScenePart:
-    """What a study does with one scene; every name and value is valid."""
+    """What a study does with one scene. Every name and value has been checked."""
 
     name: str
     scene: Scene
     parameters: Mapping[str, Parameter]
-    fixed: Mapping[str, Value]  # the same in every case, or where nothing varies them
-    varied: Variations  # ranges and distributions in a Latin hypercube alone
+    fixed: Mapping[str, Value]  # values of all cases in which the design gives no other
+    varied: Variations  # ranges and distributions only in a Latin hypercube
     listed: tuple[Combination, ...]  # the cases of the design ``list``
-    derived: Mapping[str, Expression]  # worked out from the others, in this order
-    excluded: tuple[Expression, ...]  # conditions on cases that are not run
+    derived: Mapping[str, Expression]  # computed from the other parameters, in this order
+    excluded: tuple[Expression, ...]  # cases for which one of these is true are not run
     snapshots: tuple[float, ...]  # moments at which the soil of each case is kept
 
     @property
     def assigned(self) -> set[str]:
-        """The parameters that the study gives values to; all others are left to the scene."""
+        """The parameters that the study gives values; the others have the scene's defaults."""
         return {
             *self.fixed,
             *self.varied,
@@ -83,11 +83,16 @@ class ScenePart:
 def read_part(
     name: str, scene: Scene, table: Table, design: Design, settings: Mapping[str, Any]
 ) -> ScenePart:
-    """Read what a study does with a scene, whose parameters the table knows, and apply settings.
+    """Read what a study does with one scene, and apply settings.
 
-    Settings hold whatever the definition says; those of parameters that the scene does not have are
-    left out. In the design `one_at_a_time` a parameter that a setting varies keeps its fixed value
-    in the first case.
+    Args:
+        name: name of the scene.
+        scene: the scene.
+        table: the keys that apply to the scene; its `known` are the scene's parameters.
+        design: how values are combined.
+        settings: values from the command line. They override the file. Parameters that the scene
+            does not have are ignored. With the design `one_at_a_time` a parameter that a setting
+            varies keeps its fixed value in the other cases.
     """
     known = table.known
     given = Table("--set", {key: settings[key] for key in settings if key in known}, known)
@@ -105,10 +110,10 @@ def read_part(
             allowed = known[key].allowed
             raise given.refuse(key, f'design = "{LIST}" does not vary it; must be {allowed}')
         varied[key] = _variation(given, key, design)
-        if design.kind in EITHER_FIXED_OR_VARIED:
+        if design.kind in VARY_REPLACES_FIXED:
             fixed.pop(key, None)
     if design.kind == LATIN_HYPERCUBE and not varied:
-        raise StudyError(f"{table.where} [vary]: nothing varies, there is nothing to sample")
+        raise StudyError(f"{table.where} [vary]: is empty; there is nothing to sample")
     return ScenePart(
         name=name,
         scene=scene,
@@ -126,17 +131,17 @@ def read_part(
 
 
 def read_snapshots(name: str, scene: Scene, table: Table) -> tuple[float, ...]:
-    """Read at which moments the soil is to be kept: a list of numbers, or a range with a count."""
+    """Read the moments at which the soil is kept: a list of numbers, or a range with a count."""
     if scene.snapshots_over is None:
         raise table.refuse(SNAPSHOTS, f"{name} takes no snapshots")
     given = replace(table, known={SNAPSHOTS: moment_of(scene, scene.snapshots_over)})
     moments = _variation(given, SNAPSHOTS, Design(kind=FULL))
-    assert isinstance(moments, tuple)  # a range without a count is a Latin hypercube's alone
+    assert isinstance(moments, tuple)  # only a Latin hypercube allows a range without a count
     return tuple(sorted(float(moment) for moment in moments))
 
 
 def moment_of(scene: Scene, over: str) -> Parameter:
-    """What a moment at which the soil is kept may be: as the parameter that it is measured over."""
+    """The definition of snapshot moments: like the parameter `over`, such as the penetration."""
     farthest = parameters_of(scene)[over]
     meaning = f"moment at which the soil is kept, measured as the {over} is"
     bounds = replace(farthest.bounds, minimum=-math.inf, above=0.0)
@@ -155,8 +160,8 @@ def _varied(table: Table, design: Design, fixed: Mapping[str, Value]) -> dict[st
     varied = {key: _variation(table, key, design) for key in table.values}
     for key in varied:
         if design.kind == LIST:
-            raise table.refuse(key, f'does not go with design = "{LIST}"')
-        if design.kind in EITHER_FIXED_OR_VARIED and key in fixed:
+            raise table.refuse(key, f'is not allowed with design = "{LIST}"')
+        if design.kind in VARY_REPLACES_FIXED and key in fixed:
             raise table.refuse(key, "is under [fixed] as well; keep one of them")
     return varied
 
@@ -169,13 +174,13 @@ def _variation(table: Table, key: str, design: Design) -> Variation:
     definition = table.definition(key)
     if is_distribution(value):
         if definition.kind is not float:
-            raise table.refuse(key, f"has no distributions; must be {definition.allowed}")
+            raise table.refuse(key, f"cannot be a distribution; must be {definition.allowed}")
         if design.kind != LATIN_HYPERCUBE:
-            raise table.refuse(key, f'a distribution goes with design = "{LATIN_HYPERCUBE}" alone')
+            raise table.refuse(key, f'a distribution needs design = "{LATIN_HYPERCUBE}"')
         return read_input(table, key, definition.bounds)
     if definition.kind not in (int, float) or definition.choices is not None:
         raise table.refuse(
-            key, f"has no ranges; must be a list of values, each {definition.allowed}"
+            key, f"cannot be a range; must be a list of values, each {definition.allowed}"
         )
     sampled = design.kind == LATIN_HYPERCUBE
     of_end = {end: replace(definition, name=end) for end in ("from", "to")}
@@ -227,14 +232,14 @@ def _expression(table: Table, where: str, text: object, later: list[str]) -> Exp
             near = nearest_parameter(name, table.known)
             raise StudyError(f"{where}: unknown parameter {name!r}{near}")
         if name in later:
-            raise StudyError(f"{where}: {name} is derived itself, and not before")
+            raise StudyError(f"{where}: {name} is derived too, but not above this line")
     return expression
 
 
 def _listed(table: Table, design: Design) -> tuple[Combination, ...]:
     if design.kind != LIST:
         if "case" in table.values:
-            raise table.refuse("case", f'goes with design = "{LIST}" alone')
+            raise table.refuse("case", f'is allowed only with design = "{LIST}"')
         return ()
     cases = table.list("case")
     if not cases:

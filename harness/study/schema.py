@@ -1,7 +1,7 @@
-"""A JSON schema of study definitions, by which editors complete and check them.
+"""The JSON schema of study files, by which editors complete and check them.
 
-It is made from the definitions of the parameters, scene by scene. What depends on several values
-at once, such as the sum of cases, is left to the harness.
+It is made from the definitions of the parameters, scene by scene. It does not check what depends
+on several values together, such as the number of cases; the harness does when it reads a study.
 """
 
 import math
@@ -10,7 +10,7 @@ from typing import Any
 
 from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS
 from harness.study.compared import (
-    OPTIONAL,
+    DEFAULT_TEXTS,
     OWN_REFERENCES,
     REFERENCE_NAME,
     REFERENCE_STUDY,
@@ -18,10 +18,10 @@ from harness.study.compared import (
 )
 from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
 from harness.study.distributions import FORMS, PERCENTILE
-from harness.study.expressions import LONGEST
+from harness.study.expressions import LONGEST_EXPRESSION
 from harness.study.scene_part import (
     LARGEST_STUDY,
-    OF_SCENE,
+    SCENE_KEYS,
     SNAPSHOTS,
     Scene,
     loaded_scenes,
@@ -36,14 +36,14 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 Schema = dict[str, Any]
 LINE: Schema = {"type": "string", "pattern": "\\S"}
-"""A text, which is not empty."""
+"""A text that is not empty."""
 
 
 def study_schema() -> Schema:
-    """The schema of a study's definition; a scene that cannot be loaded is told and left out."""
+    """The schema of study files. A scene that cannot be loaded is left out, and a line says why."""
     scenes = {name: _of_scene(scene) for name, scene in loaded_scenes().items()}
     references = _ids(REFERENCE_IDS, "cone factors of the literature")
-    # Where the study, or its base, defines some of its own these may be named too.
+    # If the study defines references, or its base may, their names are allowed too.
     defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
     own = references | {"items": {"anyOf": [references["items"], {"pattern": REFERENCE_NAME}]}}
     shipped = {"properties": {"compare": {"properties": {"references": references}}}}
@@ -56,31 +56,32 @@ def study_schema() -> Schema:
     scene_name = {"enum": list(scenes)}
     properties: Schema = {
         "title": LINE | {"description": "one line on what the study shows"},
-        "base": LINE | {"description": "study that holds where this one says nothing"},
+        "base": LINE | {"description": "study from which keys are taken that this one lacks"},
         "scene": {
             "description": "what is simulated, or a list of several",
             "anyOf": [scene_name, {"type": "array", "items": scene_name, "minItems": 1}],
         },
         "design": {"enum": list(DESIGNS), "description": "how varied values are combined"},
         "samples": _integer("cases of a Latin hypercube", 1, LARGEST_STUDY),
-        "seed": _integer("of a Latin hypercube's random numbers", 0, LARGEST_SEED),
-        **{key: {} for key in OF_SCENE},  # what they hold depends on the scene
+        "seed": _integer("seed of a Latin hypercube's random numbers", 0, LARGEST_SEED),
+        **{key: {} for key in SCENE_KEYS},  # their content depends on the scene; see allOf below
         PROFILE: {
             "type": "object",
-            "description": "ground by depth: columns as 'depth [m]', or file, a CSV file",
+            "description": "ground by depth: columns such as 'depth [m]', or file = a CSV file",
         },
-        "scenes": table_schema(scenes, description="what holds for one scene of several"),
+        "scenes": table_schema(scenes, description="keys that apply to one scene of several"),
         "compare": table_schema(
             {
                 "references": own,
-                REFERENCE_STUDY: LINE | {"description": "study whose kept result tells the errors"},
+                REFERENCE_STUDY: LINE
+                | {"description": "study; errors are differences from its stored result"},
                 "experience": experience,
                 "tolerance": tolerance,
             }
         ),
         OWN_REFERENCES: {
             "type": "object",
-            "description": "cone factors of the study's own: formulas of parameters",
+            "description": "your own references: cone factors as formulas of parameters",
             "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
             "additionalProperties": _own_reference(),
         },
@@ -93,7 +94,7 @@ def study_schema() -> Schema:
         **table_schema(properties),
         "anyOf": [{"required": ["base"]}, {"required": ["title", "scene"]}],
         "allOf": [
-            # That of one scene says nothing of the other keys of a study.
+            # The schema of a scene has no other keys of a study, so only its properties are used.
             *(
                 _if("scene", name, {"properties": tables["properties"]})
                 for name, tables in scenes.items()
@@ -106,25 +107,25 @@ def study_schema() -> Schema:
 
 
 def _own_reference() -> Schema:
-    """A table [references.NAME], whose texts are each of one line."""
+    """The schema of a table [references.NAME]."""
     span = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     texts = {
-        "label": LINE | {"description": "name in pictures, as authors and year"},
+        "label": LINE | {"description": "name in pictures, such as authors and year"},
         "source": LINE | {"description": "where it is published"},
-        **dict.fromkeys(OPTIONAL, LINE),
+        **dict.fromkeys(DEFAULT_TEXTS, LINE),
     }
     ranges = {
         "type": "object",
-        "description": "least and greatest value that it is meant for, by parameter or symbol",
+        "description": "least and greatest value for which it is valid, by parameter or symbol",
         "additionalProperties": span,
     }
-    formula = _expression(f"of parameters, or of {', '.join(SYMBOLS)}")
+    formula = _expression(f"formula of parameters, or of {', '.join(SYMBOLS)}")
     required = ["formula", "label", "source"]
     return table_schema({"formula": formula, **texts, "range": ranges}, required=required)
 
 
 def _of_scene(scene: Scene) -> Schema:
-    """The tables that depend on the scene."""
+    """The schema of the keys whose content depends on the scene."""
     parameters, over = parameters_of(scene).values(), scene.snapshots_over
 
     def of_each(schema: Callable[[Parameter], Schema]) -> Schema:
@@ -136,7 +137,7 @@ def _of_scene(scene: Scene) -> Schema:
             "fixed": fixed,
             "vary": of_each(_variation),
             "derived": of_each(lambda parameter: _expression(parameter.meaning)),
-            "exclude": {"type": "array", "items": _expression("cases that are not run")},
+            "exclude": {"type": "array", "items": _expression("condition of cases not to run")},
             "case": {"type": "array", "items": fixed},
             **({} if over is None else {SNAPSHOTS: _variation(moment_of(scene, over))}),
         }
@@ -144,7 +145,7 @@ def _of_scene(scene: Scene) -> Schema:
 
 
 def bounds_schema(allowed: Range) -> Schema:
-    """The bounds of a number."""
+    """The schema keywords for the bounds of a number."""
     bounds = {
         "minimum": allowed.minimum,
         "maximum": allowed.maximum,
@@ -179,7 +180,7 @@ def _variation(parameter: Parameter) -> Schema:
 
 
 def distributions() -> list[Schema]:
-    """All ways to write an input that is not one number."""
+    """Schemas of all forms of an uncertain input that is not a single number."""
     kinds: dict[str, Schema] = {"shape": {"enum": ["normal", "lognormal"]}}
     number = {"type": "number"}
     tables = [
@@ -200,11 +201,16 @@ def _ids(known: Sequence[str], meaning: str) -> Schema:
 
 
 def _expression(meaning: str) -> Schema:
-    return {"type": "string", "description": meaning, "minLength": 1, "maxLength": LONGEST}
+    return {
+        "type": "string",
+        "description": meaning,
+        "minLength": 1,
+        "maxLength": LONGEST_EXPRESSION,
+    }
 
 
 def table_schema(properties: Schema, **more: object) -> Schema:
-    """A table with these keys and no others."""
+    """The schema of a table that may have these keys and no others."""
     return {"type": "object", "properties": properties, "additionalProperties": False, **more}
 
 

@@ -1,6 +1,7 @@
-"""A study: what to run and what to compare it with, read from TOML and changed by ``--set``.
+"""A study: the cases to run and what to compare them with.
 
-A definition is data, nothing in it is executed. harness/README.md has its keys, with examples.
+A study is read from a TOML file; ``--set`` on the command line changes it. The file is data, and
+nothing in it is executed. harness/README.md explains its keys, with examples.
 """
 
 import functools
@@ -13,10 +14,10 @@ from typing import Any
 from harness.study.cases import Case, cases_of
 from harness.study.compared import OWN_REFERENCES, Compared, read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
-from harness.study.files import find_study, joined, lineage, study_names, with_profile
+from harness.study.files import find_study, lineage, merged, study_names, with_profile
 from harness.study.scene_part import (
     LARGEST_STUDY,
-    OF_SCENE,
+    SCENE_KEYS,
     SNAPSHOTS,
     Scene,
     ScenePart,
@@ -29,12 +30,12 @@ from mpm_warp.parameters import known_names, nearest_name, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
-"""Timed runs that a study may ask for; more is a slip."""
+"""Timed runs of a case that a study may ask for; a larger number is taken for a mistake."""
 LARGEST_SEED = 2**32 - 1
 STABILITY_MAP = "stability_map"
-"""Key, and attribute of the result, of a study that asks for the map of its stability."""
+"""Key of a study that asks for a map of where its cases complete; an attribute of its result."""
 
-OF_STUDY = (
+STUDY_KEYS = (
     *("title", "base", "scene", "scenes", "design", "samples", "seed"),
     *("compare", OWN_REFERENCES, "timing", STABILITY_MAP),
 )
@@ -42,34 +43,40 @@ OF_STUDY = (
 
 @dataclass(frozen=True, kw_only=True)
 class Study:
-    """What to run and what to compare it with; every name and value is valid."""
+    """The cases to run and what to compare them with. Every name and value has been checked."""
 
-    name: str  # stem of the definition's file; names the results
+    name: str  # name of the study file without .toml; the results are named by it
     title: str
     parts: tuple[ScenePart, ...]  # one for each scene
     design: Design
     compared: Compared
-    timing_repeats: int  # times to run each case again, alone on the machine, to measure its time
-    source: Path  # the definition's file
-    stability_map: bool = False  # whether it asks for a map of where its cases complete
+    timing_repeats: int  # timed runs of each case, alone on the machine; 0: cases are not timed
+    source: Path  # the study file
+    stability_map: bool = False  # whether to draw a map of where the cases complete
 
     @functools.cached_property
     def cases(self) -> tuple[Case, ...]:
-        """All cases, each once, scene by scene in the order of the design; worked out once."""
+        """All cases without duplicates, scene by scene, each scene in the order of the design."""
         return cases_of(self.parts, self.design, str(self.source))
 
     @property
     def is_grid(self) -> bool:
-        """Whether each varied parameter is a dimension of the result, instead of the case."""
+        """Whether the dimensions of the result are the varied parameters, not the single `case`."""
         return self.design.kind == FULL and len(self.parts) == 1 and not self.parts[0].excluded
 
 
 def load_study(study: str, settings: Iterable[str] = ()) -> Study:
-    """Read the study called `study`, or in the file `study`, and apply ``key=value`` settings.
+    """Read a study and apply ``key=value`` settings.
 
-    A setting's value is a TOML value, or a bare word for a text. A list or a range varies the
-    parameter, a scalar fixes it, whatever the file says; of two settings of one key the last holds.
-    Of several scenes a setting is for those that have the parameter.
+    Args:
+        study: name of a study that ships, or path of a TOML file.
+        settings: each value is a TOML value, or a bare word for a text. A list or a range varies
+            the parameter and a single value fixes it, whatever the file says. If a key is set
+            twice, the last setting counts. In a study of several scenes a setting applies to the
+            scenes that have the parameter.
+
+    Raises:
+        StudyError: the study or a setting is not valid; the message names file, key and value.
     """
     if study in scene_names() and study not in study_names():
         raise StudyError(
@@ -81,16 +88,18 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
     values: dict[str, Any] = {}
     for file, said in lineage(path):
         own = with_profile(file, said)
-        values = joined(values, own, {**values, **own}.get("design", FULL))
-        # What is wrong in a base is reported with the name of its file.
+        values = merged(values, own, {**values, **own}.get("design", FULL))
+        # Each base is checked by itself, so that its mistakes are reported with its file name.
         read = _read(file, values, assignments if file == path else {})
     return read
 
 
 def with_snapshots(study: Study, moments: str) -> Study:
-    """The study whose scenes keep the soil at other moments, where they take snapshots at all.
+    """The study with other snapshots, in all of its scenes that can take snapshots.
 
-    They are given as on the command line: ``5, 10``, or the list or the range of a study in TOML.
+    Args:
+        study: the study to change.
+        moments: as given on the command line: ``5, 10``, or a list or range in TOML.
     """
     option = f"--{SNAPSHOTS}"
     given = moments if moments.lstrip().startswith(("[", "{")) else f"[{moments}]"
@@ -105,7 +114,7 @@ def with_snapshots(study: Study, moments: str) -> Study:
 
 
 def is_scene(subject: str) -> bool:
-    """Whether what is named is a scene; otherwise it is a study, or should be the file of one."""
+    """Whether `subject` names a scene; if not, it names a study or is the path of a study file."""
     known = (*scene_names(), *study_names())
     if subject not in known and "." not in subject and "/" not in subject:
         raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
@@ -113,7 +122,7 @@ def is_scene(subject: str) -> bool:
 
 
 def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
-    """A study of one scene as it is, with settings; it has no file, and no results."""
+    """A study of one scene with its defaults and these settings; it has no file and no results."""
     assignments = dict(parse_setting(setting) for setting in settings)
     return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
@@ -121,8 +130,8 @@ def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
     document = Table(f"{path}:", values)
     if "test" in values and "scene" not in values:
-        raise StudyError(f"{path}: is a site file; `harness interpret {path}` reads it")
-    document.allow(*OF_STUDY, *OF_SCENE)
+        raise StudyError(f"{path}: this is a site file; `harness interpret {path}` reads it")
+    document.allow(*STUDY_KEYS, *SCENE_KEYS)
     design = _design(document)
     scenes = _scenes(document)
     own = document.table("scenes")
@@ -134,11 +143,11 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     }
     for key in settings:
         Table("--set", settings, known).definition(key)
-    shared = {key: value for key, value in values.items() if key in OF_SCENE}
+    shared = {key: value for key, value in values.items() if key in SCENE_KEYS}
     parts = []
     for name, scene in scenes.items():
         of_scene = own.table(name)
-        of_scene.allow(*OF_SCENE)
+        of_scene.allow(*SCENE_KEYS)
         _check_derived(document, of_scene)
         parts.append(
             _part(name, scene, of_scene, replace(document, values=shared), design, settings)
@@ -165,16 +174,21 @@ def _part(
     design: Design,
     settings: Mapping[str, Any],
 ) -> ScenePart:
-    """What a study does with a scene; what is wrong in what all share is told of its place."""
-    said, known = joined(shared.values, own.values, design.kind), parameters_of(scene)
+    """What a study does with one scene.
+
+    A mistake in a table that all scenes share is reported at that table, not at the scene's own.
+    """
+    said, known = merged(shared.values, own.values, design.kind), parameters_of(scene)
     try:
         return read_part(name, scene, Table(own.where, said, known), design, settings)
     except StudyError as error:
         try:
             read_part(name, scene, replace(shared, known=known), design, settings)
-        except StudyError as of_all:
-            if str(of_all).removeprefix(shared.where) == str(error).removeprefix(own.where):
-                raise of_all from None
+        except StudyError as at_shared_place:
+            if str(at_shared_place).removeprefix(shared.where) == str(error).removeprefix(
+                own.where
+            ):
+                raise at_shared_place from None
         raise
 
 
@@ -191,7 +205,7 @@ def _scenes(document: Table) -> dict[str, Scene]:
         except UnknownSceneError as error:
             raise StudyError(f"{document.where} scene = {shown(given)}: {error}") from None
         if name in scenes:
-            raise document.refuse("scene", "names a scene twice")
+            raise document.refuse("scene", f"names {name} twice")
         scenes[name] = scene
     return scenes
 
@@ -201,7 +215,7 @@ def _design(document: Table) -> Design:
     if kind != LATIN_HYPERCUBE:
         for key in ("samples", "seed"):
             if key in document.values:
-                raise document.refuse(key, f'goes with design = "{LATIN_HYPERCUBE}" alone')
+                raise document.refuse(key, f'is allowed only with design = "{LATIN_HYPERCUBE}"')
         return Design(kind=kind)
     return Design(
         kind=kind,
@@ -211,7 +225,7 @@ def _design(document: Table) -> Design:
 
 
 def _check_derived(*tables: Table) -> None:
-    """Refuse a parameter that one and the same table both derives and fixes or varies."""
+    """Refuse a parameter that the same table both derives and also fixes or varies."""
     for table in tables:
         derived = table.table("derived")
         for name, key in itertools.product(("fixed", "vary"), derived.values):
@@ -224,6 +238,6 @@ def _asks_for_map(document: Table, design: Design, scene_count: int) -> bool:
     if not isinstance(asked, bool):
         raise document.refuse(STABILITY_MAP, "must be true or false")
     if asked and (design.kind not in (ONE_AT_A_TIME, LATIN_HYPERCUBE) or scene_count > 1):
-        of = f'design = "{ONE_AT_A_TIME}" or "{LATIN_HYPERCUBE}"'
-        raise document.refuse(STABILITY_MAP, f"goes with one scene and {of}")
+        designs = f'design = "{ONE_AT_A_TIME}" or "{LATIN_HYPERCUBE}"'
+        raise document.refuse(STABILITY_MAP, f"needs one scene and {designs}")
     return asked

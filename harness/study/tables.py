@@ -1,6 +1,6 @@
-"""Tables of a study file, asked for their keys; what is wrong is reported in one line.
+"""Reading the tables of a study file, with one-line errors.
 
-The line names the place, the key, the value, what is allowed, and the nearest valid name.
+An error names the place, the key, the value, what is allowed, and the nearest valid name.
 """
 
 import re
@@ -16,11 +16,11 @@ from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, ne
 
 LONGEST_MESSAGE = 400
 LONGEST_TEXT = 1000
-"""Characters that a text may have; a title of more is a mistake, and would be printed whole."""
+"""Characters that a text, such as a title, may have; longer ones are mistakes."""
 
 
 class StudyError(HarnessError):
-    """What is read of a study or a setting is wrong; one printable line of bounded length."""
+    """A study file or a setting is wrong. The message is one printable line of limited length."""
 
     def __init__(self, message: str) -> None:
         super().__init__(shortened(message, LONGEST_MESSAGE))
@@ -28,18 +28,18 @@ class StudyError(HarnessError):
 
 @dataclass(frozen=True)
 class Table:
-    """A TOML table: for messages its file and name, its keys and values, and known parameters."""
+    """A table of a TOML file."""
 
-    where: str
+    where: str  # file and name of the table, as messages begin with them
     values: Mapping[str, Any]
-    known: Mapping[str, Parameter] = field(default_factory=dict)
+    known: Mapping[str, Parameter] = field(default_factory=dict)  # parameters that may be keys
 
     def place(self, key: str) -> str:
-        """Where a key stands, with its value, for messages."""
+        """The place of a key and its value, for messages."""
         return f"{self.where} {key} = {shown(self.values.get(key))}"
 
     def refuse(self, key: str, problem: str) -> StudyError:
-        """The error for a key of this table."""
+        """The error to raise for a key of this table."""
         return StudyError(f"{self.place(key)}: {problem}")
 
     def allow(self, *keys: str) -> None:
@@ -49,20 +49,20 @@ class Table:
                 raise self.refuse(key, f"unknown key{nearest_name(key, keys)}")
 
     def table(self, key: str) -> "Table":
-        """The table [key], empty where there is none."""
+        """The table [key]; an empty one if the key is missing."""
         value = self.values.get(key, {})
         if not isinstance(value, dict):
             raise self.refuse(key, f"must be a table [{key}]")
         return Table(f"{self.where} [{key}]", value, self.known)
 
     def given(self, key: str, remedy: str) -> Any:
-        """The value of a key that must be there; `remedy` says what to do where it is not."""
+        """The value of a required key; if it is missing, `remedy` ends the error message."""
         if key not in self.values:
             raise StudyError(f"{self.where} {key}: is missing{remedy}")
         return self.values[key]
 
     def text(self, key: str, remedy: str = "") -> str:
-        """A text of one line that must be there; `remedy` as in :meth:`given`."""
+        """A required text of one line; `remedy` as in :meth:`given`."""
         value = self.given(key, remedy)
         if not (isinstance(value, str) and value.strip() and value.isprintable()):
             raise self.refuse(key, "must be a text of one line")
@@ -72,7 +72,7 @@ class Table:
         return value
 
     def word(self, key: str, choices: Collection[str]) -> str:
-        """One of `choices`; the first where the key is not there."""
+        """One of `choices`; the first of them if the key is missing."""
         value = self.values.get(key, next(iter(choices)))
         if not isinstance(value, str) or value not in choices:
             near = did_you_mean(value, choices) if isinstance(value, str) else ""
@@ -80,52 +80,52 @@ class Table:
         return value
 
     def integer(self, key: str, least: int, most: int) -> int:
-        """An integer that must be there."""
+        """A required integer from `least` to `most`."""
         value = self.given(key, f"; an integer, {least} to {most}")
         if type(value) is not int or not least <= value <= most:
             raise self.refuse(key, f"must be an integer, {least} to {most}")
         return value
 
     def positive(self, key: str) -> float:
-        """A finite number above 0; the key is there."""
+        """A finite number above 0 under a key that is known to be there."""
         value = self.values[key]
         if not (is_number(value) and value > 0):
             raise self.refuse(key, "must be a number > 0")
         return float(value)
 
     def list(self, key: str) -> list[Any]:
-        """A list, empty where there is none."""
+        """A list; an empty one if the key is missing."""
         value = self.values.get(key, [])
         if not isinstance(value, list):
             raise self.refuse(key, "must be a list")
         return value
 
     def definition(self, key: str) -> Parameter:
-        """The parameter called `key`."""
+        """The definition of the parameter called `key`."""
         if key not in self.known:
             nearest = nearest_parameter(key, self.known)
             raise self.refuse(key, f"unknown parameter {key!r}{nearest}")
         return self.known[key]
 
     def value(self, key: str) -> Value:
-        """The value of a parameter, in the parameter's own type."""
+        """The checked value of a parameter, converted to the parameter's type."""
         return self._checked(key, self.values[key])
 
     def all_values(self) -> dict[str, Value]:
-        """The values of all parameters that stand in the table."""
+        """The checked values of all parameters in the table."""
         return {key: self.value(key) for key in self.values}
 
     def several(self, key: str) -> tuple[Value, ...]:
-        """The elements of a list, which are all different."""
+        """The checked values of a parameter that is given as a list; all must differ."""
         self.definition(key)
         values = self.values[key]
         if not isinstance(values, list) or not values:
-            remedy = "; one value belongs under [fixed]" if isinstance(values, Value) else ""
-            raise self.refuse(key, f"must be a list of one value or more, or a range{remedy}")
+            remedy = "; a single value belongs under [fixed]" if isinstance(values, Value) else ""
+            raise self.refuse(key, f"must be a list of values, or a range{remedy}")
         checked = tuple(self._checked(key, value) for value in values)
         if len(set(checked)) < len(checked):
             (twice, _), *_ = Counter(checked).most_common(1)
-            raise self.refuse(key, f"{twice!r} is there twice")
+            raise self.refuse(key, f"{twice!r} is listed twice")
         return checked
 
     def _checked(self, key: str, value: object) -> Value:
@@ -145,7 +145,7 @@ class Table:
 
 
 def parse_setting(setting: str) -> tuple[str, Any]:
-    """Key and TOML value of a ``key=value`` from the command line; a bare word is a text."""
+    """Key and value of a ``key=value`` from the command line; a bare word is a text."""
     key, equals, text = (part.strip() for part in setting.partition("="))
     if not (key and equals and text):
         raise StudyError(f"--set {setting}: must be key=value, without blanks around the =")
@@ -155,34 +155,34 @@ def parse_setting(setting: str) -> tuple[str, Any]:
 
 
 def parse_value(option: str, key: str, text: str) -> Any:
-    """The TOML value of a key, given with an option of the command line."""
+    """The TOML value that an option of the command line gives to a key."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         parsed = {}
     if parsed.keys() != {"value"}:
-        raise StudyError(f"{option}: {text} is not a TOML value: {_meant(key, text)}")
+        raise StudyError(f"{option}: {text} is not a TOML value: {_remedy(key, text)}")
     return parsed["value"]
 
 
-def _meant(key: str, text: str) -> str:
-    """What may be meant by the text of a setting that is no value."""
+def _remedy(key: str, text: str) -> str:
+    """How to correct a setting whose text is not a TOML value."""
     if number := re.fullmatch(r"([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([A-Za-z%°][\w/%°]*)", text):
-        return f"give the number alone, in the unit of the parameter instead of {number[2]}"
+        return f"give the number without {number[2]}, in the unit of the parameter"
     if re.fullmatch(r"\d[\d.]*(,\s*[\d.]+)+", text):
-        return f"several values stand in brackets: '{key}=[{text}]'"
+        return f"put several values in brackets: '{key}=[{text}]'"
     if re.fullmatch(r"[A-Za-z][\w .-]*", text):
         return f"a text of more than one word needs two kinds of quotes: '{key}=\"{text}\"'"
     return "a number, a text or a list"
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value of a table is a finite number."""
+    """Whether a value is a finite number, and not true or false."""
     return isinstance(value, (int, float)) and type(value) is not bool and abs(value) < 1e300
 
 
 def shown(value: object) -> str:
-    """A value for a message; huge integers and deeply dotted tables have no text."""
+    """A value as text for a message. Huge integers and deeply nested tables cannot be shown."""
     try:
         return repr(value)
     except (ValueError, RecursionError):

@@ -122,7 +122,7 @@ def test_results_without_an_uncertainty_are_drawn_hollow():
         (ROWS + "cone_100_smooth,10.5,0,\n", "uncertainty = 0 must be > 0"),
         (ROWS + "cone_100_smooth,10.5,0.1,0\n", "seconds = 0 must be > 0"),
         (ROWS + "cone_100_smooth,10.5,1 %,\n", "uncertainty = '1 %' must be a finite number"),
-        (ROWS + 2 * "cone_100_smooth,10.5,,\n", "row 3: case cone_100_smooth is there twice"),
+        (ROWS + 2 * "cone_100_smooth,10.5,,\n", "row 3: case cone_100_smooth is listed twice"),
         (ROWS + "cone_100_smooth;10.5;;\n", "row 2: has 1 cells, must have 4"),
     ],
 )

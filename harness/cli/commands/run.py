@@ -31,7 +31,7 @@ from harness.run.rerun import read_for_rerun, rerun, verdict
 from harness.run.resources import RunOptions, check_device, spoken_time, usable_cores
 from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
-from harness.study.description import tell_of_unusual_values
+from harness.study.description import warn_of_unusual_values
 from harness.study.scene_part import loaded_scenes
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.parameters import parameters_of
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     if options.snapshots is not None:
         study = with_snapshots(study, options.snapshots)
     _ = study.cases  # what is wrong with them is reported before anything is started
-    tell_of_unusual_values(study)
+    warn_of_unusual_values(study)
     runner = (
         on_this_machine(
             study,

@@ -28,7 +28,7 @@ from harness.run.resources import (
     tell_of_likely_failures,
 )
 from harness.study.cases import Case
-from harness.study.description import scene_rows, study_rows, study_text, tell_of_unusual_values
+from harness.study.description import scene_rows, study_rows, study_text, warn_of_unusual_values
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
@@ -104,7 +104,7 @@ def describe(options: argparse.Namespace) -> int:
     if not is_scene(options.subject):
         study = load_study(options.subject)
         print(*study_rows(study), sep="\n")
-        tell_of_unusual_values(study)
+        warn_of_unusual_values(study)
         return DONE
     print(*scene_rows(options.subject), sep="\n")
     if options.subject in study_names():
@@ -132,7 +132,7 @@ def show_plan(options: argparse.Namespace) -> int:
     """Print the kernels and arrays of one case, or a line for each case of several."""
     read = study_of_scene if is_scene(options.subject) else load_study
     study = read(options.subject, options.set)
-    tell_of_unusual_values(study)
+    warn_of_unusual_values(study)
     tell_of_likely_failures(study.cases)
     if len(study.cases) > 1:
         _show_cases(study.cases)

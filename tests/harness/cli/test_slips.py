@@ -30,10 +30,10 @@ MISTAKES = {
     "adhesion_factor": "is no command, but a study: run it by `harness run adhesion_factor`",
     "run text": "text: no such study; a file here is called text.toml",
     "run text.toml": 'a text needs quotes: scene = "cone_penetration"',
-    "run comma.toml": "a number has a point: adhesion_factor = 0.5",
-    "run colon.toml": "a key and its value are parted by =",
+    "run comma.toml": "a number has a decimal point: adhesion_factor = 0.5",
+    "run colon.toml": "write = between a key and its value",
     "run list.toml": "is a list; what varies belongs under [vary]",
-    "run single.toml": "must be a list of one value or more, or a range; one value belongs under",
+    "run single.toml": "must be a list of values, or a range; a single value belongs",
     "run derived.toml": "give 'rigidity_index', G / su",
     "run mesh_size --set G=2e6": "unknown parameter 'G'; give 'rigidity_index', G / su",
     "run mesh_size --set shear_modulus=2e6": "give 'rigidity_index', G / su",
@@ -41,8 +41,8 @@ MISTAKES = {
     "run mesh_size --set alpha=0.5": "give 'adhesion_factor', adhesion over su, 0 smooth to 1",
     "run mesh_size --set Ir=100": "unknown parameter 'Ir'; give 'rigidity_index', G / su",
     "run mesh_size --set Nc=10": "unknown parameter 'Nc'; it is a result, not a parameter",
-    "run mesh_size --set undrained_shear_strength=35kPa": "give the number alone, in the unit of "
-    "the parameter instead of kPa",
+    "run mesh_size --set undrained_shear_strength=35kPa": "give the number without kPa, in the "
+    "unit of the parameter",
     "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 1000; it is the greatest "
     "penetration over cone radius",
     "run mesh_size --set adhesion_factor=[0, 1]": "the shell has cut the value at a blank; put "
@@ -87,7 +87,7 @@ MISTAKES = {
     "status a.nc --set rigidity_index=50": "are for a study; name it, or leave them out",
     "benchmark run a --against b": "compares nothing; leave out --against",
     "benchmark score --accuracy fine": "runs nothing; leave out --accuracy",
-    "run site.toml": "site.toml: is a site file; `harness interpret site.toml` reads it",
+    "run site.toml": "site.toml: this is a site file; `harness interpret site.toml` reads it",
     "interpret single.toml": "single.toml: is a study; `harness run single.toml` runs it",
     "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
     "recommend s --error 1": "'1' is 100%: is 1% meant?",

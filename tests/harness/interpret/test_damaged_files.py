@@ -135,8 +135,8 @@ IN_A_SITE_FILE = {
     "site: no test": ('"test.csv"', '"none.csv"', "No such file"),
     "site: huge number": ("= 120", f"= 1{400 * '0'}", "must be a number >= 15"),
     "site: not a number": ("= 0.4", "= nan", "must be a number >= 0 and <= 1"),
-    "site: a folder": ('"test.csv"', '"."', "is no ordinary file"),
-    "site: a device": ('"test.csv"', '"/dev/zero"', "is no ordinary file"),
+    "site: a folder": ('"test.csv"', '"."', "is not a regular file"),
+    "site: a device": ('"test.csv"', '"/dev/zero"', "is not a regular file"),
 }
 """A text, what stands there instead, and what is said of it."""
 DAMAGED |= {

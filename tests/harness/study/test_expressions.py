@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from harness.study.distributions import read_input, sampled
-from harness.study.expressions import LONGEST, Expression, ExpressionError
+from harness.study.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
 from harness.study.tables import StudyError, Table
 from mpm_warp.arguments import FINITE, POSITIVE
 from tests.harness.conftest import HEAD, study_in, values
@@ -47,7 +47,7 @@ def test_the_parameters_that_are_needed() -> None:
         *("open('x')", "max(*a)", "round(1, ndigits=2)"),
         *("a if flag else n", "a is n", "a in n", "a % n", "~n", "1j", "b'x'", "...", "None"),
         *("a = 1", "1; 2", "", "  ", "\0", "\ud800"),
-        *("(" * 150, "-" * (LONGEST - 1) + "(", "1" * (LONGEST + 1)),
+        *("(" * 150, "-" * (LONGEST_EXPRESSION - 1) + "(", "1" * (LONGEST_EXPRESSION + 1)),
         *(7, ["a"]),
     ],
 )
@@ -70,7 +70,7 @@ def test_anything_else_is_refused(text: object) -> None:
         ("word < 'a'", "not a number"),
         ("word == 1", "cannot be equal"),
         ("a and flag", "neither true nor false"),
-        ("none + 1", "derives itself"),
+        ("none + 1", "the scene derives it"),
         ("sqrt(1, 2)", "argument"),
     ],
 )

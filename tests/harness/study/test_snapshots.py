@@ -92,9 +92,9 @@ def secret(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (device, "must be beside the study, or in a folder below"),
-        (fifo, "is no ordinary file"),
-        (elsewhere, "must be beside the study, or in a folder below"),
+        (device, "must be in the folder of the study, or below it"),
+        (fifo, "is not a regular file"),
+        (elsewhere, "must be in the folder of the study, or below it"),
         (large, "a profile has at most 1000000"),
         (secret, "must name columns with units"),
     ],

@@ -349,7 +349,7 @@ NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
         (
             LISTED.replace("fixed =", "vary = { density = [1] }\nfixed ="),
             "density=1",
-            r"s.toml: \[vary\] density = \[1\]: does not go with",
+            r"s.toml: \[vary\] density = \[1\]: is not allowed with",
         ),
         (TWO_SCENES, "cell_cuont=5", r"^--set cell_cuont = 5: .* did you mean 'cell_count'"),
     ],
