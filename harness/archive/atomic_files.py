@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all: under another name first, then renamed."""
+"""Writing files whole or not at all: first under a temporary name, then renamed."""
 
 import contextlib
 import csv
@@ -14,24 +14,24 @@ from typing import BinaryIO
 from harness.errors import HarnessError, printable
 
 PARTIAL = ".part"
-"""Ending of a file that is being written; such a file is nobody's result."""
+"""Ending of a file that is still being written."""
 
 FORMULA = ("=", "+", "-", "@")
-"""What a cell begins with that a spreadsheet takes for a formula."""
+"""First characters of a cell by which a spreadsheet recognises a formula."""
 SIGNED_NUMBER = r"[-+]\d+(\.\d+)?(e[-+]\d+)?%?"
-"""A number that begins as a formula, as a pattern."""
+"""Pattern of numbers with a sign, which are not formulas."""
 
 
 class ArchiveError(HarnessError):
-    """A file of the archive cannot be read, written or removed; one line, which names it."""
+    """A file of the archive cannot be read, written or removed; the message names it."""
 
 
 class DamagedError(ArchiveError):
-    """A file is not as the harness wrote it, or was cut."""
+    """A file has changed since the harness wrote it, or was cut."""
 
 
 def prepare(folder: Path) -> None:
-    """Make the folder, and check by writing a small file that it can be written to."""
+    """Make a folder, and write and remove a small file to check that it is writable."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -44,7 +44,11 @@ def prepare(folder: Path) -> None:
 
 
 def write_whole(content: bytes | memoryview, path: Path) -> None:
-    """Write a file that is either complete under its name or, with an `ArchiveError`, as it was."""
+    """Write a file whole or not at all.
+
+    Raises:
+        ArchiveError: it cannot be written; an earlier file of this name is unchanged.
+    """
     try:
         with _partial(path.parent) as (partial, file):
             file.write(content)
@@ -63,19 +67,19 @@ def write_csv(rows: Iterable[Iterable[str]], path: Path) -> None:
 
 
 def _as_text(cell: str) -> str:
-    """A cell of one line that is no formula: a spreadsheet would run what a file is called."""
+    """A cell as one line, with a quote before what a spreadsheet would run as a formula."""
     is_formula = cell.startswith(FORMULA) and not re.fullmatch(SIGNED_NUMBER, cell)
     return f"'{printable(cell)}" if is_formula else printable(cell)
 
 
 def discard_partial(folder: Path, process_id: int) -> None:
-    """Remove what a process of this machine that was killed has left half-written."""
+    """Remove half-written files of a killed process of this machine."""
     for partial in folder.glob(f".*{partial_ending(process_id)}"):
         remove_file(partial)
 
 
 def abandoned(folder: Path) -> list[Path]:
-    """Half-written files whose processes, on this machine, are no more."""
+    """Half-written files of processes of this machine that have ended."""
     before, after = partial_ending("*").split("*")
     number = re.compile(rf"{re.escape(before)}(\d+){re.escape(after)}$", re.ASCII)
     return [
@@ -88,14 +92,14 @@ def abandoned(folder: Path) -> list[Path]:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a path is a folder itself; a link to one is not, it can be removed like a file."""
+    """Whether a path is a folder. A link to a folder is not: it is removed like a file."""
     return path.is_dir() and not path.is_symlink()
 
 
 def remove_file(path: Path) -> None:
-    """Remove a file, or a link and not what it leads to; it may be gone already."""
+    """Remove a file if it exists. Of a link only the link itself is removed."""
     if is_folder(path):
-        raise ArchiveError(f"{path}: is a folder, where only files belong; move it away")
+        raise ArchiveError(f"{path}: is a folder among result files; move it away")
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
@@ -104,10 +108,10 @@ def remove_file(path: Path) -> None:
 
 @contextlib.contextmanager
 def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
-    """A new file, open for writing, with the rights that the user's files have by default.
+    """A new file, open for writing, with the user's default permissions.
 
-    Nobody can know its name before, and what is there already, a link among it, is neither followed
-    nor overwritten. It is removed at the end if it still has that name.
+    Its name is random. An existing file is never overwritten and a link never followed. At the end
+    it is removed unless it has been renamed.
     """
     path = folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
@@ -120,7 +124,7 @@ def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
 
 
 def partial_ending(process_id: int | str) -> str:
-    """Ending of the names of files that a process of this machine is writing."""
+    """Ending of temporary files of a process of this machine."""
     return f".{platform.node()}-{process_id}{PARTIAL}"
 
 

@@ -1,11 +1,11 @@
-"""Case files: the result of one case each, whole or not there, and its snapshots.
+"""Case files: one file for the result of each case, and one for its snapshots.
 
-The files of a study are ``OUT/<study>/cases/<key>.nc``. Whether a case has been run depends on its
-key alone, not on any time stamp.
+The results of a study's cases are ``OUT/<study>/cases/<key>.nc``. A case has been run if the file
+with its key is there; time stamps play no role.
 
-Snapshots stand beside it, in ``<key>.fields.nc``: `status` and `collect` read every case file as a
-whole, and one snapshot may be a hundred times as large as all else that is known of a case. In a
-collected dataset points and nodes of different cases could share no dimension.
+Snapshots are in a file of their own, ``<key>.fields.nc``. `status` and `collect` read every case
+file as a whole, and snapshots may be a hundred times as large as the rest. Nor could points and
+nodes of different cases share a dimension in a collected dataset.
 """
 
 import json
@@ -38,14 +38,14 @@ from mpm_warp.parameters import did_you_mean
 class Outcome:
     """How a case ended."""
 
-    status: str  # harness/README.md has all of them
-    message: str = ""  # why it did not complete, one line
-    headline: str = ""  # name and value of the scalar that the scene is run for
-    seconds: float = 0.0  # time of the case in all [s]
-    sources: str = ""  # digest of the code that computed it, as its file says
+    status: str  # one of those in harness/README.md
+    message: str = ""  # one line on why it did not complete
+    headline: str = ""  # name and value of the main result, in words
+    seconds: float = 0.0  # total time of the case [s]
+    sources: str = ""  # digest of the code that computed it
     reason: str = ""  # why it has no half width; see `conventions.reasons_of`
-    start_seconds: float = 0.0  # of it, before the first step: imports, set-up; 0 where not known
-    compile_seconds: float = 0.0  # of it, for compiling kernels or loading them
+    start_seconds: float = 0.0  # part of `seconds` before the first step; 0 where not known
+    compile_seconds: float = 0.0  # part of `seconds` for compiling or loading kernels
 
 
 def case_folder(out: Path, study: Study) -> Path:
@@ -54,26 +54,26 @@ def case_folder(out: Path, study: Study) -> Path:
 
 
 def check_no_link(out: Path, study: Study) -> None:
-    """Check that the case files of a study are inside the results, before any is removed.
+    """Refuse a study folder that is a link, so that no file outside the results is removed.
 
-    The folder of results itself may be a link.
+    The folder `out` itself may be a link.
     """
     folder = case_folder(out, study)
     for place in (folder.parent, folder):
         if place.is_symlink():
             raise ArchiveError(
-                f"{place}: is a link, and no file is removed outside the results; "
-                f"put a folder in its place, or make {out} a link"
+                f"{place}: is a link, and files outside the results are never removed; "
+                f"replace it by a folder, or make {out} a link"
             )
 
 
 def case_file(folder: Path, case: Case) -> Path:
-    """The file of a case in the folder of its study's cases."""
+    """The file of a case; `folder` is that of `case_folder`."""
     return folder / f"{case.key}.nc"
 
 
 def discard(folder: Path, cases: Iterable[Case]) -> None:
-    """Remove the results of cases, so that they are run again."""
+    """Remove the results and snapshots of cases, so that they are run again."""
     for case in cases:
         remove_file(case_file(folder, case))
         remove_file(fields_file(folder, case))
@@ -87,10 +87,16 @@ def write_case(
     message: str = "",
     fields: xr.Dataset | None = None,
 ) -> None:
-    """Keep the result of a case, and its snapshots first: what is done has them.
+    """Write the snapshots of a case and then its result, so that a result implies its snapshots.
 
-    The dataset is what the scene returned, empty where it did not complete, with the provenance of
-    the machine where that is another. Without snapshots those of an earlier run are removed.
+    Args:
+        folder: folder of the case files.
+        case: the case.
+        dataset: what the scene returned; empty if it did not complete. Its attributes override
+            the provenance of this process, for cases computed on another machine.
+        status: how the case ended.
+        message: why it did not complete.
+        fields: snapshots; None removes those of an earlier run.
     """
     attributes = {
         "case_key": case.key,
@@ -111,10 +117,10 @@ def write_case(
 
 
 def read_case(folder: Path, case: Case) -> xr.Dataset | None:
-    """The result of a case, or None where there is none yet.
+    """The result of a case, or None if it has not been run.
 
     Raises:
-        ArchiveError: the file is of no use, see `opened`, or of another case.
+        ArchiveError: the file cannot be used (see `opened`) or belongs to another case.
     """
     path = case_file(folder, case)
     if not path.exists():
@@ -125,9 +131,12 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
 
 
 def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
-    """How a case ended, as its file says, where so many timed runs are asked for of it.
+    """How a case ended, as its file says.
 
-    Damage anywhere in the file shows.
+    Args:
+        folder: folder of the case files.
+        case: the case.
+        repeats: timed runs that are required; with fewer a completed case is `untimed`.
     """
     path = case_file(folder, case)
     if not path.exists():
@@ -156,7 +165,7 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
 
 
 def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
-    """Whether a case has completed, and has the timed runs and snapshots that are asked for."""
+    """Whether a case is completed and has all timed runs and snapshots that are asked for."""
     return read_outcome(folder, case, repeats).status == COMPLETED
 
 
@@ -168,18 +177,18 @@ def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
 
 ENDING = ".fields.nc"
 MOST_NAMED = 5
-"""Cases that are named where none is like the one that is asked for."""
+"""Cases that an error lists if none has a key similar to the requested one."""
 ASKED = "snapshots"
-"""Attribute with the moments that were asked for, as JSON; some may be beyond the end of a run."""
+"""Attribute with the requested moments as JSON; a run may end before the last ones."""
 
 
 def fields_file(folder: Path, case: Case) -> Path:
-    """The file of a case's snapshots in the folder of its study's cases."""
+    """The file of a case's snapshots; `folder` is that of `case_folder`."""
     return folder / f"{case.key}{ENDING}"
 
 
 def has_fields(folder: Path, case: Case) -> bool:
-    """Whether a case has all snapshots that are asked for, in a file that is not damaged."""
+    """Whether a case has all requested snapshots in an undamaged file."""
     if not case.snapshots:
         return True
     path = fields_file(folder, case)
@@ -192,7 +201,11 @@ def has_fields(folder: Path, case: Case) -> bool:
 
 
 def read_fields(path: Path) -> xr.Dataset:
-    """The snapshots of a case."""
+    """The snapshots in a file.
+
+    Raises:
+        ArchiveError: it is missing, damaged, or has no snapshots.
+    """
     if not path.exists():
         raise ArchiveError(f"{path}: no such file")
     fields = read_netcdf(path, as_result=False)
@@ -205,11 +218,11 @@ def find_fields(file: Path, key: str | None) -> Path:
     """The file of a case's snapshots.
 
     Args:
-        file: of a study's results, of the case, or of its snapshots.
-        key: which case; None where there are the snapshots of one alone.
+        file: file of a study's results, of the case, or of its snapshots.
+        key: key of the case; None if only one case has snapshots.
 
     Raises:
-        ArchiveError: there are no such snapshots; the message names what there is.
+        ArchiveError: there are no such snapshots; the message lists those that exist.
     """
     if file.name.endswith(ENDING):
         return file
@@ -227,7 +240,7 @@ def find_fields(file: Path, key: str | None) -> Path:
         return found[keys.index(key)]
     if not found:
         raise ArchiveError(f"{file}: no case has snapshots; run {study} with --snapshots")
-    problem = "no case is named" if key is None else f"no snapshots of case {key}"
-    listed = f"; there are those of {', '.join(keys[:MOST_NAMED])}"
+    problem = "several cases have snapshots; name one" if key is None else f"case {key} has none"
+    listed = f"; cases with snapshots: {', '.join(keys[:MOST_NAMED])}"
     more = f" and {len(keys) - MOST_NAMED} more" if len(keys) > MOST_NAMED else ""
     raise ArchiveError(f"{file}: {problem}{did_you_mean(key or '', keys) or listed + more}")

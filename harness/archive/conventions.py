@@ -1,19 +1,21 @@
-"""Conventions of datasets: what the variables of every result are called and what they mean.
+"""Conventions of result datasets: names, dims, roles and attributes of their variables.
 
-A result has the status of each case as the variable `status`, over the dims of cases: the varied
-parameters where a study runs all their combinations, else the single dim `case`. What the study
-varies is a coordinate along these dims. A variable's attribute ``role`` says what it is to the
-harness, which knows no other names of results than those below. The roles that a scene gives are
-`mpm_warp.results.ROLES`; without a finite headline no case is `completed`, and no error is derived
-from one that has not settled. The harness adds a ``reference`` of the literature, the result's
-relative ``deviation`` from it, and ``experience``, a band of values from the field over the dim
-`bound`: the least and the greatest. Beyond the attribute ``limit`` a case is `inaccurate`.
+Dims. `status` holds the outcome of each case, over the dims of cases. These are the varied
+parameters where a study runs all their combinations, and otherwise the single dim `case`. Varied
+parameters are coordinates along these dims.
 
-Results that the harness reads by name: `status`, `message` and `case_key` of each case, and of one
-parameter at a time which it is, `changed`; `run_time` [s] and `particle_updates`, which every scene
-gives; `case_time` [s] and `peak_memory` [byte], which the harness measures, and `run_time_sample`
-over the dim `repeat` of timed runs; `error` against an exact solution. Only a table or a picture
-that is meant for one kind of scene knows more names.
+Roles. The attribute ``role`` of a variable says how the harness uses it. `mpm_warp.results.ROLES`
+lists the roles that scenes give. A case without a finite ``headline`` is never `completed`, and no
+error is computed from a headline that has not settled. The harness adds three roles:
+``reference`` is a value of the literature, ``deviation`` the relative deviation of the result from
+it, and ``experience`` a band of field values, least and greatest, over the dim `bound`. A case
+whose value exceeds the attribute ``limit`` is `inaccurate`.
+
+Names. The harness itself reads only these results by name: `status`, `message` and `case_key`;
+`changed`, the parameter changed in a case of a one-at-a-time study; `run_time` [s] and
+`particle_updates`, which every scene gives; `case_time` [s] and `peak_memory` [byte], which the
+harness measures; `run_time_sample` over the dim `repeat` of timed runs; and `error` against an
+exact solution. Tables and pictures for one kind of scene read further names.
 """
 
 import math
@@ -28,17 +30,17 @@ from mpm_warp.parameters import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
 
 FORMAT_VERSION = 1
-"""Version of the layout of case files and study files alike."""
+"""Version of the layout of result files, of cases and of studies."""
 
 COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
 FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED = "missing", "damaged"
-"""Statuses of cases that the harness itself gives; a scene's errors name others."""
+"""Statuses that the harness gives to cases. The errors of a scene give others."""
 
 
 class Role(StrEnum):
-    """What a variable is to the harness."""
+    """How the harness uses a variable; see the head of this file and harness/README.md."""
 
     HEADLINE, UNCERTAINTY, SETTLED = "headline", "uncertainty", "settled"
     REASON, BUILT = "reason", "built"
@@ -49,27 +51,27 @@ class Role(StrEnum):
 
 
 CASE = "case"
-"""The dim of cases where the varied parameters are no dims."""
+"""The dim of cases, unless the varied parameters are the dims."""
 PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 CHANGED = "changed"
-"""Text of each case of one parameter at a time: that parameter, "" in the case of fixed values."""
+"""In a one-at-a-time study: the parameter changed in each case, "" in the case of fixed values."""
 DRAWS = "draws"
-"""Number of samples of a Latin hypercube that are the same case; only where some case has several.
+"""Number of Latin hypercube samples that give the same case: its weight in means and percentiles.
 
-It is the weight of the case in means and percentiles.
+It is stored only if some case has several.
 """
 TOLERANCES = "tolerances"
 """Attribute of a result with the tolerances of its study, as JSON."""
 NUMERICAL = "numerical error only, of this clay, not of your soil"
 HALF_WIDTH = f"half width of 95 %: {NUMERICAL}"
-"""What +- means."""
+"""The meaning of +- in tables and pictures."""
 DISTRIBUTION = "distribution"
 """Attribute of a varied parameter with the distribution that it was drawn from, in words."""
 GIVEN_BY = "scenes"
-"""Attribute of a result in a study of several scenes: those that have it, a number or not."""
+"""Attribute of a variable in a study of several scenes: names of the scenes that have it."""
 TRACEBACK = "traceback"
-"""Attribute of the file of a failed case that says where in the program it failed."""
+"""Attribute of the file of a failed case: where in the program it failed."""
 
 
 def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
@@ -82,7 +84,7 @@ def with_role(dataset: xr.Dataset, *roles: str) -> list[str]:
 
 
 def limits_of(dataset: xr.Dataset) -> dict[str, float]:
-    """The largest sizes allowed, by the names of the variables that have such a limit."""
+    """The largest allowed absolute value of each variable that has a limit, by name."""
     return {
         str(name): float(variable.attrs["limit"])
         for name, variable in dataset.data_vars.items()
@@ -91,19 +93,19 @@ def limits_of(dataset: xr.Dataset) -> dict[str, float]:
 
 
 def parameter_names(dataset: xr.Dataset) -> dict[str, str]:
-    """The parameters in a dataset: what they are called there, by their own names."""
+    """Names of variables that hold parameters, by the names of the parameters."""
     return {parameter_of(name): name for name in with_role(dataset, Role.PARAMETER)}
 
 
 def parameter_of(stored: str) -> str:
-    """The parameter that is called `stored` in a dataset."""
+    """Name of the parameter that the variable `stored` holds."""
     return stored.removesuffix(PARAMETER_SUFFIX)
 
 
 def parameter_attributes(definition: Parameter) -> dict[str, str]:
     """Attributes of a variable that holds a parameter."""
     attributes = {
-        # The long name labels an axis, for which most meanings are too long.
+        # The long name is an axis label; most meanings are too long for one.
         "long_name": spoken(definition.name),
         "description": f"{definition.meaning}; {definition.allowed}",
         "role": Role.PARAMETER,
@@ -112,32 +114,33 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
 
 
 def spoken(name: Hashable) -> str:
-    """A variable's name as words."""
+    """A variable's name with blanks between the words."""
     return str(name).removesuffix(PARAMETER_SUFFIX).replace("_", " ")
 
 
 def headlines_of(dataset: xr.Dataset) -> list[str]:
-    """What the scenes are run for, as far as each case has one value of it."""
+    """Names of the headlines that have one value per case."""
     dims, names = set(dataset["status"].dims), with_role(dataset, Role.HEADLINE)
     return [name for name in names if set(dataset[name].dims) <= dims]
 
 
 def headline_values(dataset: xr.Dataset) -> np.ndarray:
-    """The headline of each case, whatever its scene; not a number where there is none.
+    """The headline of each case, whatever its scene; NaN where there is none.
 
-    Of several scenes one may be run for its error, which others have beside their headline.
+    In a study of several scenes `error` may be the headline of one scene and an additional result
+    of another. So `error` is used only for cases without another headline.
     """
     names = headlines_of(dataset)
     return _first_known(dataset, sorted(names, key=lambda name: name == ERROR))
 
 
 def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
-    """The half width of each case's headline, not a number where none is known."""
+    """The half width U of each case's headline; NaN where none is known."""
     return _first_known(dataset, with_role(dataset, Role.UNCERTAINTY))
 
 
 def _first_known(dataset: xr.Dataset, names: Iterable[str]) -> np.ndarray:
-    """Of each case the one result that its scene has, of those of several scenes."""
+    """For each case the first of the named variables that is not NaN; NaN if all are."""
     known = over_cases(dataset, math.nan)
     for name in names:
         known = np.where(np.isnan(known), over_cases(dataset, name), known)
@@ -145,7 +148,7 @@ def _first_known(dataset: xr.Dataset, names: Iterable[str]) -> np.ndarray:
 
 
 def reasons_of(dataset: xr.Dataset) -> list[str]:
-    """Why each case has no uncertainty; "" where it has one, or where nothing is said of it."""
+    """Why each case has no uncertainty; "" where it has one or no reason is stored."""
     reasons = [""] * dataset["status"].size
     for name in with_role(dataset, Role.REASON):
         told = over_cases(dataset, name).tolist()
@@ -155,19 +158,22 @@ def reasons_of(dataset: xr.Dataset) -> list[str]:
 
 
 def known_digits(value: float, half_width: float) -> str:
-    """A number with the digits that are known of it: 10.49; 10.5 where no error is known."""
+    """A number with as many digits as its half width justifies; with three if that is not known."""
     if not math.isfinite(half_width) or half_width <= 0.0:
         return f"{value:#.3g}".removesuffix(".")
-    # A half width of 0.1 to 0.2 would lose half of itself to rounding with one digit.
+    # With one digit only, rounding could change a half width of 0.1 to 0.2 by half.
     leading = math.floor(math.log10(half_width))
     decimals = max(0, -leading + (half_width < 2.0 * 10.0**leading))
     return f"{value:.{decimals}f}"
 
 
 def stated(value: float, half_width: float, reason: str = "") -> str:
-    """A number with its half width of 95 %: 10.49 +- 0.08; without one with the word for why.
+    """A number with its half width, "10.49 +- 0.08", or with why it has none, "10.5, no U: Delta".
 
-    The reason is one of `reasons_of`: 10.5, no U: Delta. A half width may be not a number.
+    Args:
+        value: the number.
+        half_width: its half width of 95 %; NaN where none is known.
+        reason: why none is known, from `reasons_of`.
     """
     told = known_digits(value, half_width)
     if math.isfinite(half_width) and half_width > 0.0:
@@ -176,12 +182,12 @@ def stated(value: float, half_width: float, reason: str = "") -> str:
 
 
 def without_half_width(reason: str) -> str:
-    """What stands in the place of a half width: no U: Delta, speed; "" without a reason."""
+    """The text shown instead of a half width: "no U: Delta, speed"; "" without a reason."""
     return f"no U: {words_of([reason])}" if reason else ""
 
 
 def words_of(reasons: Iterable[str]) -> str:
-    """The words of some reasons, each once: Delta, speed."""
+    """The keywords of some reasons without duplicates: "Delta, speed"."""
     parts = (piece for reason in reasons for piece in reason.split("; ") if piece)
     return ", ".join(dict.fromkeys(part.partition(":")[0] for part in parts))
 
@@ -192,10 +198,10 @@ def case_dims(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def varied_names(dataset: xr.Dataset) -> list[str]:
-    """What a study varies: the dims of cases, or the coordinates along the dim `case`.
+    """Names of what a study varies: the dims of cases, or the coordinates along the dim `case`.
 
-    With several scenes there are coordinates that only some of them have: such a one counts where
-    these differ in it.
+    In a study of several scenes a coordinate that only some scenes have is included if its values
+    differ between their cases.
     """
     if case_dims(dataset) != (CASE,):
         return list(case_dims(dataset))
@@ -208,12 +214,12 @@ def varied_names(dataset: xr.Dataset) -> list[str]:
 
 
 def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
-    """The values of a variable, by name or given, one for each case in their order.
+    """The values of a variable as a flat array with one entry per case.
 
     Args:
         dataset: the result of a study.
-        variable: a number, or an array over the dims of cases, or some or none of them; or the name
-            of one, and not a number where the dataset does not have it.
+        variable: name of a variable, a number, or an array over all, some or none of the dims of
+            cases. A name that the dataset lacks gives NaN for every case.
     """
     values = dataset.get(variable, np.nan) if isinstance(variable, str) else variable
     of_all = xr.DataArray(values).broadcast_like(dataset["status"])
@@ -221,9 +227,10 @@ def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
 
 
 def alike(dataset: xr.Dataset, names: Iterable[str]) -> dict[tuple[object, ...], list[int]]:
-    """The places of the cases that have the same values of some variables, by these values.
+    """Groups of cases that have the same values of some variables.
 
-    In the place of what a case has no value of stands None.
+    Returns:
+        Indices of the cases of each group, by these values. None stands for a missing value.
     """
     columns = [over_cases(dataset, name).tolist() for name in names]
     groups: dict[tuple[object, ...], list[int]] = {}
@@ -235,7 +242,7 @@ def alike(dataset: xr.Dataset, names: Iterable[str]) -> dict[tuple[object, ...],
 
 
 def by_case(dataset: xr.Dataset) -> xr.Dataset:
-    """A result over the one dim `case`, which comes first and numbers them; what varies is left."""
+    """A result over the single dim `case`, which comes first; varied coordinates are dropped."""
     dims = case_dims(dataset)
     if dims == (CASE,):
         cases = dataset
@@ -246,7 +253,7 @@ def by_case(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def varied_within(dataset: xr.Dataset) -> list[str]:
-    """What a study varies between cases of the same scene."""
+    """Names of what a study varies between cases of the same scene."""
     scenes = np.array(scenes_of(dataset))
 
     def differs(name: str) -> bool:
@@ -260,7 +267,7 @@ def varied_within(dataset: xr.Dataset) -> list[str]:
 
 
 def labels_of(dataset: xr.Dataset) -> list[str]:
-    """What each case is called: the varied values, in words."""
+    """The label of each case: its varied values as "name=value"."""
     names = varied_names(dataset)
     if not names:
         return [str(dataset.attrs["scene"])] * dataset["status"].size
@@ -281,9 +288,9 @@ def scenes_of(dataset: xr.Dataset) -> list[str]:
 
 
 def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
-    """A result without the curves of cases that did not complete, as every scalar is.
+    """A result in which curves of cases that did not complete are NaN, as their scalars are.
 
-    A variable that no completed case has is left out.
+    A curve that no completed case has is dropped.
     """
     dims = set(dataset["status"].dims)
     is_completed = dataset["status"] == COMPLETED
@@ -296,5 +303,5 @@ def without_incomplete_curves(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def is_there(value: object) -> bool:
-    """Whether a case has a value of a parameter: one of another scene is not a number, or empty."""
+    """Whether a value is present: a parameter that a case lacks is NaN, an empty text or None."""
     return value is not None and str(value) not in ("", "nan")

@@ -34,7 +34,7 @@ OF_CASE = (
     SOURCES,
     "time_written",
 )
-"""What the file of a case says of where, when and with what the case was computed."""
+"""Attributes of a case file that say where, when and with what the case was computed."""
 
 
 def provenance() -> dict[str, str]:
@@ -44,8 +44,8 @@ def provenance() -> dict[str, str]:
 
 
 def provenance_of_collector() -> dict[str, str]:
-    """Attributes for a dataset of cases, which may all have been computed elsewhere and before."""
-    conventions, *others = provenance().items()  # the first is of the file, whoever computed it
+    """Attributes of the process that collects cases, which other machines may have computed."""
+    conventions, *others = provenance().items()  # "Conventions" describes the file itself
     return dict([conventions, *((f"collected_{name}", value) for name, value in others)])
 
 
@@ -53,9 +53,9 @@ def provenance_of_collector() -> dict[str, str]:
 def sources_digest(scene: type) -> str:
     """16 hexadecimal digits that identify the code that computes a scene.
 
-    The digest is over all ``.py`` files of the package `mpm_warp`, and over the file that defines
-    the scene where that is elsewhere. It is worked out once a process, in some 10 ms: a process
-    computes with the sources that it has loaded.
+    The digest is over all ``.py`` files of the package `mpm_warp`, and the file that defines the
+    scene if that is elsewhere. It takes some 10 ms and is computed once per process, because a
+    process keeps using the sources that it has loaded.
     """
     package = Path(mpm_warp.__path__[0])
     files = sorted(package.rglob("*.py"))
@@ -90,7 +90,7 @@ def _version(package: str) -> str:
 
 
 def _commit() -> str:
-    """What ``git describe`` says of the checkout that this file is in, else "unknown"."""
+    """Output of ``git describe`` in the checkout of this file, or "unknown"."""
     checkout = Path(__file__).resolve().parents[2]
     git = shutil.which("git")
     # Without a .git here, git would describe whatever repository contains the installation.
@@ -102,7 +102,7 @@ def _commit() -> str:
 
 
 def _processor() -> str:
-    """Name of the processor's model; on Linux :mod:`platform` does not know it."""
+    """Name of the processor model, which :mod:`platform` does not give on Linux."""
     models = Path("/proc/cpuinfo")
     text = models.read_text() if models.exists() else ""
     named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)

@@ -1,8 +1,8 @@
-"""Whether a result is built as every result is, so that what reads it by name finds what it needs.
+"""Checks that a file has the structure of a result, so that code can rely on its variables.
 
-A digest says that a file is as it was written. It does not say who wrote it: these checks are for
-files of other programs. They need no numbers of a result but those of its dims and headlines: so
-the status of a case is known without reading the others.
+The digest of a file proves that it is unchanged, not that the harness wrote it. These checks are
+for files from other programs. They read only the values of dims and headlines, so that the status
+of a case is quick to find.
 """
 
 import json
@@ -33,27 +33,27 @@ Forms = Mapping[str, xr.Variable]
 
 
 class Stored(NamedTuple):
-    """What a file holds: its attributes, and its variables, whose values are read on demand."""
+    """The attributes and variables of a file; values of variables are read on demand."""
 
     attributes: Mapping[str, Any]
     variables: Forms
 
 
 NUMBERS, TEXT = "biuf", "O"
-"""Kinds of variables, as NumPy calls them."""
+"""NumPy's letters for kinds of variables."""
 _OF_EACH_CASE = (
     *(Role.HEADLINE, Role.UNCERTAINTY, Role.SETTLED),
     *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
 )
-"""Roles of variables that have one value a case."""
+"""Roles of variables that have one value per case."""
 _ROLES = frozenset(Role)
 _TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
 _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
-"""Attributes by which a number in a file stands for another one; no result has any."""
+"""Attributes of packed numbers, which results never have."""
 
 
 def malformed(result: Stored) -> str | None:
-    """What is not as it has to be in the result of a case or a study; None where all is well."""
+    """The first fault in the structure of a result, of a case or a study; None if it has none."""
     return next(_faults(result), None)
 
 
@@ -73,33 +73,33 @@ def _faults(result: Stored) -> Iterator[str]:
     for name, form in forms.items():
         if name in texts or _role(form) in (Role.REASON, Role.BUILT):
             if form.dtype.kind != TEXT:
-                yield f"{name} is no text"
-        # Which parameters of an unknown scene are texts is not known either.
+                yield f"{name} is not a text"
+        # If the scene is unknown, so is which of its parameters are texts.
         elif form.dtype.kind not in NUMBERS and (
             form.dtype.kind != TEXT or (is_known and "units" in form.attrs)
         ):
-            yield f"{name} is no number"
+            yield f"{name} is not a number"
         yield from _faulty_attributes(forms, name)
         yield from _faulty_dims(forms, name, over)
     for dim in sorted({str(dim) for form in forms.values() for dim in form.dims} & forms.keys()):
         values = forms[dim].values
         if values.ndim == 0:
-            yield f"{dim} is a dim and has one value"
+            yield f"{dim} is a dim but has a single value"
         elif np.unique(values).size < values.size:
-            yield f"{dim} has a value twice"
+            yield f"{dim} has a repeated value"
     if result.attributes.get("status") == COMPLETED:
         yield from _faulty_headline(result)
 
 
 def _faulty_study(result: Stored, over: tuple[Hashable, ...]) -> Iterator[str]:
-    """A collected dataset has what every one has, whoever has written it."""
+    """Faults in what every collected dataset must have."""
     said, forms = result.attributes, result.variables
     try:
         tolerances = json.loads(str(said.get(TOLERANCES, "{}")))
     except ValueError:
         tolerances = None
     sound = {
-        # As a study's own file is called: pictures are called by it, and go to no other folder.
+        # Pictures are named by the study, so that its name must not lead to another folder.
         "study": isinstance(said["study"], str) and re.fullmatch(STUDY_NAME, said["study"]),
         "scene": isinstance(said.get("scene"), str),
         "scene_version": isinstance(said.get("scene_version"), int | np.integer),
@@ -114,7 +114,7 @@ def _faulty_study(result: Stored, over: tuple[Hashable, ...]) -> Iterator[str]:
 
 
 def _are_counts(form: xr.Variable, over: tuple[Hashable, ...]) -> bool:
-    """Whether a variable has a positive count for each case, not more than a study may have."""
+    """Whether a variable has a positive integer per case, with a sum that a study may have."""
     if form.dims != over or form.dtype.kind not in "iu":
         return False
     return bool((form.values >= 1).all() and form.values.sum(dtype=float) <= LARGEST_STUDY)
@@ -127,47 +127,47 @@ def _faulty_dims(forms: Forms, name: str, over: tuple[Hashable, ...]) -> Iterato
         yield f"{name} has its dims in another order"
     own = [dim for dim in form.dims if dim not in over]
     if own and of_cases and of_cases != over:
-        yield f"{name} has not all dims of the cases"
+        yield f"{name} lacks some dims of the cases"
     if any(dim not in forms for dim in form.dims):
         yield f"{name} has a dim without a coordinate"
     if name in form.dims and form.dims != (name,):
-        yield f"{name} is a dim and has others"
+        yield f"{name} is a dim but also has other dims"
     if own and name not in form.dims and _role(form) in _OF_EACH_CASE:
-        yield f"{name} has more than one value a case"
+        yield f"{name} has more than one value per case"
 
 
 def _faulty_attributes(forms: Forms, name: str) -> Iterator[str]:
     said = forms[name].attrs
     for key in _TEXTS:
         if not isinstance(said.get(key, ""), str):
-            yield f"{key} of {name} is no text"
+            yield f"{key} of {name} is not a text"
     limit = said.get("limit", 0.0)
     if not isinstance(limit, int | float | np.number) or not math.isfinite(limit):
-        yield f"limit of {name} is no number"
+        yield f"limit of {name} is not a number"
     role = _role(forms[name])
     if "role" in said and role not in _ROLES:
         yield f"the role of {name} is unknown"
     if role == Role.EXACT and str(said.get("exact_of")) not in forms:
-        yield f"{name} is exact of nothing"
-    # Where a number is missing it is not a number, in the file too.
+        yield f"{name} is the exact value of no variable"
+    # Missing numbers are NaN in the file, never another fill value.
     is_filled = str(said.get("_FillValue", "nan")) != "nan"
     if is_filled or any(key in said for key in _ENCODED):
-        yield f"the numbers of {name} stand for others"
+        yield f"the numbers of {name} are packed or have a fill value"
 
 
 def _faulty_headline(result: Stored) -> Iterator[str]:
-    """A case that has completed has what its scene is run for."""
+    """Faults in the headline, which a completed case must have."""
     headlines = [name for name, form in result.variables.items() if _role(form) == Role.HEADLINE]
     if not headlines:
-        yield "it has completed without a headline"
+        yield "it is completed but has no headline"
     for name in headlines:
         is_number = result.variables[name].dtype.kind in NUMBERS
         if not (is_number and np.isfinite(result.variables[name].values).all()):
-            yield f"{name} is not finite, and yet it has completed"
+            yield f"it is completed but {name} is not finite"
 
 
 def _text_parameters(forms: Forms, scenes: list[str]) -> Iterator[str]:
-    """What the parameters that are texts are called in a result."""
+    """Names of the variables that hold parameters that are texts."""
     stored = {
         parameter_of(stored_name): stored_name
         for stored_name in forms
@@ -181,6 +181,6 @@ def _text_parameters(forms: Forms, scenes: list[str]) -> Iterator[str]:
 
 
 def _role(form: xr.Variable) -> str:
-    """The role of a variable; "" where it has none, or one that is no text."""
+    """The role of a variable; "" if it has none, or one that is not a text."""
     role = form.attrs.get("role")
     return role if isinstance(role, str) else ""

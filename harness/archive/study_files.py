@@ -1,4 +1,4 @@
-"""The results of a study's cases in one dataset, ``OUT/<study>.nc``: gathered, written and read."""
+"""The result of a study, ``OUT/<study>.nc``: it is collected from the cases, written and read."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
@@ -39,26 +39,26 @@ Variables = dict[Hashable, xr.Variable]
 
 
 def collect(study: Study, folder: Path) -> xr.Dataset:
-    """Gather the results of a study's cases in one dataset.
+    """Collect the results of a study's cases in one dataset.
 
-    The dims of a full design are the varied parameters, in the study's order. Any other study,
-    and one of several scenes or with exclusions, has the dim `case`, along which what varies
-    stands as coordinates, `scene` too. Then come the scene's own dims, which are the union over
-    all cases.
+    Dims. The dims of a full design are the varied parameters in the study's order. A study with
+    another design, several scenes or exclusions has the dim `case`; what varies, `scene` included,
+    is a coordinate along it. The scene's own dims follow; each is the union over all cases.
 
-    Every parameter is there by name: what the study varies is a coordinate, what is the same in all
-    cases a scalar, what the scene derives from varied ones a variable over the cases. It is not a
-    number where a scene has no such parameter. A parameter that shares its name with a result is
-    called ``<name>_parameter``, whatever became of the cases; a result whose name a scene before
-    has used over other dims is called ``<scene>_<name>``.
+    Parameters. Each is a variable: a coordinate if the study varies it, a scalar if it is the same
+    in all cases, and a variable over the cases if the scene derives it from varied ones. It is NaN
+    for a scene without it. A parameter that shares its name with a result is called
+    ``<name>_parameter``. If two scenes have a result of one name over different dims, the second
+    is called ``<scene>_<name>``.
 
-    Where cases say different things of a result, its name is what they have in common, and up to
-    three descriptions are all there.
+    Attributes. If cases give a variable different long names, their common beginning is kept; of
+    descriptions up to three are joined.
 
-    Of a case that did not complete the curves are there, as far as they came; each scalar is not a
-    number. Its `status` and `message` say why, also where its file is of no use. Where, when and
-    with what the cases were computed are attributes where all agree that were computed, otherwise
-    variables over the cases, an empty text where a case file does not say.
+    Failed cases. Scalars of a case that did not complete are NaN; its curves go up to where it
+    ended. `status` and `message` say why, also if its file cannot be used.
+
+    Provenance. Where, when and with what cases were computed are attributes if all computed cases
+    agree, and otherwise variables over the cases, "" where a case file does not say.
     """
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
@@ -78,7 +78,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     variables = own | _records(study, results, names) | origins | inputs
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
-    # What varies in the study's order, which a file does not keep.
+    # The order of the varied parameters, which coordinates in a file do not keep.
     order = " ".join(names[it] for it in study.parts[0].varied)
     return xr.Dataset(
         {name: _over_grid(variable, sizes) for name, variable in variables.items()},
@@ -107,7 +107,7 @@ def _over_grid(variable: xr.Variable, sizes: Mapping[str, int]) -> xr.Variable:
 def _records(
     study: Study, results: Sequence[xr.Dataset | None], names: Mapping[str, str]
 ) -> Variables:
-    """Status, message and key of each case; which parameter it changes, of one at a time."""
+    """Status, message and key of each case; in a one-at-a-time study also the changed parameter."""
     texts = {
         "status": ("outcome of the case", _attributes(results, "status", MISSING)),
         "message": ("why the case did not complete", _attributes(results, "message")),
@@ -130,7 +130,7 @@ def _over_cases(meaning: str, values: Sequence[object]) -> xr.Variable:
 
 
 def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str, str]]:
-    """Where, when and with what cases were computed: what differs over cases, what all agree on."""
+    """Provenance of the cases: variables for what differs, attributes for what all agree on."""
     differing: Variables = {}
     agreed: dict[str, str] = {}
     for name in OF_CASE:
@@ -160,7 +160,7 @@ def _parameters(
         stored, labels = names[name], parameter_attributes(definition)
         labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
         values = [of_case.get(name) for of_case in given]
-        # Not a number, or an empty text, where there is none.
+        # A case without the parameter has NaN or an empty text.
         nothing = "" if definition.kind is str else np.nan
         filled = np.array([nothing if value is None else value for value in values])
         if stored in axes:
@@ -176,16 +176,16 @@ def _parameters(
 
 
 def _without_replaced(case: Case) -> Mapping[str, Value | None]:
-    """The parameters of a case, None where others take the place of one."""
+    """The parameters of a case; None for those that others replace, as a profile does."""
     try:
         replaced = scene_class(case.scene).replaced(case.parameters)
-    except ParameterError:  # by chance the case has what its scene refuses
+    except ParameterError:  # a random case that its scene refuses
         return case.parameters
     return {**case.parameters, **dict.fromkeys(replaced)}
 
 
 def _as_built(inputs: Variables, own: Variables) -> Variables:
-    """The material, where a scene has built another than its parameter names; else nothing."""
+    """`material` as it was built, if a scene built another law than its parameter names."""
     if "material" not in inputs or "built_law" not in own:
         return {}
     asked, law = inputs["material"], own["built_law"]
@@ -198,7 +198,7 @@ def _as_built(inputs: Variables, own: Variables) -> Variables:
 
 
 def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Variables:
-    """Numbers of the cases where they are a dim, and their scenes where these are several."""
+    """Case numbers if `case` is a dim, and the scene of each case if there are several."""
     coordinates: Variables = {}
     if CASE in axes:
         coordinates[CASE] = _over_cases(CASE, range(len(study.cases)))
@@ -208,7 +208,7 @@ def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Vari
 
 
 def _result(folder: Path, case: Case) -> xr.Dataset | None:
-    """What the file of a case holds, None where there is none; where it is of no use, why."""
+    """The result of a case; None without a file; only status and message if it is damaged."""
     try:
         return read_case(folder, case)
     except ArchiveError as error:
@@ -216,7 +216,7 @@ def _result(folder: Path, case: Case) -> xr.Dataset | None:
 
 
 def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
-    """The scenes' own variables over the dim `case`, padded with not a number."""
+    """The results of the scenes over the dim `case`, padded with NaN."""
     known = {
         place: result if result.attrs["status"] == COMPLETED else _curves(result)
         for place, result in enumerate(results)
@@ -257,11 +257,11 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
 
 
 MOST_DESCRIPTIONS = 3
-"""Descriptions that are told of one result."""
+"""Different descriptions of one result that are joined; of more none is kept."""
 
 
 def _said_of_all(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """Long name and description of a result where cases differ in them: what is true of all."""
+    """Long name and description that hold for all cases, where the cases have different ones."""
     names, descriptions = (
         list(dict.fromkeys(said.get(word, "") for said in of_cases))
         for word in ("long_name", "description")
@@ -277,12 +277,12 @@ def _said_of_all(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[
 
 
 def _curves(result: xr.Dataset) -> xr.Dataset:
-    """What a case that did not complete had sampled up to its end."""
+    """The curves of a case that did not complete, up to where it ended."""
     return result.drop_vars([name for name, array in result.data_vars.items() if not array.dims])
 
 
 def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:
-    """What the files of all cases say under a name."""
+    """An attribute of the files of all cases."""
     return [
         otherwise if result is None else str(result.attrs.get(name, otherwise))
         for result in results
@@ -290,18 +290,18 @@ def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str 
 
 
 MOST_NAMED = 10
-"""Files of a folder that are named where none is like the one that is asked for."""
+"""Files of a folder that an error lists if none has a name similar to the requested one."""
 
 
 def study_file(out: Path, study: Study) -> Path:
-    """Where the collected dataset of a study is."""
+    """The file of a study's result."""
     return out / f"{study.name}.nc"
 
 
 def check_place(path: Path) -> None:
-    """Refuse to replace a file that is no result of a study where that of a study is to be.
+    """Refuse to overwrite a file that is not the result of a study.
 
-    A damaged one, or an empty one, is replaced: the files of its cases are elsewhere.
+    A damaged or empty result may be overwritten, because the case files are elsewhere.
     """
     try:
         if not path.exists() or path.stat().st_size == 0 or "study" in read_attributes(path):
@@ -311,21 +311,21 @@ def check_place(path: Path) -> None:
     except ArchiveError:
         pass  # of another program
     raise ArchiveError(
-        f"{path}: is not the result of a study, and is not overwritten; move it away, or give "
+        f"{path}: is not the result of a study and will not be overwritten; move it away, or give "
         "another --out"
     )
 
 
 def write_study(path: Path, dataset: xr.Dataset) -> None:
-    """Write the collected dataset of a study."""
+    """Write the result of a study."""
     write_netcdf(dataset.assign_attrs(provenance_of_collector()), path)
 
 
 def read_study(path: Path) -> xr.Dataset:
-    """Read the collected dataset of a study.
+    """Read the result of a study.
 
     Raises:
-        ArchiveError: there is no such file, or it is damaged or no result of a study.
+        ArchiveError: the file is missing, damaged, or not the result of a study.
     """
     dataset = read_result(path)
     if "study" not in dataset.attrs:
@@ -334,22 +334,22 @@ def read_study(path: Path) -> xr.Dataset:
 
 
 def _what_else(path: Path, dataset: xr.Dataset) -> str:
-    """What a file is instead, and what reads it."""
+    """What a file holds instead of a study's result, and how to use it."""
     if "site" in dataset.attrs:
-        again = f"`harness interpret {dataset.attrs['site']}.toml` writes it, with a page, again"
+        again = f"`harness interpret {dataset.attrs['site']}.toml` writes it again, with a page"
         return f", but of a measured test; {again}; in Python `xarray.open_dataset` reads it"
     if path.name.endswith(FIELDS_ENDING):
-        return f", but snapshots of a case; `harness view {path}` draws them"
+        return f", but has snapshots of a case; `harness view {path}` draws them"
     if "case_key" in dataset.attrs:
         return f", but of one case; `harness rerun {path}` computes it again"
     return "; `xarray.open_dataset` reads it"
 
 
 def read_result(path: Path) -> xr.Dataset:
-    """Read the file of a case, or the collected dataset of a study."""
+    """Read the result of a case or of a study."""
     if not path.exists():
         beside = [file.name for file in path.parent.glob("*.nc")]
-        # Of the many files of cases a list would say nothing.
+        # A list of very many case files would not help.
         listed = known_names(beside) if len(beside) <= MOST_NAMED else ""
         raise ArchiveError(f"{path}: no such file{did_you_mean(path.name, beside) or listed}")
     return read_netcdf(path)

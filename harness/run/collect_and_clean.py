@@ -204,7 +204,7 @@ def stray_files(study: Study, out: Path) -> list[StrayFile]:
     keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
     for path in sorted(folder.glob("*.nc")):
         if is_folder(path):
-            tell(f"{path}: is a folder, where only files belong; kept")
+            tell(f"{path}: is a folder among result files; kept")
         elif path in of_cases:
             try:
                 read_fields(path)

@@ -31,7 +31,7 @@ class NotOwnFileError(HarnessError):
 def not_own(path: Path) -> NotOwnFileError:
     """The refusal to overwrite a file of another program."""
     return NotOwnFileError(
-        f"{path}: was not written by this program, and is not overwritten; move it away, or "
+        f"{path}: was not written by this program and will not be overwritten; move it away, or "
         "write to another place"
     )
 

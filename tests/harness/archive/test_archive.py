@@ -81,7 +81,7 @@ def test_another_format_version_is_refused_by_name(
     case = small.cases[0]
     complete(folder, [case])
     monkeypatch.setattr(netcdf_files, "FORMAT_VERSION", 99)
-    with pytest.raises(ArchiveError, match="has format version 1, where 99 can be read"):
+    with pytest.raises(ArchiveError, match="has format version 1; only 99 can be read"):
         case_files.read_case(folder, case)
 
 
@@ -213,29 +213,29 @@ OF_STUDY: list[tuple[str, Change]] = [
 ]
 FAULTS: list[tuple[str, Change]] = [
     ("there is no case", lambda it: it.isel(adhesion_factor=slice(0, 0))),
-    ("adhesion_factor has a value twice", lambda it: it.isel(adhesion_factor=[0, 0, 1])),
-    ("cone_factor is no text", said("cone_factor", role="reason")),
-    ("status is no text", lambda it: it.assign(status=it.cone_factor)),
+    ("adhesion_factor has a repeated value", lambda it: it.isel(adhesion_factor=[0, 0, 1])),
+    ("cone_factor is not a text", said("cone_factor", role="reason")),
+    ("status is not a text", lambda it: it.assign(status=it.cone_factor)),
     (
-        "cone_factor is no number",
+        "cone_factor is not a number",
         lambda it: it.assign(cone_factor=it.status.assign_attrs(units="1")),
     ),
-    ("accuracy is no number", said("accuracy", role="error", units="1")),
+    ("accuracy is not a number", said("accuracy", role="error", units="1")),
     ("the role of cone_factor is unknown", said("cone_factor", role="guess")),
-    ("long_name of cone_factor is no text", said("cone_factor", long_name=7)),
-    ("limit of cone_factor is no number", said("cone_factor", limit="much")),
+    ("long_name of cone_factor is not a text", said("cone_factor", long_name=7)),
+    ("limit of cone_factor is not a number", said("cone_factor", limit="much")),
     (
         "penetration_resistance has a dim without a coordinate",
         lambda it: it.drop_vars("penetration"),
     ),
     (
-        "penetration_resistance has not all dims of the cases",
+        "penetration_resistance lacks some dims of the cases",
         lambda it: it.expand_dims(rigidity_index=[50.0, 100.0]).assign(
             penetration_resistance=it.penetration_resistance
         ),
     ),
     (
-        "penetration_resistance has more than one value a case",
+        "penetration_resistance has more than one value per case",
         said("penetration_resistance", role="headline"),
     ),
     *((f"{name} is missing or malformed; collect it again", it) for name, it in OF_STUDY),
@@ -251,5 +251,5 @@ def test_a_fault_is_told_in_words(
     netcdf_files.write_netcdf(collected, path)
     assert netcdf_files.read_netcdf(path).identical(collected)
     netcdf_files.write_netcdf(change(collected), path)
-    with pytest.raises(ArchiveError, match=f"^{path}: is no whole result: {fault}$"):
+    with pytest.raises(ArchiveError, match=f"^{path}: is not a complete result: {fault}$"):
         netcdf_files.read_netcdf(path)

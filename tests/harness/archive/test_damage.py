@@ -165,7 +165,7 @@ def test_what_xarray_would_read_by_half_is_told_in_a_line(kind: str, tmp_path: P
             of = file.createEnumType("i1", "names", {"one": 1})
         dims = ("case", "case") if kind == "a dim twice" else ("case",)
         file.createVariable("cone_factor", of, dims)
-    told = "a dim twice" if kind == "a dim twice" else "no array of numbers or texts"
+    told = "a dim twice" if kind == "a dim twice" else "not an array of numbers or texts"
     with pytest.raises(ArchiveError, match=rf"cannot be read: .*cone_factor .*{told}"):
         read_netcdf(path, as_result=False)
 
@@ -187,7 +187,7 @@ def test_a_study_in_place_of_its_results_is_told_what_to_give(
     command: str, small: Study, refusal: Refusal
 ) -> None:
     line = refusal(arguments(command, small.source))
-    assert line.endswith("; give what `harness run` has written of it")
+    assert line.endswith("; give the .nc file that `harness run` wrote")
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -203,7 +203,7 @@ def test_a_collected_file_of_no_use_is_one_line_and_collected_again(
         assert len(line) < 200 + len(str(result))
     again = ["collect", str(small.source), "--out", str(result.parent)]
     if damage in (folder, bomb):  # of another program: it stays as it is
-        assert "and is not overwritten" in refusal(again)
+        assert "and will not be overwritten" in refusal(again)
     else:
         assert main(again) == 0
         assert read_netcdf(result).attrs["study"] == "small"
@@ -224,7 +224,7 @@ def test_a_case_file_of_no_use_is_damaged(
     told = command("run", *of_study, code=2 if damage is folder else 0).err
     assert is_complete(place, case) == (damage is fifo)
     if damage is folder:
-        assert told.splitlines()[-1].endswith("is a folder, where only files belong; move it away")
+        assert told.splitlines()[-1].endswith("is a folder among result files; move it away")
     else:
         assert "the case is run again" in told
         assert "3 cases, 2 done already" in told

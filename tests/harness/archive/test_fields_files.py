@@ -113,5 +113,5 @@ def test_they_are_found_from_any_file_of_the_study(ran: Ran) -> None:
     assert case_files.find_fields(case_files.case_file(ran.folder, ran.case), None) == ran.fields
     with pytest.raises(ArchiveError, match=f"did you mean '{key}'"):
         case_files.find_fields(collected, f"{key}0")
-    with pytest.raises(ArchiveError, match="there are those of"):
+    with pytest.raises(ArchiveError, match="cases with snapshots: "):
         case_files.find_fields(collected, "x")

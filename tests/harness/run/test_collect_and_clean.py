@@ -119,7 +119,9 @@ def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(
             DONE.to_netcdf(path, format="NETCDF3_CLASSIC", engine="scipy")
     before = path.read_bytes()
     line = refusal([command, str(small.source), "--out", str(out)])
-    assert line.startswith(f"harness: {path}: is not the result of a study, and is not overwritten")
+    assert line.startswith(
+        f"harness: {path}: is not the result of a study and will not be overwritten"
+    )
     assert path.read_bytes() == before
 
 
@@ -268,7 +270,9 @@ def test_a_linked_folder_is_refused_and_left_as_it_is(
     place.symlink_to(outside)
     before = set(outside.rglob("*"))
     (line,) = of_small(*name.split(), code=2).err.splitlines()
-    assert line.startswith(f"harness: {place}: is a link, and no file is removed outside")
+    assert line.startswith(
+        f"harness: {place}: is a link, and files outside the results are never removed"
+    )
     assert set(outside.rglob("*")) == before
 
 
@@ -300,7 +304,7 @@ def test_links_go_and_what_they_lead_to_stays_and_a_folder_stops_nothing(
     before = set(outside.rglob("*"))
     told = of_small("clean", "--yes")
     assert {Path(line.partition(": ")[0]) for line in told.out.splitlines()} == links.keys()
-    assert told.err.count("is a folder, where only files belong; kept") == 2
+    assert told.err.count("is a folder among result files; kept") == 2
     assert told.err.endswith("harness: 4 files removed\n")
     assert set(outside.rglob("*")) == before
     assert set(folder.iterdir()) == folders
@@ -322,6 +326,6 @@ def test_what_was_written_anew_since_it_was_listed_is_kept(
 
 def test_a_folder_called_like_a_case_file_is_not_discarded(small: Study, folder: Path) -> None:
     case_file(folder, small.cases[0]).mkdir()
-    with pytest.raises(ArchiveError, match="is a folder, where only files belong"):
+    with pytest.raises(ArchiveError, match="is a folder among result files"):
         discard(folder, small.cases)
     assert case_file(folder, small.cases[0]).is_dir()
