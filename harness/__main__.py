@@ -5,9 +5,9 @@ import sys
 
 
 def main() -> int:
-    """Run the command line; the exit code. See `harness.cli.main.main`."""
+    """Run the command line and return the exit code; see `harness.cli.main.main`."""
     try:
-        # Ctrl-C may come while this is imported.
+        # Imported inside `try` because Ctrl-C may come during the import.
         from harness.cli.main import main as run
 
         return run()

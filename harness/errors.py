@@ -1,6 +1,6 @@
-"""What a terminal is told: errors of the user's and of the program, each in a line; colour.
+"""One-line messages for the terminal: errors of the user, errors of the program, and colours.
 
-Nothing that is read from a file can give itself a colour, or move the cursor.
+Text that comes from a file can neither set a colour nor move the cursor.
 """
 
 import os
@@ -9,22 +9,22 @@ import sys
 from typing import TextIO
 
 LONGEST_LINE = 1000
-"""Characters of a line that is reported."""
+"""Characters that a message may have."""
 DEVELOPERS = "the mpm_warp developers"
-"""Who takes reports: the authors of the package."""
+"""To whom errors of the program are reported."""
 
 
 class HarnessError(Exception):
-    """What the user can put right; the message is one line."""
+    """An error that the user can correct; the message is one line."""
 
 
 def in_one_line(error: BaseException) -> str:
-    """Type and message of an error that nobody has foreseen, in one line."""
+    """Type and message of an unexpected error in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def defect(error: BaseException) -> str:
-    """An error of the program itself in one line, and where to report it."""
+    """One line for an error of the program itself, with where to report it."""
     return (
         f"an error of the program, not of your input: {in_one_line(error)}; please report it to "
         f"{DEVELOPERS}, with the command and what --debug prints"
@@ -32,17 +32,17 @@ def defect(error: BaseException) -> str:
 
 
 def printable(text: str) -> str:
-    """A text in which each character that cannot be printed is written as its escape.
+    """A text with every non-printable character written as its escape sequence.
 
-    A text out of a file must not move the cursor of a terminal, or say what is not so.
+    So a text from a file cannot move the cursor of the terminal or overwrite other messages.
     """
     return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
 def shortened(text: str, longest: int = LONGEST_LINE) -> str:
-    """A printable text of at most about `longest` characters, without its middle if it has more."""
+    """A printable text; if it is longer than `longest` characters its middle is left out."""
     text, half = printable(text), longest // 2
-    # The end of a message names the remedy.
+    # The end is kept because it names the remedy.
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
 
 
@@ -52,22 +52,22 @@ def counted(count: int, noun: str) -> str:
 
 
 def tell(message: str) -> None:
-    """Print one line of bounded length on standard error, where it does not mix with results."""
+    """Print one line of limited length on standard error, apart from results."""
     print("harness:", shortened(" ".join(message.split())), file=sys.stderr)
 
 
 GREEN, RED, PLAIN = (f"\0{secrets.token_hex(8)}\0" for _ in range(3))
-"""What stands for a colour until it is printed: no file can know it."""
+"""Random placeholders of colours; no text from a file can contain them."""
 CODES = {GREEN: "\033[32m", RED: "\033[31m", PLAIN: "\033[0m"}
-"""What a terminal takes for it."""
+"""The terminal code of each placeholder."""
 
 
 def coloured(text: str, *, is_good: bool, stream: TextIO | None = None) -> str:
-    """A text in green or red where it goes to a terminal that has colours; otherwise as it is.
+    """A text in green or red if it goes to a terminal with colours; otherwise unchanged.
 
-    The environment variable ``NO_COLOR`` (https://no-color.org), set to anything, keeps it plain.
-    By default it goes to standard output, where `harness.cli.process` puts the codes of the colours
-    in.
+    Any value of the environment variable ``NO_COLOR`` (https://no-color.org) switches colours off.
+    Without `stream` the text is for standard output and has placeholders, which
+    `harness.cli.process` replaces by codes; with `stream` it has the codes.
     """
     to_terminal = (stream or sys.stdout).isatty()
     if not to_terminal or os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":

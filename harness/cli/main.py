@@ -1,4 +1,4 @@
-"""The command line: which command does what, and how it ends where something goes wrong."""
+"""The command line: it runs a command and turns errors into messages and exit codes."""
 
 import argparse
 import importlib
@@ -27,41 +27,44 @@ REFUSALS = (HarnessError, ParameterError, SceneError, UnknownSceneError)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command of the command line that is given, by default that of the process.
+    """Run one command.
+
+    Args:
+        arguments: words of the command line; by default those of the process.
 
     Returns:
-        Exit code: 0 done, 1 a case did not complete or a bound is not reached,
-        2 bad input or unusable files, 70 an error of the program itself, 129 SIGHUP, 130 Ctrl-C,
-        141 the reader of its output has gone, 143 SIGTERM.
+        Exit code: 0 done; 1 done, but a case did not complete or a bound was missed; 2 bad input
+        or unusable files; 70 an error of the program itself; 129 SIGHUP; 130 Ctrl-C; 141 the
+        output is no longer read, as after `| head`; 143 SIGTERM.
     """
     complete_streams()
     parser = make_parser()
     if "_ARGCOMPLETE" in os.environ:
         importlib.import_module("harness.cli.commands.completion").complete(parser)
     given = sys.argv[1:] if arguments is None else list(arguments)
-    # What a file calls its results may have letters that no font has.
+    # Names in a result may have letters that the font lacks; pictures then show a box.
     warnings.filterwarnings("ignore", message="Glyph .* missing from font")
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of glyphs in mathematics
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # the same for mathematical text
     with safe_remarks():
         return _exit_code(parser, given)
 
 
 def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
-    """Run one command, and say in one line why it cannot be done."""
+    """Run one command; an error is reported in one line."""
     try:
         with safe_output():
             options = _parsed(parser, given)
-            # Imported only now: help is at once, and what a command does not need is not loaded.
+            # Imported here so that help appears at once and only needed modules are loaded.
             module, function = options.function.split(".")
             command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
             code: int = command(options)
     except BrokenPipeError:
-        # The reader of the output has gone, as in `harness run ... | head`: no message is needed.
+        # Nobody reads the output any more, as in `harness run ... | head`: no message is needed.
         for stream in (sys.stdout, sys.stderr):
             send_nowhere(stream)
         return 128 + signal.SIGPIPE
     except (*REFUSALS, OSError, MemoryError) as error:
-        tell(str(error) or "this machine has not enough memory")
+        tell(str(error) or "this machine does not have enough memory")
         return BAD_INPUT
     except KeyboardInterrupt as end:
         return 128 + (end.number if isinstance(end, Terminated) else signal.SIGINT)

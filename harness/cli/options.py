@@ -1,6 +1,6 @@
-"""How a command line is read: values, defaults, and mistakes, answered by one line with a remedy.
+"""The parser of the command line: values, defaults, and one-line answers to mistakes.
 
-A reader of a value raises `argparse.ArgumentTypeError`, which says what is not allowed in one line.
+Functions that read a value raise `argparse.ArgumentTypeError` with a one-line message.
 """
 
 import argparse
@@ -19,13 +19,19 @@ from harness.errors import shortened
 from mpm_warp.execution import THREAD_COUNTS
 
 BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
-"""Units that may stand behind a number, and what one of them is."""
+"""Units of memory that may follow a number, in bytes."""
 
 
 def number(
     meaning: str, units: Mapping[str, float] | None = None, *, least: float = sys.float_info.min
 ) -> Callable[[str], float]:
-    """What reads a finite number, > 0 or from `least` on, as described; a unit may stand behind."""
+    """A function that reads a finite number of at least `least`, by default any number > 0.
+
+    Args:
+        meaning: what is allowed, for the error message.
+        units: units that may follow the number, with their sizes.
+        least: smallest allowed number.
+    """
     sizes = units or {}
 
     def read(text: str) -> float:
@@ -43,7 +49,7 @@ def number(
 
 def html_file(text: str) -> Path:
     """A path that ends in .html."""
-    # A result in its place, the page's name forgotten, would be lost.
+    # If -o were followed by a result by mistake, the page would overwrite it.
     if not text.endswith(".html"):
         raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must end in .html")
     return Path(text)
@@ -70,7 +76,7 @@ def positive_count(text: str) -> int:
 
 RESULTS = Path("results")
 PATHS = ("DIR", "FILE", "OTHER", "TEST", "CSV", "SITE")
-"""What values that are paths are called."""
+"""Placeholders in the help for values that are paths."""
 VALUES: dict[str, dict[str, Any]] = {
     "--out": {"default": RESULTS},
     "--set": {"action": "append", "default": []},
@@ -93,28 +99,29 @@ VALUES: dict[str, dict[str, Any]] = {
     "help about": {"choices": tuple(HELP)},
     "completion shell": {"choices": ("bash", "zsh", "fish")},
 }
-"""How values are read that are neither a text nor a path, by the keys of the options."""
-EITHER = ("run --workers", "run --dask", "new --interpret", "new --scene")
-"""Options of a command of which one alone may be given."""
+"""Arguments for argparse of options that are not simply texts or paths, by key of the option."""
+EXCLUSIVE = ("run --workers", "run --dask", "new --interpret", "new --scene")
+"""Options of a command that exclude one another."""
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, like all others, and that takes no options cut short."""
+    """A parser with one-line errors that accepts no abbreviated options."""
 
     def __init__(self, **options: Any) -> None:
         layout = argparse.RawDescriptionHelpFormatter
         super().__init__(allow_abbrev=False, formatter_class=layout, **options)
 
     def error(self, message: str) -> NoReturn:
-        """End the process: a value is not allowed, or a word is missing."""
+        """End the process because a value is not allowed or an argument is missing."""
         self.exit(BAD_INPUT, f"{self.prog}: {shortened(message)}; see {self.prog} --help\n")
 
 
 def make_parser() -> Parser:
-    """The parser.
+    """The parser of the command line.
 
-    Of what it parses the attribute `command` is the name of the command, and `function` its module
-    in `harness.cli.commands` and its function, which takes the options and returns the exit code.
+    What it parses has two special attributes. `command` is the name of the command. `function`
+    names a module of `harness.cli.commands` and a function in it, "run.run" say; the function takes
+    the options and returns the exit code.
     """
     parser = Parser(
         prog="harness",
@@ -134,11 +141,11 @@ def make_parser() -> Parser:
             epilog=epilog(name),
         )
         command.set_defaults(function=told.function)
-        either = command.add_mutually_exclusive_group() if name in ("run", "new") else command
+        exclusive = command.add_mutually_exclusive_group() if name in ("run", "new") else command
         for option in told.options:
-            place = either if option.key in EITHER else command
+            place = exclusive if option.key in EXCLUSIVE else command
             place.add_argument(*option.names, **_as_argument(option))
-        debug = "print where an error of the program arises"
+        debug = "if the program itself fails, print where"
         command.add_argument("--debug", action="store_true", help=debug)
     return parser
 
@@ -161,58 +168,58 @@ def _version() -> str:
     try:
         return f"harness {metadata.version('mpm-warp')}"
     except metadata.PackageNotFoundError:
-        return "harness, of a source tree that is not installed"
+        return "harness, from a source tree that is not installed"
 
 
 SHOWN_LENGTH = 40
-"""Characters of a word that are shown, at most."""
+"""Characters of a word that a message shows."""
 
 
 def mistake_in(arguments: Sequence[str]) -> str | None:
-    """What is wrong with a command line before it is parsed; None where nothing is seen."""
+    """A common mistake in a command line, found before it is parsed; None if there is none."""
     for argument in arguments:
         if any("\ud800" <= character <= "\udfff" for character in argument):
-            return f"{argument!r}: is not text, which results could not keep"
+            return f"{argument!r}: is not valid text and could not be stored in a result"
     return _unknown_command(arguments) or _missing_quotes(arguments)
 
 
 def options_of(command: str) -> list[str]:
-    """The options of a command, as ``--out``."""
+    """The long options of a command, such as ``--out``."""
     names = [name for option in HELP[command].options for name in option.names]
     return [*(name for name in names if name.startswith("--")), "--debug", "--help"]
 
 
 def unrecognised(words: Sequence[str], command: str) -> str:
-    """What a parser could make nothing of, and what was meant by it."""
-    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+    """The error for words that the parser does not know, with what was probably meant."""
+    from mpm_warp.parameters import did_you_mean  # imported here so that help appears at once
 
     first, *_ = words
     problem = f"unrecognized arguments: {' '.join(words)}"
     if first.startswith("-"):
         return problem + did_you_mean(first.partition("=")[0], options_of(command))
     if "=" in first and "--set" in options_of(command):
-        return f"{problem}; a parameter is changed by --set {first}"
-    return f"{problem}; what has blanks in it needs quotes"
+        return f"{problem}; change a parameter by --set {first}"
+    return f"{problem}; put quotes around a value with blanks"
 
 
 def _unknown_command(arguments: Sequence[str]) -> str | None:
     if not arguments or arguments[0].startswith("-") or arguments[0] in HELP:
         return None
-    from harness.study.files import study_names
-    from mpm_warp.parameters import did_you_mean  # help is at once, without it
+    from harness.study.files import study_names  # imported here so that help appears at once
+    from mpm_warp.parameters import did_you_mean
 
     word = arguments[0]
     shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."
     if word.endswith(".toml") or word in study_names():
-        return f"{shown}: is no command, but a study: run it by `harness run {shown}`"
+        return f"{shown}: is a study, not a command; `harness run {shown}` runs it"
     if word.endswith(".nc"):
-        return f"{shown}: is no command, but a result: show it by `harness compare {shown}`"
+        return f"{shown}: is a result, not a command; `harness compare {shown}` shows it"
     near = did_you_mean(word, HELP)
-    return f"{shown}: is no command{near or '; `harness --help` lists them'}"
+    return f"{shown}: is not a command{near or '; `harness --help` lists them'}"
 
 
 def _missing_quotes(arguments: Sequence[str]) -> str | None:
-    """Where a shell has cut the value of a setting in pieces, or has eaten its quotes."""
+    """The error for a --set value that the shell has split at a blank; None if there is none."""
     for place, argument in enumerate(arguments):
         if argument == "--set" and place + 1 < len(arguments):
             start, pieces = "--set ", arguments[place + 1 :]
@@ -227,14 +234,14 @@ def _missing_quotes(arguments: Sequence[str]) -> str | None:
             if _open_brackets(whole) == 0:
                 key, _, value = whole.removeprefix("--set=").partition("=")
                 return (
-                    f"{start}{pieces[0]}: the shell has cut the value at a blank; "
+                    f"{start}{pieces[0]}: the shell has split the value at a blank; "
                     f"put quotes around it: --set '{key}={value}'"
                 )
-        return f"{start}{pieces[0]}: a bracket is opened and not closed"
+        return f"{start}{pieces[0]}: a bracket is not closed"
     return None
 
 
 def _open_brackets(text: str) -> int:
-    """Brackets that are opened and not closed, those in texts left aside."""
+    """Number of opening less closing brackets, without those in quoted texts."""
     bare = re.sub(r'"[^"]*"', "", text)
     return len(re.findall(r"[\[{]", bare)) - len(re.findall(r"[\]}]", bare))

@@ -1,4 +1,7 @@
-"""The process of a command: how it ends, and its standard streams, on which no file has power."""
+"""The process of a command: exit codes, signals, and safe standard streams.
+
+No text from a file can control the terminal through these streams.
+"""
 
 import io
 import os
@@ -21,7 +24,7 @@ DEFECT = 70
 
 
 class Terminated(KeyboardInterrupt):
-    """The signal of this number, SIGTERM or SIGHUP, has come; it ends a run as Ctrl-C does."""
+    """SIGTERM or SIGHUP was received; it ends a run as Ctrl-C does."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -29,9 +32,9 @@ class Terminated(KeyboardInterrupt):
 
 
 def end_at_sigterm() -> None:
-    """From now on SIGTERM, and SIGHUP of a closed terminal, end the command as Ctrl-C does.
+    """Let SIGTERM, and SIGHUP of a closed terminal, end the command as Ctrl-C does.
 
-    Where SIGHUP is ignored, as under `nohup`, it still is.
+    If SIGHUP is ignored, as under `nohup`, it stays ignored.
     """
     signal.signal(signal.SIGTERM, _raise_terminated)
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
@@ -42,15 +45,16 @@ def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
     raise Terminated(number)
 
 
-OURS = CODES | {"\n": "\n", "\t": "\t"}
-"""What controls a terminal and is the harness's own: colours, ends of lines, tabs."""
-_OURS = re.compile("(" + "|".join(map(re.escape, OURS)) + ")")
+CONTROLS = CODES | {"\n": "\n", "\t": "\t"}
+"""What the harness itself may send to control the terminal: colours, line ends, tabs."""
+_CONTROLS = re.compile("(" + "|".join(map(re.escape, CONTROLS)) + ")")
 
 
 def complete_streams() -> None:
-    """Let standard streams that the process was started without, as by ``2>&-``, go nowhere."""
+    """Connect standard streams that are closed, as by ``2>&-``, to the null device."""
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
-        # The first three numbers are theirs, here and in workers: no other file may have one.
+        # Descriptors 0 to 2 belong to the standard streams, here and in workers. No other file may
+        # get one of them.
         os.set_inheritable(number, True)
     os.close(number)
     for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
@@ -59,19 +63,19 @@ def complete_streams() -> None:
 
 
 def send_nowhere(stream: TextIO) -> None:
-    """Let what is still to be written to a stream go nowhere, and be no error when it is closed."""
+    """Send further output of a stream to the null device, so that closing it raises no error."""
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, stream.fileno())
     os.close(null)
 
 
 def safe_output() -> AbstractContextManager[None]:
-    """Inside the ``with``, standard output is safe, and is written out at its end."""
+    """Make standard output safe inside a ``with``; it is flushed at the end."""
     return _safe(redirect_stdout, sys.stdout, is_output=True)
 
 
 def safe_remarks() -> AbstractContextManager[None]:
-    """Inside the ``with``, what standard error cannot take is lost."""
+    """Make standard error safe inside a ``with``; what cannot be written is dropped."""
     return _safe(redirect_stderr, sys.stderr, is_output=False)
 
 
@@ -80,7 +84,7 @@ def _safe(
     redirected: Callable[[Any], AbstractContextManager[Any]], stream: TextIO, *, is_output: bool
 ) -> Iterator[None]:
     if isinstance(stream, io.TextIOWrapper):
-        # A terminal that does not know a letter is shown its escape.
+        # Letters that the terminal's encoding lacks are written as escapes.
         stream.reconfigure(errors="backslashreplace")
     safe = _Stream(stream, is_output=is_output)
     with redirected(safe):
@@ -91,10 +95,10 @@ def _safe(
 
 
 class _Stream:
-    """A stream before another one: what cannot be written there goes nowhere from then on.
+    """A wrapper of a standard stream. After an error of writing, further output is dropped.
 
-    Standard output has lines of printable characters, whose loss ends the command; without remarks
-    on standard error it goes on.
+    Standard output gets only printable characters, and an error of writing ends the command. An
+    error on standard error does not.
     """
 
     def __init__(self, stream: TextIO, *, is_output: bool) -> None:
@@ -106,7 +110,8 @@ class _Stream:
 
     def write(self, text: str) -> int:
         if self.is_output:
-            text = "".join(OURS.get(piece) or printable(piece) for piece in _OURS.split(text))
+            pieces = _CONTROLS.split(text)
+            text = "".join(CONTROLS.get(piece) or printable(piece) for piece in pieces)
         self._done(self.stream.write, text)
         return len(text)
 

@@ -1,4 +1,4 @@
-"""What [compare] of a study sets beside its result: references, experience, tolerances."""
+"""Setting references, experience and tolerances of [compare] beside a result."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -27,14 +27,15 @@ from mpm_warp.parameters import did_you_mean
 
 
 class NothingToCompareError(HarnessError):
-    """The dataset lacks what a comparison needs; whatever compares results may raise it."""
+    """The dataset lacks what a comparison needs."""
 
 
 def conditions_of(dataset: xr.Dataset) -> Conditions:
-    """What the literature's formulas depend on, out of the parameters stored in `dataset`.
+    """The quantities that formulas of the literature depend on, from the parameters of a result.
 
-    What a scene has no parameter of is absent. A shaft adhesion that is not a number is the face's.
-    Friction may make a cone rougher than its parameters say: what was built counts.
+    A quantity without a parameter in the scene is taken as absent, such as friction 0. If the shaft
+    has no adhesion of its own it has that of the face. Values as built are used where they differ
+    from the parameters, because friction may make a cone rougher.
     """
     for name in NEEDED:
         if name not in dataset:
@@ -62,12 +63,12 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
 
 
 def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:
-    """Set cone factors of the literature, or of the study's own, beside the computed ones.
+    """Add cone factors of references to a result.
 
     Returns:
         The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
-        each id, over the dims of `cone_factor`. Values of those that ship are given outside their
-        range too; the attribute `validity` gives that range.
+        each id, over the dims of `cone_factor`. References that ship are also evaluated outside
+        their range, which the attribute `validity` states.
     """
     if not references:
         return dataset
@@ -75,7 +76,7 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
     told = ("source", "formula", "criterion", "method", "how_known", "validity")
     added = {}
     for reference in references:
-        # Values alone: arithmetic would hand on the attributes of a parameter.
+        # Plain values, because arithmetic on arrays would pass on the attributes of a parameter.
         value = xr.DataArray(reference.evaluate(conditions)).broadcast_like(computed)
         values = value.transpose(*computed.dims).values
         known = {"units": "1", **{name: getattr(reference, name) for name in told}}
@@ -94,7 +95,7 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
 
 
 def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
-    """The references that :func:`with_references` has set into `dataset`."""
+    """The references that :func:`with_references` has added to `dataset`."""
     return tuple(_stored(dataset, name) for name in with_role(dataset, Role.REFERENCE))
 
 
@@ -106,7 +107,7 @@ def _stored(dataset: xr.Dataset, name: str) -> ConeFactor:
 
 
 def where_it_applies(dataset: xr.Dataset, reference_id: str) -> Quantity:
-    """Whether a reference that is stored in `dataset` applies to each of its cases."""
+    """Whether a reference stored in `dataset` is valid for each of its cases."""
     reference = _stored(dataset, f"{Role.REFERENCE}_{reference_id}")
     return reference.applies(conditions_of(dataset))
 
@@ -114,8 +115,8 @@ def where_it_applies(dataset: xr.Dataset, reference_id: str) -> Quantity:
 def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     """Shear part of the cone factor by statics: adhesion factor / tan(half the apex angle).
 
-    Exact where the whole face slips and adhesion alone resists; not a number where there is
-    friction beside it, or where the strength of the clay, and its adhesion with it, changes.
+    It is exact if the whole face slips and only adhesion resists. It is NaN with friction, and in
+    clay whose strength, and so its adhesion, changes.
     """
     conditions = conditions_of(dataset)
     exact = conditions.face_adhesion / np.tan(np.radians(conditions.apex_angle) / 2)
@@ -132,11 +133,11 @@ def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
 
 
 BOUND = "bound"
-"""The dim of the two ends of a band."""
+"""Dim over the lower and the upper end of a band."""
 
 
 def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset:
-    """Set bands of experience beside a result: `experience_<id>`, least and greatest by `bound`."""
+    """Add bands of experience to a result: `experience_<id>`, least and greatest over `bound`."""
     if not entry_ids:
         return dataset
     bands = {}
@@ -159,32 +160,32 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
 
 
 def stored_experience(dataset: xr.Dataset) -> tuple[Experience, ...]:
-    """The bands that :func:`with_experience` has set into `dataset`."""
+    """The bands that :func:`with_experience` has added to `dataset`."""
     names = with_role(dataset, Role.EXPERIENCE)
     return tuple(experience_entry(name.removeprefix(f"{Role.EXPERIENCE}_")) for name in names)
 
 
 def experience_notes(dataset: xr.Dataset) -> list[str]:
-    """The bands that a result is set beside, in one line; none where there are none."""
+    """One line on the bands beside a result; an empty list if it has none."""
     entries = stored_experience(dataset)
     if not entries:
         return []
     bands = ", ".join(f"{entry.id} {entry.band}" for entry in entries)
     strengths = " or ".join(dict.fromkeys(entry.strength for entry in entries))
-    return [f"experience, bands and no references: {bands}; su: {strengths}"]
+    return [f"experience (bands measured in the field): {bands}; su: {strengths}"]
 
 
 def with_tolerances(dataset: xr.Dataset, tolerances: Mapping[str, float]) -> xr.Dataset:
-    """The dataset with its study's tolerances, so that its file alone can be checked."""
+    """Add the tolerances of the study to its result, so that the file can be checked by itself."""
     return dataset.assign_attrs({TOLERANCES: json.dumps(dict(tolerances))} if tolerances else {})
 
 
 def misses(dataset: xr.Dataset) -> dict[str, list[str]]:
-    """What the tolerances that are stored in `dataset` do not allow: lines, by tolerance missed.
+    """The tolerances that a result misses, each with a line per case.
 
-    The tolerance of a reference bounds the size of the deviation from it, in the cases that it
-    applies to; that of a result bounds its size, in the scenes that have it. What is not a number,
-    or nowhere to be found, is missed too: a check that was not made is not passed.
+    The tolerance of a reference limits the absolute deviation from it, in the cases for which it is
+    valid. The tolerance of a variable limits its absolute value, in the scenes that have it. A
+    value that is NaN or missing also misses its tolerance, because it could not be checked.
     """
     tolerances: dict[str, float] = json.loads(dataset.attrs.get(TOLERANCES, "{}"))
     found = {name: _misses_of(dataset, name, limit) for name, limit in tolerances.items()}
@@ -202,9 +203,9 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
     else:
         return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
     size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
-    size = size.where(dataset["status"] == COMPLETED)  # a curve may be there that was cut short
+    size = size.where(dataset["status"] == COMPLETED)  # other cases may have incomplete curves
     sizes, held = over_cases(dataset, size), over_cases(dataset, applies)
-    # Of several scenes one does not have it whose cases completed without it, a number or not.
+    # In a study of several scenes, leave out a scene whose completed cases lack the variable.
     scenes, done = np.array(scenes_of(dataset)), over_cases(dataset, "status") == COMPLETED
     having = given.attrs.get(GIVEN_BY, " ".join(scenes)).split()
     held = held & ~np.isin(scenes, [*({*scenes[done]} - {*having})])

@@ -1,6 +1,6 @@
-"""What results cost: the cheapest settings that reach an error, and what a step costs, as tables.
+"""Costs: the cheapest settings for an error (`recommend`), and tables of speed (`bench`).
 
-The settings are among results at hand; the tables, in Markdown, are of the scene `step_cost`.
+Settings are looked up in stored results. The tables are Markdown, of results of `step_cost`.
 """
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -32,18 +32,18 @@ from mpm_warp.parameters import Parameter, Value, parameters_of
 from mpm_warp.scenes import scene_class
 
 DERIVED = "derived"
-"""Value of a parameter of the method that the scene works out itself."""
+"""Shown for a parameter of the method that the scene derives itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recommendation:
-    """Settings of a scene, and what they were measured to cost and to be worth."""
+    """Settings of the method, with their measured time and error."""
 
-    settings: dict[str, Value]  # of the method that differ between cases, or are not as by default
-    run_time: float  # longest wall-clock time of the time loop, over all cases with them [s]
-    error: float  # greatest of these cases, see `credited_error`
-    case_count: int  # of those whose error is known, or that did not complete
-    file: Path  # the result that they are from
+    settings: dict[str, Value]  # those that vary between cases or differ from the default
+    run_time: float  # longest wall-clock time of the time loop among cases with them [s]
+    error: float  # largest relative error among these cases; see `credited_error`
+    case_count: int  # cases with a known error, or that did not complete
+    file: Path  # the result that they come from
 
     def __str__(self) -> str:
         text = ", ".join(f"{name} = {value}" for name, value in self.settings.items())
@@ -54,10 +54,18 @@ class Recommendation:
 
 
 def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
-    """The cheapest settings whose error is at most `largest_error` in every case that has them.
+    """The cheapest settings whose error is small enough in every case with them.
 
-    A file that is no study, not of the scene, or without errors is passed over; a `HarnessError`
-    says that none has errors, and whether any is there. The error is dimensionless.
+    Args:
+        scene: name of the scene.
+        largest_error: largest allowed relative error.
+        files: results to search; those of other scenes or without errors are ignored.
+
+    Returns:
+        The settings, or None if none are good enough.
+
+    Raises:
+        HarnessError: no result of the scene has errors, or a file is damaged.
     """
     known = scene_class(scene)
     method = {name: parameters_of(known)[name] for name in method_of(known)}
@@ -71,14 +79,14 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
 
 
 def results_in(folder: Path) -> list[Path]:
-    """The files of a folder that may be results, sorted."""
+    """The netCDF files of a folder, sorted."""
     if not folder.is_dir():
         raise HarnessError(f"--results {folder}: no such folder")
     return sorted(folder.glob("*.nc"))
 
 
 def _has(file: Path, scene: str) -> bool:
-    """Whether a file is a result of the scene, or cannot be read, which is reported later."""
+    """Whether a file is a result of the scene; true if unreadable, to be reported when read."""
     try:
         attributes = read_attributes(file)
     except ArchiveError:
@@ -87,7 +95,7 @@ def _has(file: Path, scene: str) -> bool:
 
 
 def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
-    """The cases of one scene of several; what does not vary among them has one value."""
+    """The cases of one scene; coordinates that do not vary among them become scalars."""
     if "scene" not in dataset.coords:
         return dataset
     cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
@@ -105,16 +113,16 @@ def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:
 
 def _why_nothing(method: Collection[str], results: Collection[xr.Dataset]) -> str:
     if not method:
-        return "has no errors: neither an exact solution nor parameters of the method"
+        return "its error is unknown: it has neither an exact solution nor parameters of the method"
     if not results or any(_varied(method, dataset) for dataset in results):
-        return "no result with errors is at hand; run a study of it first"
-    return f"no result at hand has errors, for none varies the method: {', '.join(method)}"
+        return "no stored result has errors; run a study of it first"
+    return f"no stored result has errors, because none varies the method: {', '.join(method)}"
 
 
 def _measured(
     method: Mapping[str, Parameter], dataset: xr.Dataset, file: Path
 ) -> list[Recommendation]:
-    """What each combination of settings of the method cost and was worth."""
+    """Time and error of each combination of settings in a result."""
     if error_name(dataset) is None or "run_time" not in dataset:
         return []
     error = credited_error(dataset)
@@ -128,7 +136,7 @@ def _measured(
     varied, found = _varied(method, dataset), []
     for values, cases in alike(dataset, varied).items():
         errors = error[cases]
-        # The reference has no error of its own, and nothing is known of its settings by it.
+        # The case that the errors refer to has no error, so it says nothing about its settings.
         judged = np.isfinite(errors) | ~done[cases]
         if judged.any():
             worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
@@ -146,12 +154,12 @@ def _measured(
 
 
 def _setting(value: Any, definition: Parameter) -> Value:
-    """A value of a parameter in its own type, as a file of several scenes does not keep it."""
+    """A value in the type of its parameter, which a file of several scenes does not keep."""
     return definition.kind(value) if is_there(value) else DERIVED
 
 
 SMALL = 0.01
-"""Share of a step below which its stages are put together."""
+"""Stages with a smaller share of the step are listed together as "all others"."""
 
 
 RATES = ("update_rate", "update_rate_lowest", "update_rate_highest")
@@ -160,13 +168,13 @@ TABLES: Mapping[str, tuple[str, Sequence[str], float]] = {
     "times as fast as one thread": ("{:.2f}", ["thread_gain"], 1.0),
     "arrays, bytes a point": ("{:.0f}", ["array_bytes"], 1.0),
 }
-"""Titles of the tables; how results of a case stand there, which, and their unit."""
+"""Tables by title: format of a cell, results in it, and the number they are divided by."""
 
 
 def bench_rows(dataset: xr.Dataset) -> list[str]:
-    """Tables of speed, of the gain by threads and of memory, a column a size.
+    """Tables of speed, gain by threads and memory, with a column for each number of points.
 
-    Below stand the stages of a step, with their times, of the largest case of the most physics.
+    A table of the stages of a step follows, for the largest case among those with most stages.
     """
     if dataset.attrs["scene"] != "step_cost":
         raise HarnessError(f"{dataset.attrs['study']}: is not a study of the scene step_cost")
@@ -180,7 +188,7 @@ def bench_rows(dataset: xr.Dataset) -> list[str]:
 
 
 def _by_size(title: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> list[str]:
-    """A table with a column for each size and a row for whatever else varies; none of no case."""
+    """A table with a column for each size and a row for each combination of other parameters."""
     text, names, unit = TABLES[title]
     table: dict[str, dict[int, str]] = {}
     for case in cases:

@@ -1,13 +1,14 @@
-"""Results beside each other: two files case by case, or bit by bit; cases of one as ratios, slopes.
+"""Comparing results: two files case by case or bit by bit; cases of one file as ratios and slopes.
 
-The half width of a headline holds parts of two kinds. Noise and what is still to come are of each
-case alone. What is left open of the laws of mesh, speed and window would be common to two cases if
-the laws were off alike everywhere; it would then cancel in a difference. In part they are: of the
-24 random cases of `studies/held_out_default.csv` the errors have a mean of 0.009 and a standard
+The uncertainty of a difference. The half width of a headline has two kinds of parts. Noise and
+steadiness differ from case to case. The remaining errors of the laws of mesh, speed and window may
+be similar in two cases, and would then partly cancel in a difference. They are, to some degree: the
+errors of the 24 random cases of `studies/held_out_default.csv` have a mean of 0.009 and a standard
 deviation of 0.015, so that two of them have a correlation of 0.22.
-What is common is not known case by case. Parts are therefore added as squares, which is too much
-rather than too little wherever errors of two cases have the same sign. Of the 276 differences of
-these cases and as many ratios all are within it and that of the fine ones.
+
+The common part of an error is not known case by case. So half widths are combined as the root of
+the sum of squares, which is too large rather than too small if two errors have the same sign. All
+276 differences of these cases, and as many ratios, agree with those of the fine runs within it.
 """
 
 import itertools
@@ -52,30 +53,26 @@ Identity = tuple[str, frozenset[tuple[str, object]]]
 
 @dataclass(frozen=True)
 class Difference:
-    """The largest relative difference of one result over the cases of two datasets, and its case.
-
-    The size is over the first's value; infinite where only one has a number.
-    """
+    """The largest relative difference of one variable between two results."""
 
     name: str
-    size: float
-    label: str
+    size: float  # relative to the first; infinite where only one of them has a number
+    label: str  # the case with this difference
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference], list[str]]:
-    """Set two results side by side, case by case of the same parameters.
+    """Compare two results, case by case with the same parameters.
 
-    Parameters are the same after the scene has filled in what a result does not have: a default
-    for a parameter that was added later, and what the scene derives from the others. A parameter
-    that the scene no longer has counts where both results have it, or where it varies.
+    Before parameters are compared, the scene fills in what a result lacks: defaults of parameters
+    that were added later, and derived ones. A parameter that the scene no longer has is compared
+    if both results have it, or if it varies.
 
     Returns:
-        The largest difference of each scalar result, times and memory left aside where they are
-        not what the scene is run for; and the cases that only one of them has or has completed, a
-        line each.
+        The largest difference of each scalar result, without measured times and memory; and a line
+        for each case that only one result has or has completed.
 
     Raises:
-        NothingToCompareError: they have no case in common, or nothing there that can be compared.
+        NothingToCompareError: they have no case in common, or no scalar result.
     """
     shared = parameter_names(first).keys() & parameter_names(second).keys()
     ours, theirs = _identities(first, shared), _identities(second, shared)
@@ -107,17 +104,17 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
 
 
 def unshared(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """The parameters that only one of two results has, a line for each that has some."""
+    """A line for each of two results that has parameters which the other lacks."""
     ours, theirs = parameter_names(first).keys(), parameter_names(second).keys()
     return [
-        f"only the {which} has {', '.join(sorted(names))}: compared where at the default"
+        f"only the {which} has {', '.join(sorted(names))}; for the other the default is assumed"
         for which, names in (("first", ours - theirs), ("second", theirs - ours))
         if names
     ]
 
 
 def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
-    """A line a result, the largest difference and where it is."""
+    """A line per variable: largest difference, whether it is within the tolerance, and its case."""
     width = max((len(entry.name) for entry in found), default=0)
     rows = []
     for row in found:
@@ -127,10 +124,9 @@ def difference_rows(found: Sequence[Difference], tolerance: float) -> list[str]:
 
 
 def differing(one: xr.Dataset, other: xr.Dataset, *, measures_machine: bool = False) -> list[str]:
-    """Names of the variables of two results of a case that are not the same to the last bit.
+    """Names of the variables in which two results of a case differ by at least one bit.
 
-    Left aside are parameters, measurements, and what tells where and when a case was computed; what
-    the scene is run for as well, where it measures the machine.
+    Parameters, measurements and provenance are ignored; with `measures_machine` the headline too.
     """
     roles = [Role.MEASURED, Role.PARAMETER, *([Role.HEADLINE] if measures_machine else [])]
     aside = {*OF_CASE, *with_role(one, *roles), *with_role(other, *roles)}
@@ -169,7 +165,7 @@ def _scalar_results(dataset: xr.Dataset) -> set[str]:
 
 
 def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity, int]:
-    """The place of each case, by its scene and all its parameters."""
+    """The index of each case, by its scene and all its parameters."""
     names = parameter_names(dataset)
     columns = [over_cases(dataset, stored).tolist() for stored in names.values()]
     of_cases = scenes_of(dataset)
@@ -187,7 +183,7 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
             for key, definition in parameters_of(scene).items()
             if key in given
         }
-        # What is left are parameters that the scene no longer has.
+        # The rest are parameters that the scene no longer has.
         others = {
             key: value for key, value in given.items() if key in shared or dataset[names[key]].ndim
         }
@@ -197,24 +193,24 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
 
 
 PARTS = ("stretch_number", "stretch_count", "to_depth", "from_depth")
-"""Parameters that name a part of one sounding."""
+"""Parameters that choose a part of one sounding."""
 Known = tuple[float, float]
-"""A value and its half width of 95 %, not a number where none is known."""
+"""A value and its half width of 95 %; NaN where none is known."""
 
 
 def difference(first: Known, second: Known) -> Known:
-    """The first less the second."""
+    """`first` minus `second`."""
     return first[0] - second[0], math.hypot(first[1], second[1])
 
 
 def ratio(first: Known, second: Known) -> Known:
-    """The first over the second, which is not 0."""
+    """`first` divided by `second`, which must not be 0."""
     value = first[0] / second[0]
     return value, abs(value) * math.hypot(first[1] / first[0], second[1] / second[0])
 
 
 def slope(places: np.ndarray, values: np.ndarray) -> Known:
-    """Of the line by least squares through values with half widths, [n, 2], at places [n]."""
+    """Slope of the least-squares line through `values`, [n, 2] with half widths, at `places`."""
     number, half_width = values.T
     beside = places - places.mean()
     weights = beside / (beside @ beside)
@@ -222,15 +218,16 @@ def slope(places: np.ndarray, values: np.ndarray) -> Known:
 
 
 def ratio_notes(dataset: xr.Dataset) -> list[str]:
-    """Each ratio of two scenes in one soil, with its half width; none of one scene.
+    """A line for each ratio of two scenes in the same soil, with its half width.
 
-    It is of results of one unit: errors of two scenes have no ratio that says anything.
+    Only results of the same unit are compared, and no errors.
     """
     values, reasons, units = _headlines(dataset), reasons_of(dataset), _units_of_results(dataset)
     scenes, stored, within = scenes_of(dataset), parameter_names(dataset), varied_within(dataset)
     known = [scene_class(scene) for scene in {*scenes} & {*scene_names()}]
     method = {stored.get(name, name) for scene in known for name in scene.method}
-    # What only some of the scenes have tells no soils apart, nor does a mesh that each has its own.
+    # Soils are distinguished neither by parameters that some scenes lack, nor by the mesh if each
+    # scene has its own.
     columns = {
         name: column
         for name in varied_names(dataset)
@@ -255,9 +252,9 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
 
 
 def change_notes(dataset: xr.Dataset) -> list[str]:
-    """What changes from the least to the greatest of the only varied number, and the slope.
+    """A line on the effect of the only varied parameter: difference, ratio and slope.
 
-    Nothing of a parameter of the method, whose cases share their errors, and of the parts of a
+    None for a parameter of the method, because its cases share their errors; none for parts of a
     sounding.
     """
     names, values = varied_names(dataset), np.array(_headlines(dataset))
@@ -277,7 +274,7 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
 
 
 def _units_of_results(dataset: xr.Dataset) -> list[str | None]:
-    """The unit of the headline of each case; None where it has none, or an error alone."""
+    """The unit of the headline of each case; None if it has none, or if it is an error."""
     units: list[str | None] = [None] * dataset["status"].size
     for name in headlines_of(dataset):
         if name != ERROR:

@@ -1,4 +1,4 @@
-"""The error of each case against the best known one, where no exact solution is known."""
+"""Errors without an exact solution: the difference of each case from the most accurate one."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -20,29 +20,29 @@ from harness.compare.compared import NothingToCompareError
 from harness.study.compared import ERROR, ERROR_FINEST
 
 FLOOR = "error_floor"
-"""Uncertainty of the reference: an error below it cannot be distinguished from 0."""
+"""Relative uncertainty of the reference; an error below it cannot be distinguished from 0."""
 
 
 def error_name(dataset: xr.Dataset) -> str | None:
-    """The error that a result holds, the exact one first; None where it holds neither."""
+    """Name of the error in a result, preferably that against an exact solution; None without."""
     return next((name for name in (ERROR, ERROR_FINEST) if name in dataset), None)
 
 
 def states_its_error(dataset: xr.Dataset) -> np.ndarray:
-    """Whether each case states its own error; yes where no case of a result does.
+    """Whether each case states its own uncertainty; all true if no case of the result does.
 
-    A case that does not may come near the reference by luck, where two errors cancel each other.
+    A case that does not may be near the reference by chance, because two errors cancel.
     """
     known: np.ndarray = np.isfinite(uncertainty_of(dataset))
     return known if known.any() else np.ones_like(known)
 
 
 def credited_error(dataset: xr.Dataset) -> np.ndarray:
-    """The error that counts for the settings of each case, dimensionless, shape [case].
+    """The relative error by which the settings of each case are judged, shape [case].
 
-    That is the greatest of the error measured, the uncertainty of the reference, and the half width
-    that the case itself states over its headline: where two errors cancel each other, the measured
-    one is small in this soil alone. Not a number where nothing is known of it.
+    It is the greatest of three: the measured error, the uncertainty of the reference, and the
+    stated half width over the headline. The last is included because a measured error may be small
+    in this soil only, where two errors cancel. NaN where no error is known.
     """
     measured = over_cases(dataset, str(error_name(dataset))).astype(float)
     floor = over_cases(dataset, FLOOR).astype(float)
@@ -57,13 +57,21 @@ def credited_error(dataset: xr.Dataset) -> np.ndarray:
 def with_finest_error(
     dataset: xr.Dataset, method: Sequence[str], reference: xr.Dataset | None = None
 ) -> xr.Dataset:
-    """Add the error of each case against the best known one, where no exact error is known.
+    """Add the difference of each case from the most accurate one, unless exact errors are known.
 
-    Cases of the one scene are alike that differ only in parameters of the method. The best known
-    one among them is that of the reference, if one is given, or else the one with the smallest
-    stated uncertainty, or where none states any the costliest, by particle updates; it has itself
-    no error. Its relative uncertainty is the floor, below which no error says anything. A case
-    whose headline has not settled has no error and is not the best known one.
+    Only cases that differ in nothing but parameters of the method are compared. The most accurate
+    of them is, in this order: the case of the reference, if one is given; the case with the
+    smallest stated uncertainty; the case with most particle updates. It has no error itself. Its
+    relative uncertainty becomes `error_floor`, below which an error means nothing. A case whose
+    headline has not settled gets no error and is never the most accurate one.
+
+    Args:
+        dataset: the result of a study of one scene.
+        method: names of the parameters of the method.
+        reference: the result of a reference study.
+
+    Raises:
+        NothingToCompareError: no case corresponds to one of the reference.
     """
     headlines = with_role(dataset, Role.HEADLINE)
     if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
@@ -72,7 +80,7 @@ def with_finest_error(
     given = {} if reference is None else _best_known(reference, method)
     groups = _alike(dataset, method)
     if given and not given.keys() & groups.keys():
-        raise NothingToCompareError("no case differs from one of it in the method alone")
+        raise NothingToCompareError("none of its cases has the soil and cone of a case here")
     best = _best_known(dataset, method)
     error, floor = np.full(values.shape, np.nan), np.full(values.shape, np.nan)
     for soil in groups.keys() & {*given, *best}:
@@ -83,15 +91,15 @@ def with_finest_error(
         error[others] = np.abs(values[others] / known.value - 1.0)
         floor[others] = known.half_width / known.value
     told = (
-        "relative difference from the case that is known best, or else the one with "
-        "most particle updates, among those that differ in the method alone; that one has none"
+        "relative difference from the most accurate of the cases that differ only in the method: "
+        "that with the smallest U, or else with most particle updates, which has no error itself"
         if reference is None
         else f"relative difference from the result of the study {reference.attrs['study']}"
     )
     of_error = {"long_name": f"error of the {spoken(headlines[0])}", "description": told}
     of_floor = {
         "long_name": "relative uncertainty of the reference of the error",
-        "description": "below it an error says nothing",
+        "description": "an error below it cannot be distinguished from 0",
     }
     status = dataset["status"]
     added = {
@@ -106,7 +114,7 @@ def with_finest_error(
 
 
 class _Known(NamedTuple):
-    """The case that is known best among those alike."""
+    """The most accurate case of a group, and its headline."""
 
     case: int
     value: float
@@ -114,7 +122,7 @@ class _Known(NamedTuple):
 
 
 def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object, ...], _Known]:
-    """The best known case of each group of sound cases that are alike."""
+    """The most accurate case of each group of cases that differ only in the method."""
     values, half_width, sound = _what_is_known(dataset)
     cost = over_cases(dataset, "particle_updates")
     best = {}
@@ -130,7 +138,7 @@ def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object
 
 
 def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Headline and half width of each case, and whether it is there and has settled."""
+    """Headline and half width of each case, and whether the headline is finite and has settled."""
     values = over_cases(dataset, with_role(dataset, Role.HEADLINE)[0])
     settled = over_cases(dataset, next(iter(with_role(dataset, Role.SETTLED)), 1.0)) != 0.0
     return values, uncertainty_of(dataset), np.isfinite(values) & settled

@@ -1,16 +1,16 @@
-"""The error of a mesh by least squares over several, as Eca and Hoekstra (2014) estimate it.
+"""The error of the mesh by least squares over several meshes, after Eca and Hoekstra (2014).
 
 A value on meshes of cells h is fitted by
 
     value = limit + a h^p
 
-with the weights 1/h and without, and the fit of less scatter s is kept whose order p is 0.5 to 2.
-Where none is, p is set to 1 or 2, and for p below 0.5 a h + b h^2 is tried too. With d the range of
-the values over their number less 1, e = |fit - limit|, r = |value - fit|, of a mesh, its half width
-of 95 % is
+with weights 1/h and without weights. Of the fits with an order p of 0.5 to 2 the one with the
+smaller scatter s is kept. If there is none, fits with p = 1 and p = 2 are tried, and if p is below
+0.5 also limit + a h + b h^2. Let d be the range of the values divided by their number less 1,
+e = |fit - limit| and r = |value - fit|. Then the half width of 95 % of a mesh is
 
-    F e + s + r                where s < d, F = 1.25 for an order of 0.5 to 2, else 3
-    3 s / d (e + s + r)        elsewhere
+    F e + s + r                if s < d; F = 1.25 for an order of 0.5 to 2, else 3
+    3 s / d (e + s + r)        otherwise
 
 Source: L. Eca, M. Hoekstra, J. Comput. Phys. 262 (2014) 104-130.
 """
@@ -34,29 +34,29 @@ from harness.compare.result_table import (
 from mpm_warp.uncertainty.laws import CURVATURE_POWER
 
 ORDERS = np.linspace(0.05, 8.0, 1591)
-"""Among which the order of a fit is sought; steps of 0.005."""
+"""Candidate orders of a fit, in steps of 0.005."""
 LEAST, GREATEST = 0.5, 2.0
-"""Orders that are taken as they are fitted."""
+"""Range of fitted orders that are accepted."""
 FEWEST = 4
 """Meshes that a fit needs."""
 SIMULATED, CORRECTED = "cone_factor_simulated", "cone_factor"
-"""What is fitted, and what stands beside it."""
+"""The result that is fitted, and the one shown beside it."""
 TRUSTED, DOUBTED = 1.25, 3.0
-"""F of an order that is taken as it is fitted, and of others."""
+"""Safety factor F with an accepted order, and without."""
 
 
 @dataclass(frozen=True)
 class Fit:
     """A fit of values over meshes."""
 
-    order: float  # fitted, the mean of both weights where it was not taken
-    is_taken: bool  # whether the order is within `LEAST` to `GREATEST`
-    limit: float  # the value with cells of no width
+    order: float  # the accepted order, or the mean of both fitted orders if none was accepted
+    is_taken: bool  # whether an order from `LEAST` to `GREATEST` was accepted
+    limit: float  # the value for h = 0
     half_widths: np.ndarray  # of each value, 95 %, shape [n]
 
 
 def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
-    """The fit of values on meshes whose cells are h = `sizes`, four at least, all > 0."""
+    """Fit values on at least four meshes with cells of width h = `sizes` > 0."""
     size, value = np.array(sizes), np.array(values)
     weights = [np.ones(size.size), size.size / size / (1.0 / size).sum()]
     free = [
@@ -88,7 +88,7 @@ def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
 def _line(
     terms: Sequence[np.ndarray], value: np.ndarray, weight: np.ndarray, unknowns: int
 ) -> tuple[float, np.ndarray, float]:
-    """Scatter, fit and limit of a sum of terms, by weighted least squares."""
+    """Scatter, fitted values and limit of a sum of terms, by weighted least squares."""
     system = np.stack([np.ones(value.size), *terms], axis=1)
     root = np.sqrt(weight)
     found, *_ = np.linalg.lstsq(system * root[:, None], value * root, rcond=None)
@@ -98,7 +98,7 @@ def _line(
 
 
 def least_squares_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: cone factors with U by least squares, and with their own."""
+    """A text table of cone factors with U by least squares, beside their stated U."""
     names = [parameter for parameter in varied_names(dataset) if parameter != RESOLUTION]
     values = over_cases(dataset, SIMULATED).astype(float)
     sizes = 1.0 / over_cases(dataset, RESOLUTION).astype(float)
@@ -114,7 +114,8 @@ def least_squares_table(dataset: xr.Dataset) -> str:
             texts[2, cases] = f"{found.order:.1f}{'' if found.is_taken else ', not taken'}"
     if (texts == MISSING).all():
         raise NothingToCompareError(
-            f"least squares: no cone factor on {FEWEST} values of {RESOLUTION} with all else alike"
+            f"least squares: needs cone factors with {FEWEST} values of {RESOLUTION} and all else "
+            "equal"
         )
     headings = ("as simulated,_U by least squares", "its_limit", "its_order")
     columns = [
@@ -123,9 +124,10 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         half_width_column(dataset, CORRECTED, "cone factor,_its own U"),
     ]
     notes = [
-        "least squares: Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104, of the mesh alone;",
+        "U by least squares: mesh only, by Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104;",
         f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
-        "its own U: of mesh, speed, window and noise, of the corrected value; the error of the",
-        f"mesh, B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, whose terms cancel: no power fits",
+        "its own U: of the corrected value, from mesh, speed, window and noise; the error of",
+        f"the mesh is B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, whose terms partly cancel, so",
+        "that no single power of h fits it",
     ]
     return table(columns, notes)

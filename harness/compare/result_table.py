@@ -1,4 +1,4 @@
-"""The result of a study as a table for a terminal: beside cone factors, or exact solutions."""
+"""The result of a study as a text table: beside published cone factors, or exact solutions."""
 
 from collections.abc import Iterable
 
@@ -42,18 +42,18 @@ from harness.references.cone_factors import (
 )
 
 MISSING = "-"
-"""In the place of a number that there is not."""
+"""Shown instead of a missing number."""
 MOST_CASES = 3
-"""Cases that a note names at most; more are counted."""
+"""A note lists up to so many cases; of more it gives the number."""
 RESOLUTION = "cells_per_radius"
-"""The parameter that refines the mesh: its finest two values give the discretisation's share."""
+"""The parameter that refines the mesh. A note gives the change between its two finest values."""
 BY_MODE = {
     "compression": "by su in_compression",
     "simple_shear": "by su in_simple shear",
     "extension": "by su in_extension",
     "average": "by su,_average",
 }
-"""Headings of factors by the test that su is from."""
+"""Headings of cone factors, by the test that su comes from."""
 BESIDE_FACTOR = {
     "cone_factor_simulated": ("as_simulated", "#.3g"),
     "cone_factor_normal": ("normal_part", "#.3g"),
@@ -61,18 +61,18 @@ BESIDE_FACTOR = {
     "Bq": ("_Bq", ".2f"),
     "N_ke": ("_N ke", ".2f"),
 }
-"""Results of a cone that stand beside its factor: headings, and forms of the numbers."""
+"""Results shown beside the cone factor: heading and number format."""
 PRESSURE = "pore_pressure_factor_shoulder"
-"""u2 of a cone over su, which has an uncertainty of its own."""
+"""(u2 - u0) / su of a cone; it has an uncertainty of its own."""
 Column = list[str]
-"""The lines of a column, of the same width."""
+"""The lines of a column, all of the same width."""
 
 
 def result_table(dataset: xr.Dataset) -> str:
-    """A text table for a terminal: one row a case, and how to read it below.
+    """A text table with one row per case, and notes on how to read it.
 
-    Where cone factors stand beside results of other scenes, these have a table of their own, and
-    each ratio of two scenes in one soil stands below, and what distributions of inputs make of it.
+    In a study of several scenes, scenes without a cone factor get a second table. The notes also
+    give ratios of two scenes in the same soil, and the spread due to distributions of inputs.
     """
     notes = [*ratio_notes(dataset), *change_notes(dataset), *spread_notes(dataset)]
     return "\n".join([_tables(dataset), *notes])
@@ -94,7 +94,7 @@ def _tables(dataset: xr.Dataset) -> str:
 
 
 def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
-    """Some cases of several scenes, with the variables that they have."""
+    """The chosen cases, without variables that none of them has."""
     part = dataset.isel({CASE: np.flatnonzero(chosen)})
     return part.drop_vars(
         [name for name, variable in part.data_vars.items() if variable.isnull().all()]
@@ -102,13 +102,13 @@ def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
 
 
 def table(columns: Iterable[Column], notes: Iterable[str]) -> str:
-    """A text of columns, and of notes below them."""
+    """Columns side by side, an empty line, and notes."""
     rows = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
     return "\n".join([*rows, "", *notes])
 
 
 def column(name: str, texts: Iterable[object]) -> Column:
-    """A heading, a rule, and a text for each case; the last "_" of a name parts its two lines."""
+    """A column: a heading of two lines, split at the last "_" of `name`, a rule, and the texts."""
     head, _, tail = name.rpartition("_")
     lines = [head, tail, *map(str, texts)]
     width = max(map(len, lines))
@@ -122,14 +122,14 @@ def parameter_columns(dataset: xr.Dataset) -> list[Column]:
 
 
 def half_width_column(dataset: xr.Dataset, name: str, heading: str) -> Column:
-    """A number with its half width, or why it has none; a dash where there is no number."""
+    """A column of numbers, each with its half width or with why it has none."""
     told = zip(over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset), strict=True)
     texts = [stated(it, *of) if np.isfinite(it) else MISSING for it, *of in told]
     return column(heading, texts)
 
 
 def _with_runs(dataset: xr.Dataset, columns: Iterable[Column]) -> Iterable[Column]:
-    """Columns between the parameters, and run time and status."""
+    """Add the parameters before the columns, and run time and status after them."""
     yield from parameter_columns(dataset)
     yield from columns
     if "run_time" in dataset:
@@ -150,7 +150,11 @@ def _text(value: object) -> str:
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
-    """The table of cone factors; a `NothingToCompareError` says that there are none."""
+    """The table of cone factors.
+
+    Raises:
+        NothingToCompareError: there are none.
+    """
     cone_factor_of(dataset)
     references = stored_references(dataset)
     columns = [
@@ -213,7 +217,7 @@ def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
 
 
 def _bracketed(text: str, inside: bool) -> str:
-    # A blank in the place of the bracket keeps the numbers of a column aligned.
+    # A blank instead of the bracket keeps the numbers of a column aligned.
     return f"{text} " if inside else f"[{text}]"
 
 
@@ -224,9 +228,9 @@ def _place(value: float, lower: float, upper: float) -> str:
 
 
 def reason_notes(dataset: xr.Dataset) -> list[str]:
-    """Why cases have no uncertainty: a line for each reason, with the cases that it is of.
+    """Why cases have no uncertainty: a line for each reason, with the cases it applies to.
 
-    Of u2 too, where that of the case is another.
+    Reasons of u2 follow where they differ from that of the cone factor.
     """
     of_cases, of_pressure = reasons_of(dataset), _reasons_of_pressure(dataset)
     own = [why if why != reason else "" for why, reason in zip(of_pressure, of_cases, strict=True)]
@@ -266,9 +270,9 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
-        f"cone factor: +- {HALF_WIDTH}; without it nothing is known of the error",
+        f"cone factor: +- {HALF_WIDTH}; without +- the error is not known",
         f"computed: {which_strength(dataset)}",
-        "exact shear: adhesion_factor / tan(apex_angle / 2) by statics; the shear part's deviation",
+        "exact shear: adhesion_factor / tan(apex_angle / 2); deviation of the shear part from it",
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",
         *(
@@ -280,7 +284,7 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
 
 
 def which_strength(dataset: xr.Dataset) -> str:
-    """Which su the cone factors are over."""
+    """Which strength su the cone factors are divided by, in words."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
     factors, by_test = (
         over_cases(dataset, name).astype(float) for name in (COMPARED, f"{COMPARED}_by_compression")
@@ -290,13 +294,13 @@ def which_strength(dataset: xr.Dataset) -> str:
     if not has_own.any():
         return in_shear
     if not has_own.all():
-        return f"{in_shear}; of a law with its own strengths that in the law's test, as of N_ke"
-    in_test = "that test" if ", " in named else "the test of each law"  # one test has a name
-    return f"{named}: by su in {in_test}, as N_ke; beside it by other su"
+        return f"{in_shear}; for a law with several strengths it is that of the law's main test"
+    in_test = "that test" if ", " in named else "the main test of each law"  # one has a name
+    return f"{named}: by su in {in_test}, N_ke too; other columns: by other su"
 
 
 def _exact_table(dataset: xr.Dataset) -> str:
-    """What each case was run for, its exact value, and its error."""
+    """The table of headlines, their exact values, and errors."""
     dims, error = set(dataset["status"].dims), error_name(dataset)
     one_a_case = {
         str(name) for name, variable in dataset.data_vars.items() if set(variable.dims) <= dims
@@ -335,7 +339,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:
-    """What a variable is, in its own words."""
+    """The long name, unit and description of a variable."""
     said = dataset[name].attrs
     unit = "" if said.get("units", "1") == "1" else f" [{said['units']}]"
     description = f"; {said['description']}" if "description" in said else ""

@@ -1,15 +1,16 @@
-"""The spread of a study whose parameters are distributions: what is not known, in numbers.
+"""The spread of results in a study whose parameters have distributions.
 
-The samples of such a study are a Latin hypercube of its inputs, so mean, deviation and percentiles
-are those of the samples; a case that is several of them counts as often. The numerical error of
-each, a deviation U / 1.96, is added as squares:
+The cases of such a study are a Latin hypercube sample of the inputs. So mean, standard deviation
+and percentiles are those of the cases; a case that several samples give is counted as often. The
+numerical error, with a standard deviation of U / 1.96, is added in squares:
 
     combined U = 1.96 sqrt(deviation^2 + mean of (U / 1.96)^2)
 
-The first-order share of an input is what the variance loses when that input is known (Saltelli et
-al. 2008, chapter 4). `scipy.stats.sobol_indices` takes it from a polynomial of second degree
-through the cases, in the logarithm of an input where that is the more symmetric. What this leaves
-in cases kept out, one at a time, and what only several inputs do together, is the share `together`.
+The first-order share of an input is the fraction of the variance that vanishes if that input is
+known (Saltelli et al. 2008, chapter 4). `scipy.stats.sobol_indices` computes it from a quadratic
+polynomial fitted to the cases. The logarithm of an input is used if it is more symmetric than the
+input. The share `together` is the rest: what the polynomial misses by leave-one-out
+cross-validation, and what only several inputs do together.
 """
 
 import functools
@@ -35,11 +36,11 @@ from mpm_warp.grid.fitted import Floats
 
 PERCENTILES = (5, 50, 95)
 DEVIATIONS = 1.96
-"""Half width of 95 % over a deviation."""
+"""Ratio of the half width of 95 % to the standard deviation."""
 CASES_A_TERM = 2
-"""Cases for each term of the polynomial, at least: of fewer no shares are told."""
+"""Cases needed for each term of the polynomial; with fewer no shares are given."""
 SAMPLES = 2**12
-"""Of the polynomial: its shares are known to 1 %."""
+"""Samples of the polynomial, which give its shares to 1 %."""
 NUMERICAL, TOGETHER = "numerical error", "together"
 
 
@@ -49,28 +50,28 @@ class Spread:
 
     name: str
     values: Floats  # of the samples that have one, shape [samples]
-    mean: float  # of these, as deviation and percentiles: of the inputs alone
+    mean: float  # mean, deviation and percentiles are without the numerical error
     deviation: float
-    percentiles: Floats  # `PERCENTILES`
-    numerical: float  # deviation of the numerical error, 0 where that of a case is not known
-    # of each input, of the numerical error and of what is left, in the variance with the numerical
-    # error; they add up to 1; empty where there are too few cases
+    percentiles: Floats  # at `PERCENTILES`
+    numerical: float  # standard deviation of the numerical error; 0 if that of a case is unknown
+    # shares of the inputs, the numerical error and the rest in the total variance; their sum is 1;
+    # empty if there are too few cases
     shares: Mapping[str, float]
-    needed: int  # cases that shares need
+    needed: int  # cases needed to give shares
 
     @property
     def combined(self) -> float:
-        """Half width of 95 % by inputs and numerical error, as of a normal distribution."""
+        """Half width of 95 % from inputs and numerical error, for a normal distribution."""
         return DEVIATIONS * math.hypot(self.deviation, self.numerical)
 
     @property
     def called(self) -> str:
-        """What `combined` is called: without the numerical error it is not that."""
+        """Name of `combined`, which depends on whether the numerical error is known."""
         return "combined U" if self.numerical else "U of the inputs"
 
 
 def spreads_of(dataset: xr.Dataset) -> list[Spread]:
-    """The spread of each headline of a study of one scene; none of one without distributions."""
+    """The spread of each headline in a study of one scene; empty without distributions."""
     names = varied_names(dataset) if "status" in dataset else []
     if "scene" in names or not any(DISTRIBUTION in dataset[name].attrs for name in names):
         return []
@@ -116,11 +117,11 @@ def _spread(name: str, inputs: Mapping[str, Floats], values: Floats, half_widths
 
 
 def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float]:
-    """First-order share of each input in the variance of values.
+    """First-order share of each input in the variance of `values`.
 
     Args:
-        inputs: by name, independent of each other, shape [cases].
-        values: shape [cases].
+        inputs: independent inputs by name, each of shape [cases].
+        values: results, shape [cases].
     """
     from scipy.stats import sobol_indices
 
@@ -136,7 +137,7 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     leverage = np.linalg.norm(np.linalg.qr(matrix)[0], axis=1) ** 2
     kept_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
     told = max(0.0, 1.0 - float(np.mean(kept_out**2) / values.var()))
-    if len(drawn) == 1:  # SciPy takes two inputs or more
+    if len(drawn) == 1:  # SciPy needs at least two inputs
         return dict.fromkeys(inputs, told)
     found = sobol_indices(
         func=lambda points: terms(points) @ weights,
@@ -149,7 +150,7 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
 
 
 def _straightened(values: Floats) -> Floats:
-    """An input from -1 to 1, its logarithm where that is the more symmetric."""
+    """An input, or its logarithm if that is more symmetric, scaled to -1 to 1."""
     from scipy.stats import skew
 
     if values.min() > 0.0 and abs(skew(np.log(values))) < abs(skew(values)):
@@ -160,13 +161,13 @@ def _straightened(values: Floats) -> Floats:
 
 
 def _exponents(count: int) -> np.ndarray:
-    """Of each input in each term, shape [terms, inputs]."""
-    powers = np.eye(count + 1, dtype=int)[:, 1:]  # the first is none of them
+    """Exponent of each input in each term of the polynomial, shape [terms, inputs]."""
+    powers = np.eye(count + 1, dtype=int)[:, 1:]  # the first row is the constant
     return np.array([a + b for a, b in itertools.combinations_with_replacement(powers, 2)])
 
 
 def spread_rows(spread: Spread) -> list[tuple[str, str]]:
-    """What a spread is, and its value, in words."""
+    """Names and values of the parts of a spread, in words."""
     half = DEVIATIONS * spread.numerical
     low, middle, high = (
         known_digits(percentile, spread.deviation / 3.0) for percentile in spread.percentiles
@@ -181,12 +182,12 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
     ]
     shares = sorted(spread.shares.items(), key=lambda it: -it[1])
     told = ", ".join(f"{name} {share:.0%}" for name, share in shares)
-    too_few = f"not told: {spread.needed} cases are needed"
+    too_few = f"unknown: {spread.needed} cases are needed"
     return [*rows, ("share of the variance", told or too_few)]
 
 
 def spread_notes(dataset: xr.Dataset) -> list[str]:
-    """The spread of each headline by its inputs, a line each; none without distributions."""
+    """Lines on the spread of each headline; empty without distributions."""
     notes = []
     for spread in spreads_of(dataset):
         notes += [

@@ -1,4 +1,4 @@
-"""Commands that look after the files of a study: how its cases stand, its dataset, what is left."""
+"""The commands on the files of a study: status, collect and clean."""
 
 import argparse
 import sys
@@ -17,11 +17,11 @@ from mpm_warp.scenes import scene_names
 
 
 def status(options: argparse.Namespace) -> int:
-    """Print how the cases of a study stand, or those of all results."""
+    """Print the status of the cases of a study, or a line for each stored result."""
     name = options.study
     is_of_many = name is None or (name in scene_names() and name not in study_names())
     if (is_of_many or name.endswith(".nc")) and (options.set or options.traceback):
-        raise HarnessError("--set and --traceback are for a study; name it, or leave them out")
+        raise HarnessError("--set and --traceback need a study; name it, or leave them out")
     if is_of_many:
         _list_results(options.out, name)
         return DONE
@@ -40,8 +40,8 @@ def status(options: argparse.Namespace) -> int:
     file = study_file(options.out, study)
     if all(outcome.status == MISSING for outcome in stand) and file.exists():
         tell(
-            f"{file} has other cases: of other settings, so give each --set that it was run with, "
-            f"or of another version of the scene; `status {file}` lists them"
+            f"{file} has other cases; they were run with other settings (then repeat each --set) "
+            f"or another version of the scene; `harness status {file}` lists them"
         )
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
@@ -52,7 +52,7 @@ def _list_results(folder: Path, scene: str | None) -> None:
     for path in sorted(folder.glob("*.nc")):
         try:
             if "study" not in read_attributes(path):
-                continue  # that of a measured test, say
+                continue  # such as the result of a measured test
             dataset = read_study(path)
         except ArchiveError as error:
             tell(str(error))
@@ -63,12 +63,12 @@ def _list_results(folder: Path, scene: str | None) -> None:
             rows.append(f"{path}  {scenes}: {results.summary(stand)}")
     if not rows:
         of_scene = "" if scene is None else f" of {scene}"
-        raise HarnessError(f"{folder}: has no results{of_scene}; `harness run STUDY` makes them")
+        raise HarnessError(f"{folder}: has no results{of_scene}; `harness run STUDY` writes some")
     print(*rows, sep="\n")
 
 
 def collect(options: argparse.Namespace) -> int:
-    """Write the dataset of a study out of the case files that there are."""
+    """Write the dataset of a study from its case files."""
     study = load_study(options.study, options.set)
     results.check_begun(study, options.out)
     check_place(study_file(options.out, study))
@@ -85,7 +85,7 @@ def collect(options: argparse.Namespace) -> int:
 
 
 def clean(options: argparse.Namespace) -> int:
-    """Remove files that are no results of the study, where the user agrees."""
+    """Remove files that do not belong to the study, if the user agrees."""
     study = load_study(options.study, options.set)
     found = results.stray_files(study, options.out)
     for file in found:
@@ -104,6 +104,6 @@ def clean(options: argparse.Namespace) -> int:
 def _confirmed(question: str) -> bool:
     print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
     answer = sys.stdin.readline()
-    if not answer:  # closed: nobody can answer
+    if not answer:  # standard input is closed
         print(file=sys.stderr)
     return answer.strip().lower() in ("y", "yes")

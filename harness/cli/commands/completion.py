@@ -1,7 +1,7 @@
-"""Help, and completion by the Tab key in bash, zsh and fish: what is offered where.
+"""The commands help and completion, and the words that the Tab key offers in bash, zsh and fish.
 
-The shell runs the program itself at each Tab, by argcomplete. Scenes are listed only where names
-of scenes are offered, which takes a quarter of a second.
+At each Tab the shell runs the program itself, through argcomplete. Listing scenes takes a quarter
+of a second, so it is done only for arguments that name scenes.
 """
 
 import argparse
@@ -33,12 +33,12 @@ def completion(options: argparse.Namespace) -> int:
 
 
 def complete(parser: argparse.ArgumentParser) -> None:
-    """Answer a shell that asks by its environment for completions, and end the process."""
+    """Answer a shell that requests completions by environment variables, and end the process."""
     argcomplete.autocomplete(parser, default_completer=_Words())
 
 
 class _Words(argcomplete.completers.BaseCompleter):
-    """What fits an argument that has no fixed choices."""
+    """Offers words for an argument that has no fixed choices."""
 
     def __call__(
         self,

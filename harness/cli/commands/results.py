@@ -1,4 +1,4 @@
-"""Commands on results: beside the literature and each other, as pictures, as a page, the soil."""
+"""The commands on results: compare, plot, report, recommend and view."""
 
 import argparse
 import itertools
@@ -32,9 +32,11 @@ from harness.study.tables import StudyError
 def compare(options: argparse.Namespace) -> int:
     """Print a result beside the literature, or beside another result."""
     if options.tolerance is not None and options.other is None:
-        raise HarnessError("--tolerance: is for two results; give OTHER, or put it into the study")
+        raise HarnessError(
+            "--tolerance: needs a second result OTHER; tolerances of one result are in its study"
+        )
     if options.standards and options.other is not None:
-        raise HarnessError("--standards: is for one result; leave OTHER out")
+        raise HarnessError("--standards: takes a single result; leave OTHER out")
     dataset = read_study(options.file)
     if options.other is not None:
         return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
@@ -52,7 +54,7 @@ def compare(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _result_of(*files: Path) -> Iterator[None]:
-    """What a result says that cannot be, an unknown reference say, is reported with its file."""
+    """Name the file in errors that its content causes, such as an unknown reference."""
     try:
         yield
     except (NothingToCompareError, NothingToDrawError, StudyError, UnknownReferenceError) as error:
@@ -70,17 +72,17 @@ def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int
 
 
 def list_misses(dataset: xr.Dataset) -> int:
-    """Tell which tolerances the results miss; the exit code."""
+    """Print which tolerances are missed; return the exit code."""
     missed = misses(dataset)
     for line in itertools.chain(*missed.values()):
         tell(f"tolerance missed: {line}")
     if not missed and TOLERANCES in dataset.attrs:
-        tell("all tolerances are kept")
+        tell("all tolerances are met")
     return INCOMPLETE if missed else DONE
 
 
 def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
-    """Print the table and draw the pictures, as far as the scene has what they show; exit code."""
+    """Print the table and draw the pictures that fit the result; return the exit code."""
     try:
         print(result_table(dataset))
     except NothingToCompareError as error:
@@ -93,7 +95,7 @@ def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
 
 
 def _list_pictures(paths: list[Path], failed: Failures, *, debug: bool) -> int:
-    """Print which pictures were written, and tell of those that failed; exit code."""
+    """Print which pictures were written and which failed; return the exit code."""
     for path in paths:
         print(path)
     for name, error in failed.items():
@@ -115,7 +117,7 @@ def plot(options: argparse.Namespace) -> int:
 
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
-    check_replaceable(options.out)  # before all is drawn
+    check_replaceable(options.out)  # first, because drawing takes time
     datasets = [read_study(file) for file in options.file]
     prepare(options.out.parent)
     with _result_of(*options.file):
@@ -124,7 +126,7 @@ def report(options: argparse.Namespace) -> int:
 
 
 def show_recommendation(options: argparse.Namespace) -> int:
-    """Print the cheapest settings that keep an error."""
+    """Print the cheapest settings whose error is small enough."""
     found = recommend(options.scene, options.error, results_in(options.results))
     if found is None:
         print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
@@ -140,7 +142,7 @@ def view(options: argparse.Namespace) -> int:
     folder = options.out or options.file.parent
     prepare(folder)
     name = path.name.removesuffix(ENDING)
-    # First what may be refused: nothing is drawn where VTK files cannot be written.
+    # VTK first: if it cannot be written, nothing is drawn.
     series = write_vtk(fields, folder, name)[:1] if options.vtk else []
     written = []
     for kind, figure in (("sections", sections_figure), ("traction", traction_figure)):

@@ -1,4 +1,4 @@
-"""Commands that compute: a study, a case again, what a step costs, exact solutions, benchmark."""
+"""The commands that compute: run, rerun, bench, verify and benchmark."""
 
 import argparse
 import math
@@ -41,12 +41,13 @@ def run(options: argparse.Namespace) -> int:
     """Run a study, show its result and list what is missing."""
     end_at_sigterm()
     if options.dask is not None and options.case_timeout < math.inf:
-        raise HarnessError("--case-timeout ends workers of this machine; leave it out with --dask")
+        raise HarnessError("--case-timeout is not possible with --dask; leave one of them out")
     if options.dask is not None and (
         options.threads or options.device != "cpu" or options.memory_limit
     ):
         raise HarnessError(
-            "--threads, --device and --memory-limit are of this machine; leave them out with --dask"
+            "--threads, --device and --memory-limit apply only to this machine; leave them out "
+            "with --dask"
         )
     study = load_study(options.study, options.set)
     if options.uncertainty:
@@ -54,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
         study = load_study(options.study, [*options.set, "uncertainty=measured"])
     if options.snapshots is not None:
         study = with_snapshots(study, options.snapshots)
-    _ = study.cases  # what is wrong with them is reported before anything is started
+    _ = study.cases  # made here so that mistakes are reported before anything starts
     warn_of_unusual_values(study)
     runner = (
         on_this_machine(
@@ -85,7 +86,7 @@ def _check_uncertainty(study: Study) -> None:
             name for name, it in loaded_scenes().items() if "uncertainty" in parameters_of(it)
         ]
         raise HarnessError(
-            f"--uncertainty: no measured uncertainty in {', '.join(names)}; these scenes have one: "
+            f"--uncertainty: cannot be measured for {', '.join(names)}, only for: "
             f"{', '.join(measured)}"
         )
 
@@ -122,9 +123,12 @@ def bench(options: argparse.Namespace) -> int:
 
 
 SETTING_UP = 10.0
-"""Start and compilation of many small checks, about [s]."""
+"""Time to start and compile many small checks, about [s]."""
 VERIFIED_FILES = {"verify.nc": "observed order", "verify.txt": HEADING, "verify.png": MAKER}
-"""What it writes, and what stands in each: by that an older one is known, and replaced."""
+"""Files that `verify --out` writes, and a text in each by which an older one is recognised.
+
+Only a recognised file is overwritten.
+"""
 VERIFIED_BAR = "{percentage:3.0f} % of the work |{bar}| {elapsed} < {remaining}"
 
 
@@ -135,7 +139,7 @@ def verify_scenes(options: argparse.Namespace) -> int:
         asked, checks = checks, quick(checks)
         left = {it.scene for it in asked} - {it.scene for it in checks}
         if options.scene and left:
-            tell(f"--quick: left out, without a quick check: {', '.join(sorted(left))}")
+            tell(f"--quick: these scenes have no quick check: {', '.join(sorted(left))}")
     if options.out is not None:
         prepare(options.out)
         for name, mark in VERIFIED_FILES.items():
@@ -171,10 +175,10 @@ def benchmark(options: argparse.Namespace) -> int:
         if options.folder is None:
             raise HarnessError("benchmark run: name the folder of the submission")
         if options.against is not None:
-            raise HarnessError("benchmark run: compares nothing; leave out --against")
+            raise HarnessError("benchmark run: --against is only for score; leave it out")
         return INCOMPLETE if run_benchmark(options.folder, options.accuracy or "standard") else DONE
     if options.accuracy is not None:
-        raise HarnessError("benchmark score: runs nothing; leave out --accuracy")
+        raise HarnessError("benchmark score: --accuracy is only for run; leave it out")
     against = options.against or "mpm_warp_standard"
     cases = benchmark_cases()
     shipped = read_submissions(benchmark_folder() / "submissions")
@@ -193,14 +197,14 @@ def benchmark(options: argparse.Namespace) -> int:
     print()
     _print_table(summary_rows(found))
     tell(
-        "exact cases: against the exact value; others: against "
-        f"{against}, with its uncertainty; written: {base}.csv, .png, .html"
+        "scores are against the exact value where there is one, otherwise against "
+        f"{against} with its uncertainty; written: {base}.csv, .png, .html"
     )
     return DONE
 
 
 def _print_table(rows: Sequence[Sequence[str]]) -> None:
-    """A table, its columns as wide as what stands in them."""
+    """Print a table with aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]

@@ -1,4 +1,4 @@
-"""Commands on what there is: a new study; what a scene, study or reference is; what it takes."""
+"""The commands before a run: new, list, describe, schema, references and plan."""
 
 import argparse
 import json
@@ -38,18 +38,18 @@ from mpm_warp.scenes import scene_class, scene_names
 
 
 def new(options: argparse.Namespace) -> int:
-    """Write the definition of a new study, which runs as it stands."""
+    """Write a new study or site file."""
     name = options.name.removesuffix(".toml")
     path = Path(f"{name}.toml")
     if not re.fullmatch(STUDY_NAME, name):
         raise HarnessError(
-            f"{options.name}: is no name of a study: letters, digits, '_', '-' and '.'; it is "
-            "written into the current folder"
+            f"{options.name}: is not a valid name; use letters, digits, '_', '-' and '.', and no "
+            "folder: the file goes into the current one"
         )
     if name in study_names():
-        raise HarnessError(f"{name}: is a study that ships; their results would mix: another name")
+        raise HarnessError(f"{name}: a study that ships has this name; choose another")
     if path.exists() or path.is_symlink():
-        raise HarnessError(f"{path}: is there already; edit it, or take another name")
+        raise HarnessError(f"{path}: exists already; edit it, or choose another name")
     if options.scene in study_names() and options.scene not in scene_names():
         scene = load_study(options.scene).parts[0].name
         raise HarnessError(f"--scene {options.scene}: is a study; its scene is {scene}")
@@ -63,7 +63,7 @@ def new(options: argparse.Namespace) -> int:
 
 
 def _site_text(test: Path) -> str:
-    """A site file for a test, with what the test's own file says; what it has to name is told."""
+    """A site file for a measured test, with the values that the test's file states."""
     told: Mapping[str, float] = {}
     try:
         file = read_file(test)
@@ -71,13 +71,13 @@ def _site_text(test: Path) -> str:
         columns_in(test, file.headings, columns={}, units={})
     except NotNamedError as error:
         tell(str(error))
-    # What is not allowed is refused, with its place, once the test is read.
+    # Values out of range are left out here; `interpret` refuses them and names their place.
     allowed = {key: it for key, it in told.items() if TEST_KEYS[key].allowed.holds(it, it)}
     return site_text(str(test), allowed)
 
 
 def list_names(options: argparse.Namespace) -> int:
-    """Print the studies and scenes that there are."""
+    """Print all studies and scenes."""
     kinds = {
         "studies": {name: load_study(name).title for name in study_names()},
         "scenes": {name: _summary(name) for name in scene_names()},
@@ -97,7 +97,7 @@ def _summary(scene: str) -> str:
 
 
 def describe(options: argparse.Namespace) -> int:
-    """Print a scene's parameters, or what a study or a site file is."""
+    """Describe a scene, a study or a site file."""
     if is_site_file(options.subject):
         print(*site_rows(Path(options.subject)), sep="\n")
         return DONE
@@ -109,7 +109,7 @@ def describe(options: argparse.Namespace) -> int:
     print(*scene_rows(options.subject), sep="\n")
     if options.subject in study_names():
         file = shlex.quote(str(find_study(options.subject)))
-        tell(f"a study is called {options.subject}, too: harness describe {file}")
+        tell(f"there is also a study of this name: harness describe {file}")
     return DONE
 
 
@@ -120,7 +120,7 @@ def schema(options: argparse.Namespace) -> int:
 
 
 def references(options: argparse.Namespace) -> int:
-    """Print all references and all experience, or one of them in full."""
+    """Print all references and bands of experience, or one of them in full."""
     print(all_entries() if options.id is None else one_entry(options.id))
     return DONE
 
@@ -195,7 +195,7 @@ def _case_row(case: Case) -> tuple[str, float | None]:
 
 
 def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
-    """Launches of a step, arrays and their bytes, particle count, time step, steps and seconds."""
+    """A plan in words: kernels, arrays, number of particles, time step, steps and time."""
     lines = [f"kernels of a step: {len(plan.step)}"]
     lines += [_launch_line(launch) for launch in plan.step]
     now_and_then = plan.launches[len(plan.step) :]

@@ -121,7 +121,7 @@ def test_a_number_has_its_unit_or_none(option: str) -> None:
 def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
     """The result holds the command line; every case would be computed, and none be kept."""
     line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
-    assert line.endswith("is not text, which results could not keep")
+    assert line.endswith("is not valid text and could not be stored in a result")
 
 
 @pytest.mark.slow

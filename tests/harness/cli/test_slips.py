@@ -26,8 +26,8 @@ MISTAKES = {
     "run adhesion_facotr": "no such study; did you mean 'adhesion_factor'?",
     "run cone": "no such study; did you mean 'cone_penetration'?",
     "describe cone": "neither a scene nor a study; did you mean 'cone_penetration'?",
-    "rnu adhesion_factor": "rnu: is no command; did you mean 'run'?",
-    "adhesion_factor": "is no command, but a study: run it by `harness run adhesion_factor`",
+    "rnu adhesion_factor": "rnu: is not a command; did you mean 'run'?",
+    "adhesion_factor": "is a study, not a command; `harness run adhesion_factor` runs it",
     "run text": "text: no such study; a file here is called text.toml",
     "run text.toml": 'a text needs quotes: scene = "cone_penetration"',
     "run comma.toml": "a number has a decimal point: adhesion_factor = 0.5",
@@ -45,14 +45,14 @@ MISTAKES = {
     "unit of the parameter",
     "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 1000; it is the greatest "
     "penetration over cone radius",
-    "run mesh_size --set adhesion_factor=[0, 1]": "the shell has cut the value at a blank; put "
+    "run mesh_size --set adhesion_factor=[0, 1]": "the shell has split the value at a blank; put "
     "quotes around it: --set 'adhesion_factor=[0, 1]'",
     "run mesh_size --set=adhesion_factor=[0, 1]": "--set 'adhesion_factor=[0, 1]'",
-    "run mesh_size --set adhesion_factor=[0,": "a bracket is opened and not closed",
+    "run mesh_size --set adhesion_factor=[0,": "a bracket is not closed",
     "run mesh_size --set adhesion_factor=0,1": "brackets: 'adhesion_factor=[0,1]'",
-    "run mesh_size --set material=von mises": "mises; what has blanks in it needs quotes",
+    "run mesh_size --set material=von mises": "mises; put quotes around a value with blanks",
     "run mesh_size --set material=von-mises": "two kinds of quotes: 'material=\"von-mises\"'",
-    "run mesh_size rigidity_index=50": "a parameter is changed by --set rigidity_index=50",
+    "run mesh_size rigidity_index=50": "change a parameter by --set rigidity_index=50",
     "run mesh_size --set rigidity_index": "must be key=value",
     "run mesh_size --set rigidity_index=": "must be key=value",
     "run mesh_size --set =1": "must be key=value",
@@ -69,24 +69,24 @@ MISTAKES = {
     "run ./file.txt": "is called NAME.toml",
     "run mesh_size --fres": "unrecognized arguments: --fres; did you mean '--fresh'?",
     "plan adhesion_facotr": "neither a scene nor a study; did you mean 'adhesion_factor'?",
-    "new adhesion_factor": "is a study that ships; their results would mix: another name",
-    "new text": "text.toml: is there already; edit it, or take another name",
-    "new a/b": "is no name of a study: letters, digits, '_', '-' and '.'",
+    "new adhesion_factor": "a study that ships has this name; choose another",
+    "new text": "text.toml: exists already; edit it, or choose another name",
+    "new a/b": "is not a valid name; use letters, digits, '_', '-' and '.'",
     "new mine --scene mesh_size": "--scene mesh_size: is a study; its scene is cone_penetration",
     "new mine --scene sounding --interpret cpt.csv": "not allowed with argument --scene",
     "new mine --scene cone_bering": "unknown scene 'cone_bering'; did you mean 'cone_bearing'?",
-    "status": "results: has no results; `harness run STUDY` makes them",
+    "status": "results: has no results; `harness run STUDY` writes some",
     "status strip_footing": "results: has no results of strip_footing",
     "compare text.toml": "cannot be read",
-    "results/mesh_size.nc": "is no command, but a result: show it by `harness compare",
+    "results/mesh_size.nc": "is a result, not a command; `harness compare",
     "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
     "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
-    "compare a.nc --tolerance=0.5": "is for two results",
-    "compare a.nc b.nc --standards": "--standards: is for one result; leave OTHER out",
-    "status --traceback": "are for a study; name it, or leave them out",
-    "status a.nc --set rigidity_index=50": "are for a study; name it, or leave them out",
-    "benchmark run a --against b": "compares nothing; leave out --against",
-    "benchmark score --accuracy fine": "runs nothing; leave out --accuracy",
+    "compare a.nc --tolerance=0.5": "needs a second result OTHER",
+    "compare a.nc b.nc --standards": "--standards: takes a single result; leave OTHER out",
+    "status --traceback": "need a study; name it, or leave them out",
+    "status a.nc --set rigidity_index=50": "need a study; name it, or leave them out",
+    "benchmark run a --against b": "--against is only for score; leave it out",
+    "benchmark score --accuracy fine": "--accuracy is only for run; leave it out",
     "run site.toml": "site.toml: this is a site file; `harness interpret site.toml` reads it",
     "interpret single.toml": "single.toml: is a study; `harness run single.toml` runs it",
     "recommend s --error=0%": "'0%' is not allowed: must be > 0, as 1% or 0.01",
@@ -117,7 +117,7 @@ WRONG = {
 MISTAKES |= {f"{of}={value}": told for of, (told, them) in WRONG.items() for value in them}
 MEASURED = "ball_penetration, cone_penetration, sounding, t_bar_penetration"
 MISTAKES |= {
-    f"run {of} --uncertainty": f"uncertainty in {of}; these scenes have one: {MEASURED}"
+    f"run {of} --uncertainty": f"cannot be measured for {of}, only for: {MEASURED}"
     for of in ("sliding_block", "cyclic_ball")
 }
 """Command lines as a shell hands them on, and what the answer ends with or holds."""

@@ -187,7 +187,7 @@ def test_formulas_do_not_apply_where_su_depends_on_the_test() -> None:
     assert directed.count("[") == 4
     assert "[" not in same_in_all
     assert " 12.0 " in directed
-    assert "of a law with its own strengths that in the law's test" in text
+    assert "for a law with several strengths it is that of the law's main test" in text
 
 
 @pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
@@ -238,8 +238,9 @@ def test_the_table_has_one_line_for_all_bands(two_soils: xr.Dataset) -> None:
     assert after.startswith(before)
     (line,) = after.removeprefix(before).strip().splitlines()
     assert line == (
-        "experience, bands and no references: karlsrud_2005 Nkt 6.2 to 18.1, mayne_peuchen_2018 "
-        "Nkt 10.1 to 13.7; su: peak in triaxial compression, consolidated anisotropically"
+        "experience (bands measured in the field): karlsrud_2005 Nkt 6.2 to 18.1, "
+        "mayne_peuchen_2018 Nkt 10.1 to 13.7; su: peak in triaxial compression, consolidated "
+        "anisotropically"
     )
 
 
@@ -256,8 +257,12 @@ def test_bands_are_no_results_that_are_compared(two: Two) -> None:
     [
         ("cone factor", [np.nan, np.nan], "su is the strength in pure shear"),
         ("cone factor, simple shear", [9.0, 10.0], "cone factor, simple shear: by su in that test"),
-        ("cone factor", [9.0, 10.0], "cone factor: by su in the test of each law, as N_ke"),
-        ("cone factor", [np.nan, 10.0], "of a law with its own strengths that in the law's test"),
+        ("cone factor", [9.0, 10.0], "cone factor: by su in the main test of each law, N_ke too"),
+        (
+            "cone factor",
+            [np.nan, 10.0],
+            "for a law with several strengths it is that of the law's main test",
+        ),
     ],
 )
 def test_which_strength_is_told_of_each_law(

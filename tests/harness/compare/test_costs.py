@@ -90,7 +90,7 @@ def test_a_kept_reference_stands_for_the_true_value_of_its_soil(two_soils: xr.Da
 def test_a_kept_reference_of_another_soil_is_none(two_soils: xr.Dataset) -> None:
     other = kept(two_soils, 8.0, 9.2, 0.05).assign(adhesion_factor=0.7)
     other["adhesion_factor"].attrs["role"] = "parameter"
-    with pytest.raises(NothingToCompareError, match="in the method alone"):
+    with pytest.raises(NothingToCompareError, match="the soil and cone of a case here"):
         with_finest_error(two_soils.drop_vars(ERROR_FINEST), ["cells_per_radius"], other)
 
 
@@ -182,13 +182,13 @@ def test_values_that_the_scene_derives_are_alike(tmp_path: Path) -> None:
 
 def test_why_nothing_is_recommended_is_told(tmp_path: Path, two_soils: xr.Dataset) -> None:
     file = written(tmp_path, two_soils.drop_vars("error_finest"))
-    with pytest.raises(HarnessError, match="no result with errors"):
+    with pytest.raises(HarnessError, match="no stored result has errors"):
         recommend("cone_penetration", 0.05, [file])
     dataset = two_scenes().drop_vars(["error", "cell_count", "cells_per_length", "scene"])
     file = written(tmp_path, dataset.assign_attrs(scene="cone_penetration"))
     with pytest.raises(HarnessError, match="none varies the method: accuracy, cells_per_radius"):
         recommend("cone_penetration", 0.05, [file])
-    with pytest.raises(HarnessError, match="step_cost: has no errors"):
+    with pytest.raises(HarnessError, match="step_cost: its error is unknown"):
         recommend("step_cost", 0.05, [])
 
 

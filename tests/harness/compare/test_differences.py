@@ -70,7 +70,7 @@ def test_a_result_from_before_a_parameter_is_compared_at_its_default(two: Two) -
     assert differences(older, other) == differences(one, other)
     assert differences(other, older) == differences(other, one)
     assert unshared(one, other) == []
-    told = "has friction_coefficient: compared where at the default"
+    told = "has friction_coefficient; for the other the default is assumed"
     assert unshared(older, other) == [f"only the second {told}"]
     assert unshared(other, older) == [f"only the first {told}"]
 
@@ -124,7 +124,9 @@ def test_a_parameter_that_is_no_more_is_named(two: Two) -> None:
     one, other = two(*FACTORS)
     older = one.assign(viscosity=((), 1.0, {"role": "parameter"}))
     assert differences(older, other) == differences(one, other)
-    assert unshared(older, other) == ["only the first has viscosity: compared where at the default"]
+    assert unshared(older, other) == [
+        "only the first has viscosity; for the other the default is assumed"
+    ]
     with pytest.raises(NothingToCompareError):
         differences(older, other.assign(viscosity=older["viscosity"] + 1.0))
 

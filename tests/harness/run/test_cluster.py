@@ -216,8 +216,8 @@ REFUSED = {
     "--dask=tcp://127.0.0.1:9": "cannot be reached: Timed out trying to connect to tcp://127.0.0.1:9",
     "--dask=nonsense://x": "cannot be reached: unknown address scheme 'nonsense'",
     "--dask=127.0.0.1:none": "cannot be reached: invalid literal for int() with base 10: 'none'",
-    "--dask=tcp://h:1 --case-timeout=5": "--case-timeout ends workers of this machine",
-    "--dask=tcp://h:1 --memory-limit=8e9": "--memory-limit are of this machine; leave them out",
+    "--dask=tcp://h:1 --case-timeout=5": "--case-timeout is not possible with --dask",
+    "--dask=tcp://h:1 --memory-limit=8e9": "--memory-limit apply only to this machine",
     "--dask=tcp://h:1 --workers=2": "argument --workers: not allowed with argument --dask",
 }
 

@@ -134,6 +134,6 @@ def test_scenes_are_named_one_by_one_and_one_without_a_quick_check_is_told(
 ) -> None:
     named = ("--scene", "material_point", "gravity_column", "--scene", "circular_footing")
     told = command("verify", "--quick", *named)
-    assert "--quick: left out, without a quick check: circular_footing" in told.err
+    assert "--quick: these scenes have no quick check: circular_footing" in told.err
     assert "material_point" in told.out
     assert "gravity_column" in told.out

@@ -198,7 +198,7 @@ def test_a_scene_that_cannot_be_loaded_is_left_out_and_told(command: Command) ->
     assert scenes.keys() == set(scene_names()) - {"lost"}
     assert "lost" not in {check.scene for check in checks_of()}
     without = command("run", "sliding_block", "--uncertainty", code=2).err
-    assert "these scenes have one: " in without
+    assert "only for: " in without
 
 
 def test_describe_gives_unit_default_range_and_meaning(command: Command) -> None:
