@@ -35,7 +35,7 @@ META_KEYS: Mapping[str, str] = {
     "machine": "processor, cores, memory used",
     "uncertainty": "how the uncertainty was found, or 'not stated'",
 }
-"""Keys of `meta.toml`, all of them texts that must be there, and what they say."""
+"""Keys of `meta.toml`, all required texts, with their meaning."""
 COLUMNS = ("case", "value", "uncertainty", "seconds")
 """Of `results.csv`: an uncertainty is the half width of an interval of 95 %, in the unit of the
 value; seconds are those of the wall clock."""
@@ -43,7 +43,7 @@ value; seconds are those of the wall clock."""
 
 @dataclass(frozen=True, kw_only=True)
 class BenchmarkCase:
-    """One case, and the scene of this program that computes it."""
+    """One case of the benchmark, and the scene of this program that computes it."""
 
     name: str
     phase: int  # 1 exact anchors, 2 cone factors, 3 layers and gradients
@@ -58,7 +58,7 @@ class BenchmarkCase:
 
 @dataclass(frozen=True)
 class Result:
-    """The value of a case with its uncertainty and time, not a number where they are not told."""
+    """The result of a case: value, uncertainty and time; the last two are NaN if not given."""
 
     value: float
     uncertainty: float
@@ -78,12 +78,12 @@ ACCURACIES = ("quick", "standard", "fine")
 
 
 def benchmark_folder() -> Path:
-    """Folder of the cases and submissions that ship."""
+    """Folder of the benchmark's cases and of the submissions that ship."""
     return studies_folder() / "benchmark"
 
 
 def benchmark_cases() -> tuple[BenchmarkCase, ...]:
-    """All cases, in their order."""
+    """All cases of the benchmark, in their order."""
     path = benchmark_folder() / "cases.csv"
     return tuple(
         BenchmarkCase(
@@ -113,12 +113,12 @@ def read_submissions(folder: Path) -> list[Submission]:
         return [read_submission(folder)]
     found = [path for path in sorted(folder.glob("[!.]*")) if path.is_dir()]
     if not found:
-        raise StudyError(f"{folder}: has no submission: a folder with meta.toml and results.csv")
+        raise StudyError(f"{folder}: has no submission, a folder with meta.toml and results.csv")
     return [read_submission(path) for path in found]
 
 
 def read_submission(folder: Path) -> Submission:
-    """A submission; a `StudyError` says in a line what is missing or not allowed."""
+    """Read a submission; a `StudyError` says what is missing or not allowed."""
     table = Table(f"{folder / 'meta.toml'}:", read_toml(folder / "meta.toml"))
     table.allow(*META_KEYS)
     meta = {key: table.text(key, f"; {meaning}") for key, meaning in META_KEYS.items()}
@@ -158,7 +158,7 @@ def _numbers(where: str, cells: Sequence[str]) -> list[float]:
         if math.isinf(number) or (cell and not math.isfinite(number)):
             raise StudyError(f"{where}: {name} = {cell[:40]!r} must be a finite number")
         if name != "value" and number <= 0.0:
-            raise StudyError(f"{where}: {name} = {cell} must be > 0, or empty where it is not told")
+            raise StudyError(f"{where}: {name} = {cell} must be > 0, or empty if unknown")
         numbers.append(number)
     return numbers
 
@@ -175,7 +175,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
     prepare(folder)
     path, meta, failed = folder / "results.csv", folder / "meta.toml", 0
     if meta.exists() and meta.read_text() != _meta(accuracy):
-        raise StudyError(f"{meta}: is of another program, accuracy or machine; name a new folder")
+        raise StudyError(f"{meta}: is from another program, accuracy or machine; name a new folder")
     results = read_results(path) if path.exists() else {}
     for case in benchmark_cases():
         if case.name in results:
@@ -193,7 +193,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
 
 
 def computed(case: BenchmarkCase, accuracy: str) -> Result:
-    """Value, uncertainty and seconds of a case, kernels compiled before or not."""
+    """Compute value, uncertainty and seconds of a case."""
     values = {**case.fixed, **case.accuracy[accuracy]}
     scene = scene_class(case.scene)(**values)
     start = time.perf_counter()

@@ -47,11 +47,11 @@ def scores(
     """
     twice = [name for name, count in Counter(it.name for it in submissions).items() if count > 1]
     if twice:
-        raise StudyError(f"two submissions are called {twice[0]}: rename the folder of one")
+        raise StudyError(f"two submissions are called {twice[0]}; rename one of their folders")
     by_name = {submission.name: submission for submission in submissions}
     if against not in by_name:
         near = nearest_name(against, by_name)
-        raise StudyError(f"--against {against}: is no submission{near}")
+        raise StudyError(f"--against {against}: is not a submission{near}")
     yardstick = by_name[against]
     return [
         _score(submission, case, yardstick)

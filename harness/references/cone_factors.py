@@ -1,4 +1,4 @@
-"""Cone factors from the literature, and of this project, Nc = (qc - sigma_v0) / su, at 60 degrees.
+"""Formulas for the cone factor Nc = (qc - sigma_v0) / su, from the literature and this project.
 
 A new reference is one new entry in :data:`CONE_FACTORS`. The formulas take floats, numpy arrays
 and xarray data arrays alike.
@@ -17,19 +17,19 @@ import xarray as xr
 Quantity: TypeAlias = float | np.ndarray | xr.DataArray
 Truth: TypeAlias = bool | np.ndarray | xr.DataArray
 COMPARED = "cone_factor"
-"""The result that the references are of."""
+"""The result that references are compared with."""
 NEEDED = ("rigidity_index", "adhesion_factor")
-"""Parameters that every comparison with them depends on."""
+"""Parameters that a scene needs for a comparison."""
 QUOTED = "coefficients as commonly quoted; the original was not read"
-"""How an entry is known whose source could not be consulted."""
+"""Origin of an entry whose source could not be consulted."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Conditions:
-    """What the literature's cone factors depend on; all of it dimensionless but the angle.
+    """The quantities that the formulas depend on. All but the angle are dimensionless.
 
-    All formulas are made for a cone of 60 degrees without friction, and for clay of which neither
-    strain, nor its rate, nor the mode of the test changes the strength.
+    All formulas are for a cone of 60 degrees without friction, in clay whose strength does not
+    depend on strain, strain rate or direction of shear.
     """
 
     rigidity_index: Quantity  # shear modulus over undrained shear strength, G/su, above 0
@@ -38,16 +38,16 @@ class Conditions:
     stress_anisotropy: Quantity = 0.0  # (sigma_v0 - sigma_h0) / (2 su) in the ground before
     apex_angle: Quantity = 60.0  # of the cone [degree]
     friction: Quantity = 0.0  # Coulomb coefficient of the penetrometer
-    strength_stays: Truth = True
-    # of the scene, by name, in SI units: what a study's own reference may depend on
+    strength_stays: Truth = True  # whether the strength depends on none of these
+    # parameters of the scene by name, in SI units, for references that a study defines
     parameters: Mapping[str, Quantity] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConeFactor:
-    """One literature formula for the cone factor.
+    """One formula for the cone factor.
 
-    The analyses of penetration with an adhesion term form the envelope that a result is shown in.
+    Analyses of penetration with an adhesion term form the envelope that is shown with a result.
     """
 
     id: str  # name in study definitions and in the variables of a result
@@ -56,20 +56,20 @@ class ConeFactor:
     evaluate: Callable[[Conditions], Quantity]  # extrapolates; `applies` says where it should not
     method: str  # how the source arrived at the formula
     source: str  # where it was published
-    criterion: str = "not stated here"  # of yielding, and which strength su means, where it is said
+    criterion: str = "not stated here"  # yield criterion, and meaning of su where it is stated
     in_envelope: bool = False
     how_known: str = QUOTED  # where the coefficients were taken from
-    rigidity_index_range: tuple[float, float] = (50.0, 500.0)  # that it is meant for
-    largest_anisotropy: float = math.inf  # size of Delta up to which it is meant
+    rigidity_index_range: tuple[float, float] = (50.0, 500.0)  # in which it is valid
+    largest_anisotropy: float = math.inf  # largest |Delta| for which it is valid
 
     @property
     def has_adhesion_term(self) -> bool:
-        """Whether the formula knows the adhesion of the face; if not, it is of a smooth cone."""
+        """Whether the formula has a term for adhesion; if not, it is for a smooth cone."""
         return "alpha" in self.formula
 
     @property
     def validity(self) -> str:
-        """The conditions that the formula is meant for, in words."""
+        """The conditions for which the formula is valid, in words."""
         low, high = self.rigidity_index_range
         smooth = "" if self.has_adhesion_term else ", smooth face"
         largest = self.largest_anisotropy
@@ -80,9 +80,9 @@ class ConeFactor:
         )
 
     def applies(self, conditions: Conditions) -> Quantity:
-        """Whether `conditions` lie within the :attr:`validity`, element by element.
+        """Whether the formula is valid for `conditions`, element by element.
 
-        The yield criterion and the meaning of su, which :attr:`criterion` says, are not checked.
+        The yield criterion and the meaning of su (see :attr:`criterion`) are not checked.
         """
         low, high = self.rigidity_index_range
         inside = (
@@ -212,14 +212,14 @@ ENVELOPE = tuple(reference for reference in CONE_FACTORS if reference.in_envelop
 
 
 def envelope(conditions: Conditions) -> tuple[Quantity, Quantity]:
-    """Smallest and largest cone factor among the references that form the envelope.
+    """Smallest and largest cone factor among the references of the envelope.
 
-    It is no confidence interval: its members differ in criterion, meaning of su, and method.
+    It is not a confidence interval: the references differ in criterion, meaning of su and method.
     """
     values = [reference.evaluate(conditions) for reference in ENVELOPE]
     return functools.reduce(np.minimum, values), functools.reduce(np.maximum, values)
 
 
 def envelope_applies(conditions: Conditions) -> Quantity:
-    """Whether all references that form the envelope apply, element by element."""
+    """Whether all references of the envelope are valid, element by element."""
     return functools.reduce(operator.and_, (member.applies(conditions) for member in ENVELOPE))

@@ -1,8 +1,8 @@
-"""Factors of the cone test that were measured in the field, as bands.
+"""Factors of cone tests measured in the field, as bands.
 
-They hold what the ideal cone factor does not (:data:`HOLDS`). So a band is set beside a result and
-is no reference: nothing is said to deviate from it, and no result has to lie in it. A new band is
-one new entry in :data:`EXPERIENCE`.
+Measured factors include effects that the ideal cone factor does not have (:data:`HOLDS`). So a band
+is shown beside a result but is not a reference: no deviation from it is computed, and a result need
+not lie in it. A new band is one new entry in :data:`EXPERIENCE`.
 """
 
 import itertools
@@ -16,18 +16,18 @@ HOLDS = (
     "rate effects, softening, anisotropy of strength and stress, and disturbance of the samples: "
     "the ideal cone factor has none of them"
 )
-"""What all of it holds beside the cone factor of a perfectly plastic clay."""
+"""Effects that measured factors include, in words."""
 COMPRESSION = "peak in triaxial compression, consolidated anisotropically"
-"""The strength that su means in all entries."""
+"""The meaning of su in all entries."""
 BESIDE_COMPRESSION = (
     "direct shear has 0.6 to 0.9 of the strength in triaxial compression, triaxial extension 0.35 "
     "to 0.5; the simulation's su is that in pure shear, which direct shear comes nearest to"
 )
-"""How other strengths compare with it."""
+"""How other strengths compare with that in compression."""
 
 
 class Factor(StrEnum):
-    """What was divided by su: u2 is the pore pressure behind the shoulder, u0 that before."""
+    """Kind of factor: u2 is the pore pressure behind the shoulder, u0 the one before the test."""
 
     RESISTANCE = "Nkt"
     PORE_PRESSURE = "N_du"
@@ -40,12 +40,12 @@ class Factor(StrEnum):
 
 
 class Input(NamedTuple):
-    """A property of the clay that a formula needs, the range that a band spans, and its source."""
+    """A property of the clay in a formula, with the range that a band covers."""
 
     symbol: str
     low: float
     high: float
-    chosen: str
+    chosen: str  # where the range comes from
 
     @property
     def span(self) -> str:
@@ -61,18 +61,18 @@ class Experience:
     label: str  # authors and year, for pictures
     factor: Factor = Factor.RESISTANCE
     formula: str
-    evaluate: Callable[..., float]  # takes the inputs in their order and is monotonic in each
+    evaluate: Callable[..., float]  # takes the inputs in their order; monotonic in each
     inputs: tuple[Input, ...]
-    clays: str  # that were tested
+    clays: str  # the tested clays
     source: str  # where it was published
     how_known: str  # where formula and ranges were taken from
-    # about the formula, a share of it, reported for su and taken for the factor; 0: none is known
+    # relative scatter about the formula; it was reported for su and is used for the factor; 0: none
     scatter: float = 0.0
-    strength: str = COMPRESSION  # that su means
+    strength: str = COMPRESSION  # meaning of su
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Least and greatest factor over the ranges of the inputs, the scatter included."""
+        """Least and greatest factor over the ranges of the inputs, with scatter."""
         corners = itertools.product(*((given.low, given.high) for given in self.inputs))
         values = [self.evaluate(*corner) for corner in corners]
         return min(values) * (1.0 - self.scatter), max(values) * (1.0 + self.scatter)
@@ -85,7 +85,7 @@ class Experience:
 
     @property
     def spans(self) -> str:
-        """Ranges and scatter that the band is made of, in words."""
+        """Ranges of the inputs, and scatter, in words."""
         scatter = f", +-{100 * self.scatter:.0f} %" if self.scatter else ""
         return ", ".join(given.span for given in self.inputs) + scatter
 

@@ -1,4 +1,4 @@
-"""All references and all experience: found by id, and as text for a terminal."""
+"""All references and bands of experience: looked up by id, and listed as text."""
 
 import textwrap
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -14,11 +14,11 @@ SYMBOLS = (
     "Ir = G / su, alpha_c and alpha_s: adhesion factor of the cone's face and of the shaft (alpha: "
     "both), Delta = (sigma_v0 - sigma_h0) / (2 su)"
 )
-"""What the symbols in the formulas of the references mean."""
+"""The meaning of the symbols in the formulas."""
 
 
 class UnknownReferenceError(HarnessError, LookupError):
-    """No reference has that id; the message is one line and names the nearest one."""
+    """There is no reference of that id; the message names the nearest one."""
 
 
 _REFERENCES = {reference.id: reference for reference in CONE_FACTORS}
@@ -27,12 +27,12 @@ REFERENCE_IDS, EXPERIENCE_IDS = tuple(_REFERENCES), tuple(_BANDS)
 
 
 def cone_factor_reference(reference_id: str) -> ConeFactor:
-    """The cone factor of the literature called `reference_id`."""
+    """The cone factor reference with this id."""
     return _REFERENCES[_known(reference_id, _REFERENCES, "reference")]
 
 
 def experience_entry(entry_id: str) -> Experience:
-    """The band called `entry_id`."""
+    """The band of experience with this id."""
     return _BANDS[_known(entry_id, _BANDS, "band of experience")]
 
 
@@ -43,7 +43,7 @@ def _known(entry_id: str, ids: Collection[str], kind: str) -> str:
 
 
 def all_entries() -> str:
-    """All references, then all experience, four lines or so for each, without a final new line."""
+    """All references, then all bands, about four lines each, without a final line end."""
     factors = " and ".join(factor.definition for factor in Factor)
     references = {
         reference.id: (
@@ -86,7 +86,7 @@ def all_entries() -> str:
 
 
 def one_entry(entry_id: str) -> str:
-    """One reference, or one band of experience, with all that is known of it."""
+    """One reference or band of experience in full."""
     entries: dict[str, ConeFactor | Experience] = {**_REFERENCES, **_BANDS}
     entry = entries[_known(entry_id, entries, "reference")]
     said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
@@ -133,7 +133,7 @@ def _of_experience(entry: Experience) -> Mapping[str, str]:
 
 
 def _once(texts: Iterable[str]) -> str:
-    """Different texts, each once."""
+    """Texts without duplicates, joined."""
     return "; ".join(dict.fromkeys(texts))
 
 
@@ -142,7 +142,7 @@ def _wrapped(text: str) -> list[str]:
 
 
 def _listed(entries: Mapping[str, Iterable[str]]) -> Iterator[str]:
-    """Entries one below the other: a title, and texts that are indented."""
+    """Entries below one another, each a title and indented texts."""
     for title, texts in entries.items():
         yield from ("", title)
         for text in texts:

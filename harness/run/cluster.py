@@ -1,4 +1,4 @@
-"""Cases on a Dask cluster. Their results come back and are written here, to the same archive."""
+"""Running cases on a Dask cluster. Results come back and are written to the archive here."""
 
 import importlib.util
 import logging

@@ -1,4 +1,4 @@
-"""The results of a study: status of its cases, collected dataset, and files that are no results."""
+"""Files of a study: status of its cases, collected dataset, and files that do not belong to it."""
 
 import json
 from collections import Counter
@@ -46,7 +46,7 @@ from mpm_warp.parameters import Value
 
 
 def check_begun(study: Study, out: Path) -> None:
-    """Check that at least one case of a study has a file, so that there is something to collect."""
+    """Refuse a study none of whose cases has a file, because there is nothing to collect."""
     folder = case_folder(out, study)
     if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
@@ -101,13 +101,13 @@ def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
 
 
 def outcomes(study: Study, out: Path) -> list[Outcome]:
-    """How the cases of a study stand, in their order."""
+    """The outcomes of the cases of a study, in their order."""
     folder = case_folder(out, study)
     return [read_outcome(folder, case, study.timing_repeats) for case in study.cases]
 
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
-    """How the cases of a collected dataset stand; times are of completed ones."""
+    """The outcomes of the cases of a collected dataset; only completed ones have times."""
     seconds = np.nan_to_num(over_cases(dataset, "case_time")).tolist()
     of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
     sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
@@ -167,7 +167,7 @@ def tracebacks(study: Study, out: Path) -> list[str]:
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
-    """How many cases of each status there are, and how long they took."""
+    """The number of cases of each status and their total time, in words."""
     counts = Counter(outcome.status for outcome in outcomes)
     told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
     seconds = sum(end.seconds for end in outcomes)

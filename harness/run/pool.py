@@ -40,10 +40,10 @@ _PROCESSES = multiprocessing.get_context("spawn")
 
 
 class Watcher(Protocol):
-    """Receives reports of what goes on while cases run."""
+    """Receives reports while cases run."""
 
     def advanced(self, case: Case, fraction: float) -> None:
-        """A running case has come to `fraction`, 0 to 1."""
+        """The fraction of a running case that is done, 0 to 1."""
 
     def finished(self, case: Case, outcome: Outcome) -> None:
         """A case has ended, well or not."""
@@ -117,7 +117,7 @@ def share_of_cores(cases_at_work: int) -> int:
 
 
 def cases_at_once(threads: int | None) -> int:
-    """Cases that have these cores, of so many threads each; None: of one."""
+    """Number of cases that fit these cores with so many threads each; None means one."""
     return max(1, usable_cores() // (threads or 1))
 
 
@@ -136,7 +136,7 @@ def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
 
 
 class WorkerProcess:
-    """The parent's end of a worker process, and the case that it was given last."""
+    """A worker process as the parent sees it, with the case that it was given last."""
 
     def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
         self.folder = folder
@@ -174,16 +174,16 @@ class WorkerProcess:
 
     @property
     def deadline(self) -> float:
-        """When its case has taken too long, on the monotonic clock [s]."""
+        """Time on the monotonic clock at which its case has taken too long [s]."""
         return self.began + self.options.time_limit
 
     @property
     def has_news(self) -> bool:
-        """Whether it has something to say, or its case has taken too long."""
+        """Whether it has sent a message, or its case has taken too long."""
         return self.connection.poll() or time.monotonic() >= self.deadline
 
     def news(self) -> float | Outcome:
-        """What the worker has sent of its case: the fraction done, or how it ended."""
+        """The message of the worker on its case: the fraction done, or how it ended."""
         if not self.connection.poll():
             assert self.has_news
             end_all([self])

@@ -1,4 +1,4 @@
-"""One case again, from its file alone: does it give the same bits?"""
+"""Running a case again from what its file says, to check that every bit is the same."""
 
 import json
 import tempfile
@@ -21,7 +21,7 @@ from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
 PROVENANCE = [name for name in OF_CASE if name not in ("command_line", "cores", "time_written")]
-"""What may be the reason where results differ."""
+"""Attributes whose change may explain a difference."""
 
 
 def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
@@ -124,7 +124,7 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     if key is None or not len(places):
         problem = "no case is named" if key is None else f"no case {key}"
         near = did_you_mean(key or "", map(str, keys.values.flat))
-        # There may be thousands of keys, none of which says anything.
+        # There may be thousands of keys, and none of them means anything to a reader.
         listed = f"; there are {keys.size}, `harness status {path}` lists them"
         raise ArchiveError(f"{path}: {problem}{near or listed}")
     cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))

@@ -1,4 +1,4 @@
-"""What cases cost: predicted before they run, measured after, and what they may take here."""
+"""Memory and time of cases: predicted before a run, measured after it, and the limits here."""
 
 import functools
 import math
@@ -24,23 +24,22 @@ from mpm_warp.scenes import CatalogueScene
 from mpm_warp.scenes.run_size import RunSize
 
 LONG = 24 * 3600.0
-"""Time of a case beyond which a run reports it before it begins [s]."""
+"""A case that may take longer than this is reported before the run [s]."""
 PROCESS_MEMORY, SOLVER_MEMORY = 312e6, 24e6
-"""What a process takes beside the run of a case: the interpreter and its libraries, Dask with 30 MB
-among them, which xarray loads where it is installed; and the solvers of SciPy, where a scene needs
-them [byte].
+"""Memory of a process apart from the case [byte]: the interpreter with its libraries, and SciPy's
+solvers if a scene needs them. The first includes 30 MB of Dask, which xarray loads if installed.
 
-The first run of a kernel, which compiles it, takes 50 MB more for a moment.
+The first run of a kernel, which compiles it, briefly takes 50 MB more.
 """
 SNAPSHOT_BYTES = 150.0
-"""What a material point takes in a snapshot: as it is taken, gathered and written [byte]."""
+"""Memory of a material point in a snapshot while it is taken, collected and written [byte]."""
 SHARE_OF_MACHINE = 0.9
-"""Of the machine's memory, that cases may take where nothing is said."""
+"""Fraction of the machine's memory that all cases may take by default."""
 CONTAINER_LIMITS = (
     Path("/sys/fs/cgroup/memory.max"),
     Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
 )
-"""Where Linux says how much memory a container has."""
+"""Files in which Linux states the memory of a container."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,17 +47,17 @@ class RunOptions:
     """How worker processes run cases."""
 
     device: str = "cpu"
-    threads: int | None = None  # for each case; None: the cases at work share the cores
-    time_limit: float = math.inf  # of a case [s], from the beginning of its computation
-    repeats: int = 0  # times to run each case again to measure its run time warm
-    memory_limit: float | None = None  # of a case [byte]; None: most of this machine's
+    threads: int | None = None  # for each case; None: the running cases share the cores
+    time_limit: float = math.inf  # of the computation of a case [s]
+    repeats: int = 0  # timed runs of each case, after a first run that compiles
+    memory_limit: float | None = None  # of a case [byte]; None: most of this machine's memory
 
 
 DEFAULTS = RunOptions()
 
 
 def usable_cores() -> int:
-    """Cores that this process may use: all of the machine's, where its system sets no fewer."""
+    """Cores that this process may use; all cores unless the system allows fewer."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -69,38 +68,38 @@ class TooLarge(SceneError):
 
 
 def default_memory_limit() -> float:
-    """Memory that all cases at work may take where nothing is said: most of the machine's [byte].
-
-    Of a process in a container it is the container's.
-    """
+    """Memory for all running cases by default: most of this machine or container [byte]."""
     told = [file.read_text().strip() for file in CONTAINER_LIMITS if file.is_file()]
     limits = [memory_of_machine(), *(int(text) for text in told if text.isdecimal())]
     return SHARE_OF_MACHINE * min(limits)
 
 
 def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
-    """Refuse a scene that needs more memory than it may take, before anything is built.
+    """Refuse a scene that needs too much memory, before anything is built.
 
-    The limit is that of its process [byte]; snapshots of the soil are kept until its end.
+    Args:
+        scene: the scene.
+        limit: memory that its process may take [byte].
+        snapshot_count: number of snapshots, which are kept in memory until the end.
     """
     size = scene.run_size()
     if size is not None and (needed := predicted_memory(scene, size, snapshot_count)) > limit:
         raise TooLarge(
             f"needs about {needed / 1e9:.3g} GB of memory for {size.cell_count:,} cells and "
-            f"{size.particle_count:,} material points, where a case may take {limit / 1e9:.3g} GB: "
+            f"{size.particle_count:,} material points, but a case may take {limit / 1e9:.3g} GB: "
             "try fewer cells or a smaller domain, fewer --workers, or a higher --memory-limit"
         )
 
 
 def predicted_memory(scene: CatalogueScene, size: RunSize, snapshot_count: int = 0) -> float:
-    """Peak memory of the process of a case, at most 10 % too much [byte]."""
+    """Predicted peak memory of the process of a case [byte]; it is at most 10 % too high."""
     in_libraries = PROCESS_MEMORY + (SOLVER_MEMORY if scene.loads_solvers else 0.0)
     in_snapshots = snapshot_count * size.particle_count * SNAPSHOT_BYTES
     return in_libraries + size.byte_count + in_snapshots
 
 
 def tell_of_long_cases(cases: Sequence[Case]) -> None:
-    """Say in one line which cases may take longer than `LONG`."""
+    """Print one line if some cases may take longer than `LONG`."""
     seconds = {case.label: predicted_time(case) for case in cases}
     long = {label: taken for label, taken in seconds.items() if taken > LONG}
     if long:
@@ -113,7 +112,7 @@ def tell_of_long_cases(cases: Sequence[Case]) -> None:
 
 
 def tell_of_likely_failures(cases: Sequence[Case]) -> None:
-    """Say in one line which cases are likely not to complete, by the cause in the first of them."""
+    """Print one line if some cases will probably not complete, with the cause for the first one."""
     reasons = {case.label: likely_failure(case) for case in cases}
     likely = {label: reason for label, reason in reasons.items() if reason}
     if likely:
@@ -123,7 +122,7 @@ def tell_of_likely_failures(cases: Sequence[Case]) -> None:
 
 
 def likely_failure(case: Case) -> str:
-    """Why a case is likely not to complete; "" where no cause is known, or it is refused."""
+    """Why a case will probably not complete; "" if there is no known cause or it is refused."""
     try:
         return case.built().likely_failure
     except (ParameterError, SceneError):
@@ -135,7 +134,7 @@ UPDATE_RATE = 20e6
 
 
 def predicted_time(case: Case) -> float:
-    """Time of a case on one thread, about [s]; 0 where it is not known, or the case is refused."""
+    """Approximate time of a case on one thread [s]; 0 if unknown or the case is refused."""
     try:
         size = case.built().run_size()
     except (ParameterError, SceneError):
@@ -173,7 +172,7 @@ _STATUS = Path("/proc/self/status")
 
 
 class Measurement:
-    """Measures this process from the making of the object on."""
+    """Measures time and memory of this process from the creation of the object."""
 
     def __init__(self) -> None:
         self._started = time.perf_counter()
@@ -185,7 +184,7 @@ class Measurement:
         return time.perf_counter() - self._started
 
     def variables(self) -> dict[str, xr.Variable]:
-        """What was measured up to now, as variables of a case's dataset."""
+        """The measurements so far, as variables of a case's dataset."""
         since = "it ran the case" if self._reset else "it was started, maybe for earlier cases"
         return {
             "case_time": case_time(self.seconds),

@@ -1,4 +1,4 @@
-"""Scenes against their exact solutions: every scene that has one, at its resolutions."""
+"""Checks of scenes against their exact solutions, each at several resolutions."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,14 +17,14 @@ from mpm_warp.scenes import CatalogueScene, Verification, scene_class
 
 @dataclass(frozen=True, kw_only=True)
 class Check:
-    """A scene with one set of parameters, to be run at all its resolutions within its bounds."""
+    """A check: a scene with one set of parameters, its resolutions, and bounds of the error."""
 
     scene: str
     verification: Verification
 
     @property
     def label(self) -> str:
-        """The scene and the parameters that differ from their defaults."""
+        """The scene and those parameters that differ from the defaults."""
         settings = self.verification.settings
         return " ".join([self.scene, *(f"{key}={value}" for key, value in settings.items())])
 
@@ -43,7 +43,7 @@ class Check:
 
     @property
     def predicted_time(self) -> float:
-        """Time of all its runs on one thread, about [s]; runs of unknown size count as none."""
+        """Approximate time of all its runs on one thread [s]; runs of unknown size count as 0."""
         sizes = [scene.run_size() for scene in self.runs]
         return sum(size.particle_updates / UPDATE_RATE for size in sizes if size is not None)
 
@@ -57,12 +57,12 @@ class Verified:
     messages: tuple[str, ...]
 
     def values(self, name: str) -> tuple[float, ...]:
-        """A scalar at each resolution; not a number where the run failed."""
+        """A scalar at each resolution; NaN where the run failed."""
         return tuple(math.nan if d is None else float(d[name]) for d in self.results)
 
     @property
     def order(self) -> float:
-        """Observed order between the two finest resolutions; not a number where there is none."""
+        """Observed order between the two finest resolutions; NaN if there is none."""
         if len(self.results) < 2:
             return math.nan
         coarse, fine = self.values("error")[-2:]
@@ -71,7 +71,7 @@ class Verified:
 
     @property
     def shortfalls(self) -> tuple[str, ...]:
-        """What is not reached, a phrase each; none where the check is passed."""
+        """A phrase for each bound that is missed; empty if the check is passed."""
         verification = self.check.verification
         failed = [
             f"{name} {value:.3g} > {bound:g}"
@@ -108,7 +108,7 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
 
 
 QUICK_TIME = 20.0
-"""What a check takes at most to be among the quick ones, about [s]."""
+"""Longest time of a quick check, about [s]."""
 
 
 def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
@@ -134,7 +134,7 @@ def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
 
 
 def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
-    """Run checks side by side on the cores that may be used; the results in the given order."""
+    """Run checks in parallel on the usable cores; yield the results in the given order."""
     workers = min(usable_cores(), len(checks))
     if workers < 2 or sum(candidate.predicted_time for candidate in checks) < QUICK_TIME:
         yield from map(verify, checks)
@@ -147,7 +147,7 @@ def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
 
 
 def verify(check: Check) -> Verified:
-    """Run a check; the results of a run that ends with an exception are not a number."""
+    """Run a check; a run that raises an exception has no result but a message."""
     outcomes: list[tuple[xr.Dataset | None, str]] = []
     for scene in check.runs:
         try:
@@ -164,7 +164,7 @@ HEADING = ROW.format("scene", "resolution", "error", "bound", "order", "run time
 
 
 def table_rows(verified: Verified) -> str:
-    """Lines of the table: one for each resolution, the verdict on the last."""
+    """Lines of the table: one for each resolution; the last one has the verdict."""
     verification, label = verified.check.verification, verified.check.label
     errors, run_times = verified.values("error"), verified.values("run_time")
     rows = [
@@ -188,7 +188,7 @@ def table_rows(verified: Verified) -> str:
 
 
 def as_dataset(all_verified: Sequence[Verified]) -> xr.Dataset:
-    """Errors, run times and observed orders, over checks and the ranks of their resolutions."""
+    """Errors, run times and observed orders over `check` and `rank`, the order of resolutions."""
     each = []
     for verified in all_verified:
         resolutions = verified.check.verification.resolutions

@@ -1,4 +1,4 @@
-"""What a worker process does: it runs cases one after the other and writes their files."""
+"""Worker processes: they run cases one after another and write their files."""
 
 import contextlib
 import signal
@@ -48,14 +48,11 @@ REPORT_INTERVAL = 0.1
 
 @dataclass(frozen=True)
 class Result:
-    """What became of a case: what its scene gave, or had computed up to its error, and snapshots.
-
-    The dataset says what it cost and where it was computed, too.
-    """
+    """The result of a case, completed or not."""
 
     outcome: Outcome
-    dataset: xr.Dataset
-    fields: xr.Dataset | None = None
+    dataset: xr.Dataset  # what the scene returned or had computed so far; with time and provenance
+    fields: xr.Dataset | None = None  # snapshots
 
 
 def compute(
@@ -66,12 +63,17 @@ def compute(
 ) -> Result:
     """Run a case in this process.
 
-    An exception that the scene raises is the outcome of the case, by its attribute ``status``
-    where it has one; it is not raised again. `progress` receives the fraction done now and then; by
-    default the case is computed on one thread of the processor.
+    An exception of the scene becomes the outcome of the case and is not raised. Its attribute
+    ``status``, if it has one, is the status of the case.
+
+    Args:
+        case: the case.
+        progress: is called now and then with the fraction done.
+        execution: device and threads; by default one thread of the processor.
+        options: limits and repeats.
     """
     execution = execution or Execution()
-    provenance()  # the commit is kept from now on: the sources may be edited while the case runs
+    provenance()  # reads the commit now, because sources may be edited while the case runs
     measurement = Measurement()
     status, message = COMPLETED, ""
     snapshots = Snapshots(case.snapshots) if case.snapshots else None
@@ -83,7 +85,7 @@ def compute(
         curves = getattr(error, "curves", None)
         dataset = xr.Dataset() if curves is None else curves
         status = getattr(error, "status", "")
-        # What a scene has a status for speaks for itself; anything else needs the name of its type.
+        # Errors with a status have clear messages; others need the name of their type.
         message = " ".join(str(error).split()) if status else in_one_line(error)
         if not status:
             status = FAILED
@@ -115,7 +117,7 @@ def compute(
 
 
 def load_libraries() -> None:
-    """Load what a result needs, as its first use would: so all cases have the same memory left."""
+    """Load the libraries of results now, so that all cases have the same memory left."""
     nothing = xr.Dataset({"nothing": ((), 0.0)})
     xr.merge([nothing, nothing]).to_netcdf(engine="netcdf4")
 
@@ -127,9 +129,9 @@ def run_case(
     execution: Execution | None = None,
     options: RunOptions = DEFAULTS,
 ) -> Outcome:
-    """Run a case in this process and write its file, whatever becomes of it.
+    """Run a case in this process and write its file, completed or not.
 
-    Only a result that another run has completed meanwhile is not replaced by a failure.
+    A failure does not replace a result that another run has completed meanwhile.
 
     The arguments are those of :func:`compute`, and the folder of the study's cases.
     """
@@ -142,14 +144,14 @@ def run_case(
 
 
 def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
-    """Run the cases that come over `connection`, until the other end is gone.
+    """Run the cases that come over `connection` until the parent closes it.
 
-    The parent sends cases, and numbers of threads, which hold from then on, also while a case runs.
-    The worker sends None when a case is taken on, the fraction done (0 when the computation begins)
-    and, at the end, the :class:`Outcome`. To be called once in a fresh process, because it sets how
-    the process reacts to signals.
+    The parent sends cases, and numbers of threads, which apply at once, also to a running case. The
+    worker sends None when it accepts a case, then the fraction done (0 when the computation
+    begins), and at the end the :class:`Outcome`. Call this once in a fresh process, because it
+    changes how the process reacts to signals.
     """
-    # Ctrl-C goes to the whole process group, but it is the parent that decides.
+    # Ctrl-C reaches all processes of the group, but only the parent decides what to do.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # An exception, unlike the signal's default action, removes a half-written file.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
@@ -178,10 +180,10 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
 
 
 def _without_headline(dataset: xr.Dataset) -> str | None:
-    """Why a dataset is no result: what its scene is run for is missing or no finite number."""
+    """Why a dataset is no complete result: its headline is missing or not finite; None if it is."""
     names = _headlines(dataset)
     if not names:
-        return "the scene gives no headline, the scalar that it is run for"
+        return "the scene gives no headline, its main result"
     for name in names:
         if not np.isfinite(dataset[name].item()):
             return (
@@ -198,9 +200,9 @@ def _run(
     options: RunOptions,
     snapshots: Snapshots | None,
 ) -> xr.Dataset:
-    """The dataset of the scene and its sources, with the run times of further runs.
+    """Run the scene, and again for timed runs; return its dataset with sources and run times.
 
-    Snapshots are taken in the first run alone, which is not timed.
+    Snapshots are taken only in the first run, which is not timed.
     """
     scene = scene_class(case.scene)
     if scene.version != case.scene_version:  # as on a cluster with another installation
@@ -230,9 +232,9 @@ def _run(
 
 
 def _reporter(connection: Connection, execution: Execution) -> Progress:
-    """Sends fractions done, now and then, and takes the number of threads that comes back.
+    """A function that sends the fraction done now and then, and receives numbers of threads.
 
-    It ends the process where nobody listens any more.
+    It ends the process if the parent is gone.
     """
     next_report = 0.0
 

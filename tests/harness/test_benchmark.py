@@ -75,7 +75,7 @@ def test_two_submissions_of_one_name_are_told(tmp_path, refusal):
     """Their results would be counted as those of one: a folder has the name of a formula here."""
     folder = written(tmp_path / "lu_2004")
     line = refusal(["benchmark", "score", str(folder), "--out", str(tmp_path)])
-    assert line == "harness: two submissions are called lu_2004: rename the folder of one"
+    assert line == "harness: two submissions are called lu_2004; rename one of their folders"
 
 
 def test_a_hidden_folder_is_no_submission(tmp_path):

@@ -59,7 +59,7 @@ def test_a_time_is_told_in_a_unit_that_suits_it(seconds: float, told: str) -> No
 
 def test_the_largest_grid_is_refused_before_anything_large_is_built() -> None:
     tracemalloc.start()
-    with pytest.raises(TooLarge, match=r"needs about \d+ GB .* where a case may take 16 GB: try"):
+    with pytest.raises(TooLarge, match=r"needs about \d+ GB .* but a case may take 16 GB: try"):
         check_memory(HUGE, 16e9)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
@@ -164,7 +164,7 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     options = ["--out", tmp_path / "results", "--workers", 2, "--memory-limit", "0.8GB"]
     told = command("run", small_file, *options, *settings, code=1).err
     assert "cells_per_radius=60.0: refused: needs about 1.23 GB" in told
-    assert "where a case may take 0.4 GB" in told
+    assert "but a case may take 0.4 GB" in told
     assert "cells_per_radius=1.0: completed" in told
 
 
