@@ -1,9 +1,8 @@
-"""The result of a study: its layout by design, what two scenes share, where it was computed."""
+"""The result of a study: its layout by design, what scenes share, failed and damaged cases."""
 
 import json
-import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import NoReturn
 
 import numpy as np
@@ -11,17 +10,14 @@ import pytest
 import xarray as xr
 from scipy.stats import norm
 
-import mpm_warp
-from harness.archive import provenance as origin
 from harness.archive.case_files import case_file, case_folder, write_case
 from harness.archive.conventions import (
     COMPLETED,
-    CRASHED,
     HALF_WIDTH,
     reasons_of,
     without_incomplete_curves,
 )
-from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.archive.provenance import SOURCES, sources_digest
 from harness.archive.study_files import collect, read_study, write_study
 from harness.compare.result_table import cone_factor_table
 from harness.compare.spread import spreads_of
@@ -30,7 +26,7 @@ from harness.report.report import page
 from harness.report.tables import case_parameters
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.rerun import read_for_rerun, verdict
-from harness.run.worker import compute, run_case
+from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
@@ -233,61 +229,18 @@ def test_texts_that_only_one_scene_gives_are_empty_for_the_others(tmp_path: Path
     assert read["why_no_uncertainty"].attrs["scenes"] == "cone_penetration"
 
 
-EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
-
-
 @pytest.fixture
-def cases(small: Study, tmp_path: Path) -> list[Case]:
-    """The cases of a study, which all completed at another time and place."""
+def completed(small: Study, tmp_path: Path) -> list[Case]:
+    """The cases of a study, all completed by the present code."""
     now = {SOURCES: sources_digest(small.parts[0].scene)}
-    keep(small, tmp_path, *[DONE.assign_attrs(EARLIER | now)] * 3)
+    keep(small, tmp_path, *[DONE.assign_attrs(now)] * 3)
     return list(small.cases)
 
 
-@pytest.fixture
-def result(small: Study, cases: list[Case], tmp_path: Path) -> Path:
-    """The file of the collected study."""
-    collect_and_write(small, tmp_path)
-    return tmp_path / "small.nc"
-
-
-def test_a_result_says_where_its_cases_were_computed(result: Path) -> None:
-    attributes = read_study(result).attrs
-    assert {name: attributes[name] for name in EARLIER} == EARLIER
-    here = provenance()
-    assert attributes["collected_commit"] == here["commit"]
-    assert attributes["collected_time_written"].startswith("20")
-    assert attributes["Conventions"] == here["Conventions"]
-
-
-def test_what_differs_between_the_cases_is_told_of_each(
-    small: Study, cases: list[Case], folder: Path, tmp_path: Path
-) -> None:
-    later = DONE.assign_attrs(EARLIER | {"commit": "later"})
-    write_case(folder, cases[1], later, COMPLETED)
-    case_file(folder, cases[2]).unlink()
-    dataset = collect(small, folder)
-    assert dataset["commit"].dims == ("adhesion_factor",)
-    assert dataset["commit"].values.tolist() == ["earlier", "later", ""]
-    assert "commit" not in dataset.attrs
-    assert dataset.attrs["device"] == "cuda:0"  # of all that were computed
-    write_study(tmp_path / "small.nc", dataset)
-    assert read_study(tmp_path / "small.nc")["commit"].values.tolist() == ["earlier", "later", ""]
-
-
-def test_a_case_that_never_reached_a_device_has_none(
-    small: Study, cases: list[Case], folder: Path
-) -> None:
-    write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
-    dataset = collect(small, folder)
-    assert dataset.attrs["device"] == "cuda:0"
-    assert dataset["commit"].values.tolist() == [provenance()["commit"], "earlier", "earlier"]
-
-
 def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
-    small: Study, cases: list[Case], folder: Path, tmp_path: Path, command: Command
+    small: Study, completed: list[Case], folder: Path, tmp_path: Path, command: Command
 ) -> None:
-    path = case_file(folder, cases[1])
+    path = case_file(folder, completed[1])
     path.write_bytes(path.read_bytes()[:-3000])
     told = command("collect", small.source, "--out", tmp_path, code=1).err.splitlines()
     assert told[-2].startswith(f"harness: {path}: cannot be read: ")
@@ -299,9 +252,12 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
     assert np.isnan(dataset.cone_factor.values).tolist() == [False, True, False]
 
 
+@pytest.mark.usefixtures("completed")
 def test_a_result_is_not_replaced_by_one_of_nothing(
-    small: Study, result: Path, refusal: Refusal
+    small: Study, tmp_path: Path, refusal: Refusal
 ) -> None:
+    collect_and_write(small, tmp_path)
+    result = tmp_path / "small.nc"
     before = result.read_bytes()
     out = ["--out", str(result.parent)]
     line = refusal(["collect", str(small.source), "--set", "rigidity_index=50", *out])
@@ -331,71 +287,3 @@ def test_a_link_that_leads_nowhere_is_told_in_plain_words(tmp_path: Path, comman
     lost.symlink_to("nowhere")
     first, _ = command("status", "--out", tmp_path, code=2).err.splitlines()
     assert first == f"harness: {lost}: cannot be read: No such file or directory"
-
-
-@pytest.fixture
-def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A simulator of two files."""
-    package = tmp_path / "mpm_warp"
-    (package / "step").mkdir(parents=True)
-    (package / "scene.py").write_text("a = 1\n")
-    (package / "step" / "momentum.py").write_text("b = 1\n")
-    monkeypatch.setattr(mpm_warp, "__path__", [str(package)])
-    return package
-
-
-def digest(scene: type = object) -> str:
-    """What a fresh process finds."""
-    sources_digest.cache_clear()
-    try:
-        return sources_digest(scene)
-    finally:
-        sources_digest.cache_clear()
-
-
-def test_every_source_of_the_simulator_counts_and_nothing_else(sources: Path) -> None:
-    before = digest()
-    assert len(before) == 16
-    (sources / "notes.md").write_text("of no matter")
-    assert digest() == before
-    (sources / "step" / "momentum.py").write_text("b = 2\n")
-    changed = digest()
-    (sources / "step" / "momentum.py").rename(sources / "momentum.py")
-    moved = digest()
-    (sources / "added.py").touch()
-    assert len({before, changed, moved, digest()}) == 4
-
-
-def test_the_module_of_a_scene_of_another_package_counts(
-    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    file = tmp_path / "dam.py"
-    file.write_text("height = 1\n")
-    module = ModuleType("dam")
-    module.__file__ = str(file)
-    monkeypatch.setitem(sys.modules, "dam", module)
-    scene = type("Dam", (), {"__module__": "dam"})
-    before = digest(scene)
-    assert before != digest()
-    file.write_text("height = 2\n")
-    assert digest(scene) not in (before, digest())
-
-
-def test_a_case_names_the_code_that_computes_it_though_it_is_edited_meanwhile(
-    small: Study, sources: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    loaded = digest(ConePenetration)
-    for function in (origin.sources_digest, origin._of_process):
-        function.cache_clear()
-    monkeypatch.setattr(origin, "_commit", lambda: "loaded")
-
-    def edited(*_: object) -> xr.Dataset:
-        (sources / "scene.py").write_text("a = 2\n")
-        monkeypatch.setattr(origin, "_commit", lambda: "edited")
-        return DONE
-
-    monkeypatch.setattr(ConePenetration, "run", edited)
-    said = compute(small.cases[0]).dataset.attrs
-    for function in (origin.sources_digest, origin._of_process):
-        function.cache_clear()
-    assert (said[SOURCES], said["commit"]) == (loaded, "loaded")
