@@ -1,8 +1,8 @@
-"""Pictures of what cases give as curves: resistance over penetration, and tests.
+"""Pictures of curves: `resistance` over penetration, `element_tests` and `cycles`.
 
-Of elements of soil there is stress over strain; laws with effective stress have its path and the
-pore pressure too. Of cyclic tests there are loops of resistance over depth, and resistance over
-cycles. Few of many cases have a label.
+Element tests are shown as stress over strain; for laws with effective stress the stress path and
+the pore pressure follow. Cyclic tests are shown as loops of resistance over depth, and as
+resistance over the number of cycles. If there are many cases, only a few get a label.
 """
 
 import math
@@ -44,18 +44,18 @@ from mpm_warp.scenes.full_flow.cyclic import Degradation
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
 OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"
 APPROACHED = (
-    "Before the gap the cone approaches faster, which is no result: its speed rises over the first "
-    "radius, and falls in the gap."
+    "Before the gap the cone approaches faster; this part is no result. Its speed rises over the "
+    "first radius and falls in the gap."
 )
 
 
 @STYLED
 def resistance_figure(dataset: xr.Dataset) -> Figure | None:
-    """Penetration resistance over undrained shear strength, one curve a case.
+    """Penetration resistance over undrained shear strength, one curve per case.
 
-    Up to eight curves have their values beside them. More have the colour of where they end, or of
-    several scenes that of their scene; of one parameter at a time the first case is black, and
-    those that differ most are labelled.
+    Up to eight curves are labelled. If there are more, the colour of a curve shows its last value,
+    or its scene if there are several. In a one-at-a-time study the first case is black, and the
+    cases that differ most from it are labelled.
     """
     if not {RESISTANCE, STRENGTH} <= set(dataset.variables):
         return None
@@ -109,7 +109,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _furthest(dataset: xr.Dataset, ends: dict[int, float]) -> list[int]:
-    """Where a design starts from one case, that and the five whose curves end furthest from it."""
+    """In a one-at-a-time study the first case and the five whose curves end furthest from its."""
     if dataset.attrs.get("design") != ONE_AT_A_TIME or 0 not in ends:
         return []
     others = sorted(ends, key=lambda case: abs(ends[case] - ends[0]), reverse=True)
@@ -118,7 +118,7 @@ def _furthest(dataset: xr.Dataset, ends: dict[int, float]) -> list[int]:
 
 
 def _with_scene(dataset: xr.Dataset, case: int) -> str:
-    """The scene of a case, and those of its varied values that the scene has."""
+    """The label of a case in a study of several scenes: scene and varied values."""
     values = {name: over_cases(dataset, name)[case] for name in varied_within(dataset)}
     own = [assigned(dataset, name, value) for name, value in values.items() if is_there(value)]
     return ", ".join([spelt(spoken(scenes_of(dataset)[case])), *own])
@@ -137,9 +137,9 @@ LABELS = {
 
 @STYLED
 def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
-    """Shear stress over shear strain; of laws with effective stress q over p', and pore pressure.
+    """Shear stress over shear strain; for laws with effective stress also q over p' and pressure.
 
-    A dashed line is the critical state in compression.
+    A dashed line shows the critical state in compression.
     """
     if not {STRAIN, SHEAR, DEVIATOR} <= set(dataset.variables):
         return None
@@ -176,7 +176,7 @@ def element_tests_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _last_strain(strain: Floats, stress: Floats) -> float:
-    """Twice the strain at which every case has 99 % of its last stress: the axis ends there."""
+    """End of the strain axis: twice the strain at which each stress is within 1 % of its last."""
     last = np.array([[row[np.isfinite(row)][-1]] for row in stress])
     far = (np.abs(stress - last) > 0.01 * np.abs(last)).any(axis=0)
     reached = strain[far][-1] if far.any() else strain[-1]
@@ -190,14 +190,14 @@ FITTED = {
     "cycles": "fitted_cycles",
     "misfit": "fit_misfit",
 }
-"""Where a result has the numbers of a `Degradation`."""
+"""Variables of a result that hold the fields of a `Degradation`."""
 
 
 @STYLED
 def cycles_figure(dataset: xr.Dataset) -> Figure | None:
-    """The loops of the case that loses most resistance, and all cases over cycles with their fits.
+    """Loops of the case that loses most resistance, and resistance over cycles of all cases.
 
-    Depth goes downward; resistance is below 0 where the body is pulled up.
+    Depth increases downward. The resistance is negative while the body is pulled up.
     """
     if not {LOOPS, FACTOR, STRENGTH} <= set(dataset):
         return None
@@ -207,7 +207,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
     figure, (loops, factors) = panels(2, width_ratios=(2, 3))
     fitted = [_draw_factor(factors, cases.isel(case=line.place), line) for line in lines]
     factors.set(xlabel="number of the cycle [-]", ylabel=r"resistance factor $q/s_\mathrm{u}$ [-]")
-    # Where no case softens all values are nearly the same, and margins by their range none.
+    # If no case softens, all values are nearly equal, and automatic limits would be too narrow.
     factors.set(xlim=(0.0, None), ylim=(0.0, 1.05 * factors.dataLim.ymax if lines else None))
     kept = {
         place: known[-1] / known[0]
@@ -228,7 +228,7 @@ def cycles_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _draw_factor(axes: Axes, case: xr.Dataset, line: Series) -> bool:
-    """Draw a case over its cycles, and its fit; whether it has one."""
+    """Draw a case over its cycles, with its fit; return whether it has one."""
     cycle = case["cycle"].values
     axes.errorbar(cycle, case[FACTOR].values, **line.style, label=line.label, ls="", ms=4)
     fit = Degradation(**{name: float(case.get(stored, np.nan)) for name, stored in FITTED.items()})
@@ -243,6 +243,6 @@ def _draw_loops(axes: Axes, case: xr.Dataset) -> None:
     strength = case[STRENGTH].item()
     passages = [value / strength for value in case[LOOPS].values if np.isfinite(value).any()]
     for number, resistance in enumerate(passages):
-        # From the last shade to the first: what is remoulded is dark.
+        # From light to dark, so that remoulded soil is dark.
         colour = series_colour(len(passages) - 1 - number, max(2, len(passages)))
         axes.plot(resistance, case["penetration"].values, color=colour, lw=0.9)

@@ -1,7 +1,6 @@
-"""Pictures of cases: a row for each of few; a histogram of those drawn from distributions.
+"""The pictures `cases` and `scenes`, with a row per case or soil, and `spread`, a histogram.
 
-The rows are of one scene, or of several scenes in the same soils. Beside the histogram stands what
-the spread comes from.
+Beside the histogram are the shares of the inputs in the variance.
 """
 
 from collections.abc import Sequence
@@ -34,12 +33,12 @@ from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 
 CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
-"""Inches of the row of a case and of a soil, and of axis, legend and caption."""
+"""Heights [inch] of the row of a case, of the row of a soil, and of axis, legend and caption."""
 
 
 @STYLED
 def cases_figure(dataset: xr.Dataset) -> Figure | None:
-    """A row for each case that varies much, where they are too few to tell a parameter's effect."""
+    """A row for each case, if much varies but there are too few cases for the effects."""
     studied = much_varied(dataset)
     if studied is None or not has_few_cases(studied):
         return None
@@ -59,7 +58,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
 
 
 def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
-    """A figure with rows for marks, the first on top."""
+    """A figure with one labelled row per mark, the first on top."""
     figure, (axes,) = panels(height=height * len(labels) + MARGIN)
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
@@ -72,9 +71,9 @@ def _lost(values: Floats) -> str:
 
 
 def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
-    """Labels of the soils of several scenes, and the cases of each scene, in the order of soils.
+    """Labels of soils, and the cases of each scene in the order of the soils.
 
-    There are none where the scenes do not share them.
+    Both are empty if not all scenes have the same soils.
     """
     scenes, names = scenes_of(dataset), varied_within(dataset)
     kinds, soils = list(dict.fromkeys(scenes)), alike(dataset, names)

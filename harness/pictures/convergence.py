@@ -1,4 +1,4 @@
-"""The picture of a mesh, or of another refinement: convergence, its order, and where it leads."""
+"""The picture `convergence`: a result over a refinement of the method, with order and limit."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -15,14 +15,14 @@ from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 
 LEAST_POINTS = 3
-"""Values that an order is observed from."""
+"""Values needed to observe an order."""
 ORDERS = 0.3, 3.0
-"""Orders that can be observed: beyond, the values are not yet on their way to a limit."""
+"""Range of observed orders that are accepted; outside, the values do not yet approach a limit."""
 OF_ERROR = "The order is that between the two finest."
 OF_LIMIT = (
-    "Order and limit are observed from the three finest values by Richardson's extrapolation; "
-    "the dotted line leads to the limit, the hollow mark. No order: they do not approach a "
-    "limit evenly, and what is left to it is not known."
+    "Order and limit are from the three finest values by Richardson's extrapolation; the dotted "
+    "line leads to the limit, the hollow mark. No order: the values do not approach a limit "
+    "evenly, and their distance to it is not known."
 )
 
 Refinement = tuple[Callable[[Floats], Floats], str]

@@ -1,6 +1,6 @@
-"""What was computed over one varied parameter, with bands and references; over two, a map.
+"""The pictures `curve`, the result over one varied parameter, and `map`, over two.
 
-Cone factors have the literature beside them: curves of references, and bands of experience.
+Cone factors are shown with references of the literature and bands of experience.
 """
 
 import itertools
@@ -43,21 +43,21 @@ BY_COMPRESSION = f"{COMPARED}_by_compression"
 MOST_CURVES = 5
 """Curves beside a map."""
 HATCHES = ("///", "\\\\\\", "...", "---")
-"""Hatches of bands, one after the other: a reader can tell them apart where they overlap."""
+"""Hatches of bands, used in turn, so that overlapping bands can be told apart."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
-"""Okabe and Ito's colours, which colour-blind readers can tell apart; one for each reference."""
+"""Colours of references, after Okabe and Ito, which colour-blind readers can tell apart."""
 FINE = 400
-"""Points of a literature curve."""
+"""Points of a curve of the literature."""
 
 
 @STYLED
 def curve_figure(dataset: xr.Dataset) -> Figure | None:
-    """What was computed over one parameter, or over two that make no map, as a series each.
+    """The headline over one parameter; a second one that gives no map makes several series.
 
-    Cone factors have the envelope of the literature beside them, one alone too, where the scene has
-    the parameters that it depends on. The references have their curves where these hold for all
-    series; otherwise each series has the envelope in its own colour. The stretches of a sounding
-    are no curve: their picture joins them.
+    Cone factors are shown with the envelope of the literature if the scene has the parameters that
+    it depends on, also for a single case. Curves of references are drawn if they are the same for
+    all series; otherwise each series gets the envelope in its colour. Stretches of a sounding have
+    no curve, because the picture `sounding` joins them.
     """
     studied = Studied.of(dataset)
     if studied is None or not studied.is_combined or STRETCH in studied.varied:
@@ -105,7 +105,7 @@ def curve_figure(dataset: xr.Dataset) -> Figure | None:
 def _draw_exact(
     axes: Axes, studied: Studied, cases: np.ndarray, x: Floats, *, are_texts: bool
 ) -> None:
-    """Draw exact values: a line over numbers, single marks over texts, between which is nothing."""
+    """Draw exact values: a line over numbers, single marks over texts."""
     dataset = studied.dataset
     style: dict[str, Any] = {"ls": "", "marker": "_", "ms": 20} if are_texts else {"ls": "--"}
     for name in with_role(dataset, Role.EXACT):
@@ -118,7 +118,10 @@ def _draw_exact(
 def _draw_by_strength_of_bands(
     axes: Axes, studied: Studied, cases: np.ndarray, x: Floats, colour: str
 ) -> None:
-    """Draw the factors by su in compression, as those of experience are, of a law with several."""
+    """Draw factors by su in compression beside bands of experience, which are by that su.
+
+    Nothing is drawn if the headline is by this su already.
+    """
     if BY_COMPRESSION not in studied.dataset or not stored_experience(studied.dataset):
         return
     factors = over_cases(studied.dataset, BY_COMPRESSION)
@@ -128,7 +131,7 @@ def _draw_by_strength_of_bands(
 
 
 def _table(studied: Studied) -> tuple[Values, Values, Floats]:
-    """Both parameters of a map, that of more values first; what was computed, [second, first]."""
+    """The parameters of a map, that with more values first, and the headline [second, first]."""
     x, y = sorted(studied.varied.values(), key=lambda it: it.different.size, reverse=True)
     table = np.full((y.different.size, x.different.size), np.nan)
     row, column = (np.searchsorted(it.different, it.numbers) for it in (y, x))
@@ -137,18 +140,18 @@ def _table(studied: Studied) -> tuple[Values, Values, Floats]:
 
 
 def _is_map(studied: Studied) -> bool:
-    """Whether two numbers vary, in all combinations of three values or more of each."""
+    """Whether two numbers vary in all combinations, with at least three values each."""
     if not studied.is_combined or len(studied.varied) != 2 or len(studied.numbers) != 2:
         return False
     table = _table(studied)[2]
-    # Contours need neighbours: a map with holes says less than the curves.
+    # Contours need neighbours; with many failed cases curves show more than a map.
     full = bool(np.isfinite(table).mean() > 0.5)
     return min(table.shape) >= 3 and studied.computed.size == table.size and full
 
 
 @STYLED
 def map_figure(dataset: xr.Dataset) -> Figure | None:
-    """Contours of what was computed over two parameters; beside them curves over the first."""
+    """Contours of the headline over two parameters, and beside them curves over the first."""
     studied = Studied.of(dataset)
     if studied is None or refined(studied) or not _is_map(studied):
         return None
@@ -173,7 +176,7 @@ def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values, table: Fl
     levels: Sequence[float] = MaxNLocator(7).tick_values(table.min(), table.max())
     filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
     lines = axes.contour(filled, colors="white", linewidths=0.8)
-    # Labels are placed on the page: the axes need their scales before.
+    # The axes need their scales before contour labels are placed.
     x.dress(axes, room=7)
     y.dress(axes, room=10, which="y")
     for label in axes.clabel(lines, fontsize=7, fmt="%g"):  # at the edge it would be cut off
@@ -204,7 +207,7 @@ def _draw_curves(axes: Axes, studied: Studied, x: Values) -> None:
 
 
 def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
-    """Draw the bands of cone factors that a result is set beside, over the whole width."""
+    """Draw the bands of experience of a result over the whole width."""
     entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
     for entry, hatch in zip(entries, itertools.cycle(HATCHES), strict=False):
         axes.axhspan(
@@ -224,13 +227,19 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
 def _draw_literature(
     axes: Axes, studied: Studied, along: Values, cases: np.ndarray, colour: str | None
 ) -> list[CurveEnd]:
-    """Draw the envelope and the references of a series of cases over one of its parameters.
+    """Draw the envelope and the references for a series of cases.
 
-    A curve is solid where its reference applies and dashed outside. Of one of several series in a
-    colour the envelope alone is drawn, in that colour.
+    A curve is solid where its reference is valid, and dashed elsewhere.
+
+    Args:
+        axes: where to draw.
+        studied: the result.
+        along: the parameter on the horizontal axis.
+        cases: the cases of the series.
+        colour: if given, only the envelope is drawn, in this colour.
 
     Returns:
-        The ends of the references' curves, with their names.
+        The ends of the curves, with the names of the references.
     """
     x, conditions = _over(studied, along, cases)
 
@@ -243,7 +252,7 @@ def _draw_literature(
         own = colour or "0.6"
         band = axes.fill_between(x, lower, upper, inside, color=own, alpha=0.2, lw=0)
         band.set_label(once(axes, "envelope of the literature (no confidence interval)"))
-        # A band has no width where the references hold for one value alone, as of the apex angle.
+        # A band has no width if the references are valid for a single value, as of the apex angle.
         beside = np.pad(inside, 1)
         alone = inside & ~beside[:-2] & ~beside[2:]
         if alone.any():
@@ -261,21 +270,21 @@ def _draw_literature(
 
 
 def _over(studied: Studied, along: Values, cases: np.ndarray) -> tuple[Floats, Conditions]:
-    """Places along an axis, from its first value to its last, and the conditions there."""
+    """Positions along an axis from its first to its last value, and the conditions there."""
     name, dataset = along.name, studied.dataset
-    # What the scene derives from a varied parameter goes along with it: it is left to be derived.
+    # Parameters that the scene derives from the varied one are dropped, so that they follow it.
     parameters = [it for it in with_role(dataset, Role.PARAMETER) if it in dataset.data_vars]
     follows = [it for it in parameters if dataset[it].ndim]
     places = np.unravel_index(cases[0], dataset["status"].shape)
     first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
     one = dataset.isel(first).drop_vars([*follows, name])
     if along.categories:
-        # A text says nothing to the literature: its values stand side by side.
+        # References do not depend on texts, so their values are constant along this axis.
         x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}
     else:
         x, attributes = _fine(along), dataset[name].attrs
     one = one.assign_coords({name: xr.Variable(name, x, attributes)})
-    if "rigidity_index" not in one:  # a law has its own, which changes along the axis
+    if "rigidity_index" not in one:  # a law derives it, and it changes along the axis
         place = np.log if along.scale == "log" else np.asarray
         index = np.log(over_cases(dataset, "rigidity_index")[cases])
         between = np.interp(place(x), place(along.numbers[cases]), index)
@@ -284,7 +293,7 @@ def _over(studied: Studied, along: Values, cases: np.ndarray) -> tuple[Floats, C
 
 
 def _fine(values: Values) -> Floats:
-    """Where the literature's curves are drawn: from the first value to the last."""
+    """Positions at which curves of the literature are drawn, from the first value to the last."""
     low, high = values.different[[0, -1]].tolist()
     if low == high:
         low, high = (0.0, 1.0) if 0 <= low <= 1 else (low / 2, low * 2)
@@ -293,7 +302,7 @@ def _fine(values: Values) -> Floats:
 
 
 def _colours(references: Sequence[ConeFactor]) -> list[str]:
-    """Those that ship have the same colour in all pictures; a study's own have what is left."""
+    """Colours of references. Those that ship have the same in all pictures; others get the rest."""
     ids = [reference.id for reference in literature.CONE_FACTORS]
     shipped = dict(zip(ids, itertools.cycle(COLOURS), strict=False))
     taken = {shipped.get(reference.id) for reference in references}
@@ -302,7 +311,7 @@ def _colours(references: Sequence[ConeFactor]) -> list[str]:
 
 
 def _depends_on(dataset: xr.Dataset, name: str) -> bool:
-    """Whether the references, the literature's or the study's own, depend on a parameter."""
+    """Whether any reference depends on a parameter."""
     if any(parameter_of(name) in reference.names for reference in _own(dataset)):
         return True
     column, conditions = over_cases(dataset, name), vars(conditions_of(dataset))
@@ -315,7 +324,7 @@ def _own(dataset: xr.Dataset) -> list[OwnReference]:
 
 
 def _ranges_of_own(dataset: xr.Dataset) -> str:
-    """Where the curves of the study's own references are drawn, in sentences."""
+    """Sentences on the ranges in which the study's own references are drawn."""
     return " ".join(
         plain(f"{reference.label} is drawn within its range: {reference.validity}.")
         for reference in _own(dataset)

@@ -1,4 +1,4 @@
-"""Pictures of many parameters: what each does alone, as a tornado, or among others, as a fit."""
+"""The pictures `tornado`, the effect of each parameter by itself, and `effects`, from a fit."""
 
 import math
 import textwrap
@@ -42,7 +42,7 @@ MOST_BARS = 20
 
 
 def much_varied(dataset: xr.Dataset) -> Studied | None:
-    """What varies three parameters or more together, or any at random; None where none does."""
+    """The result of a study with three or more varied parameters, or random ones; else None."""
     studied = Studied.of(dataset)
     if studied is None or studied.is_one_at_a_time:
         return None
@@ -52,12 +52,12 @@ def much_varied(dataset: xr.Dataset) -> Studied | None:
 
 
 def has_few_cases(studied: Studied) -> bool:
-    """Whether there are too few for a fit, and not too many to look at each: 20 at most."""
+    """Whether there are too few cases for a fit but few enough to show each, 20 at most."""
     return studied.computed.size <= 20 and not _effects(studied).is_fitted
 
 
 class _Effects(NamedTuple):
-    """A fit of the headline by a sum of functions of one parameter each, of each case."""
+    """A fit of the headline by a sum of functions of one parameter each."""
 
     parts: dict[str, Floats]  # by parameter; each has the mean zero over completed cases
     mean: float  # of the headline over completed cases
@@ -93,7 +93,7 @@ def _effects(studied: Studied) -> _Effects:
 
 
 def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
-    """What the fit is linear in, shape [case, :]; the mean over sound cases is zero."""
+    """The terms of the fit, shape [case, :]; their mean over completed cases is 0."""
     if values.categories:
         columns = (values.numbers[:, None] == np.arange(1, len(values.categories))).astype(float)
     else:
@@ -106,7 +106,7 @@ def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
 
 @STYLED
 def effects_figure(dataset: xr.Dataset) -> Figure | None:
-    """A panel for each parameter, most effect first: the cases without the effect of all others."""
+    """A panel for each parameter, largest effect first, with the effect of all others removed."""
     studied = much_varied(dataset)
     if studied is None or has_few_cases(studied):
         return None
@@ -173,7 +173,7 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
 
 
 class _Bar(NamedTuple):
-    """What one parameter does alone: cases in which it is changed, and how the headline changes."""
+    """The effect of one parameter by itself: cases that change it, and changes of the headline."""
 
     values: Values
     cases: np.ndarray
@@ -184,7 +184,7 @@ class _Bar(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """From the least headline to the greatest, that of the start among them."""
+        """The least and the greatest headline, including that of the first case."""
         return float(np.ptp(np.nan_to_num([0.0, *self.change])))
 
     def extreme(self, side: int) -> int | None:
@@ -207,7 +207,7 @@ def _bars(studied: Studied) -> list[_Bar]:
 
 @STYLED
 def tornado_figure(dataset: xr.Dataset) -> Figure | None:
-    """A bar for each parameter: how far the headline goes with it from the first case's."""
+    """A bar for each parameter: how much it changes the headline of the first case."""
     studied = Studied.of(dataset)
     if studied is None or not studied.is_one_at_a_time or not np.isfinite(studied.computed[0]):
         return None
@@ -271,7 +271,7 @@ def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
 
 
 def _failures(bars: Sequence[_Bar]) -> str:
-    """The values at which the case did not complete, in a sentence."""
+    """A sentence on the values with which the case did not complete."""
     failures = []
     for values, cases, change in bars:
         failed = values.numbers[cases[~np.isfinite(change)]]

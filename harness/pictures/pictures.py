@@ -1,7 +1,7 @@
-"""Pictures of a study's result, for print and for colour-blind readers.
+"""The pictures of a study's result, made for print and for colour-blind readers.
 
-Figures are made with matplotlib's objects alone: no display, no global state. Each picture has a
-file of its own, which says for which results it is meant.
+Figures are matplotlib objects without a display or global state. Each picture has a function that
+returns None for results that it does not fit; the functions are listed here.
 """
 
 from collections.abc import Callable, Sequence
@@ -39,16 +39,17 @@ PICTURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
     "stability": stability_figure,
     "sounding": sounding_figure,
 }
-"""By name, the main ones first; a picture is None for a result that it is not meant for."""
+"""Functions that draw the pictures, by name, main ones first. None means that a result has no
+such picture."""
 
 
 class NothingToDrawError(HarnessError):
-    """The dataset has no variable that a picture shows; the message is one line."""
+    """No picture fits the dataset."""
 
 
 Rendered = TypeVar("Rendered")
 Failures = dict[str, Exception]
-"""Errors of this program in pictures, by the name of the picture."""
+"""Errors of the program while drawing, by name of the picture."""
 
 
 def draw(
@@ -57,13 +58,13 @@ def draw(
     """Write the pictures of a study's result, each whole or not at all.
 
     Returns:
-        Paths of the pictures, ``<study>_<name>.<format>``, as far as they are meant for the result;
-        and the errors of the pictures that could not be drawn.
+        Paths of the pictures that fit the result, ``<study>_<name>.<format>``; and the errors of
+        pictures that could not be drawn.
 
     Raises:
-        NothingToDrawError: none is meant for it.
-        NotOwnFileError: a file is in the way that was not written by this program; then no
-            picture is written.
+        NothingToDrawError: no picture fits the result.
+        NotOwnFileError: a file of this name was not written by this program; then no picture is
+            written.
     """
     drawn, failed = rendered(dataset, lambda figure: {form: image(figure, form) for form in forms})
     if not drawn and not failed:
@@ -87,10 +88,12 @@ def draw(
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
 ) -> tuple[dict[str, Rendered], Failures]:
-    """What is made of each picture meant for a result, by name, the main one first; and errors.
+    """Apply `render` to each picture that fits a result.
 
-    A failed case has no curve there. A picture that fails, which is an error of this program, takes
-    nothing from the others.
+    Cases that did not complete have no curves. If one picture fails, the others are still drawn.
+
+    Returns:
+        The rendered pictures by name, main ones first; and the errors of pictures that failed.
     """
     sound = without_incomplete_curves(dataset)
     made: dict[str, Rendered] = {}

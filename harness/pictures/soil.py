@@ -29,7 +29,7 @@ from mpm_warp.grid.fitted import Floats, bilinear, nodal_areas
 
 
 class NodalValues:
-    """What the points of one snapshot carry, averaged to the nodes of their grid.
+    """Quantities of the material points of one snapshot, averaged to the nodes of their grid.
 
         f_i = sum over points N_i f / sum over points N_i        N_i the shape function of node i
 
@@ -61,7 +61,7 @@ class NodalValues:
         self._weights = bilinear(xi, eta)[0]
 
     def of(self, values: Floats) -> Floats:
-        """Values of the points at the nodes, [row, column]; not a number where no point is near."""
+        """Values of the points at the nodes, [row, column]; NaN where no point is near."""
         with np.errstate(invalid="ignore"):
             return self._added(values[self._present]) / self._added(1.0)
 
@@ -72,26 +72,26 @@ class NodalValues:
 
 
 def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:
-    """In which interval between rising edges each value is, and how far in it, 0 to 1."""
+    """For each value the interval between ascending edges, and its position in it, 0 to 1."""
     place = np.interp(values, edges, np.arange(len(edges)))
     interval = np.minimum(place.astype(int), len(edges) - 2)
     return interval, place - interval
 
 
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
-"""What is shown of the soil: beside the axis, below the tip and above it, in cone radii."""
+"""Extent of the soil that is shown beside the axis, below and above the tip, in cone radii."""
 MARGIN = 1.1
 """What is shown of a zone that is shown whole, over its reach."""
 COLUMNS, WIDTH = 3, 6.5
-"""Sections side by side, and what they fill: the width of a page [inch]."""
+"""Number of sections side by side, and their total width, that of a page [inch]."""
 YIELDS = 0.9999
-"""Shear stress over shear strength from which on soil yields; it is stored in single precision."""
+"""Ratio of shear stress to strength above which soil is shown as yielding; single precision."""
 LEAST_PLASTIC_STRAIN = 0.01
-"""Where the scale of the plastic shear strain begins: what is elastic has the same colour."""
+"""Lowest value of the scale of plastic shear strain; elastic soil has the colour of it."""
 
 
 class _Quantity(NamedTuple):
-    """What one section shows."""
+    """The quantity that one section shows."""
 
     label: str  # name and unit, for the colour bar
     colours: str  # a colour map whose brightness rises or falls all along, for print in grey
@@ -145,7 +145,7 @@ ROWS = math.ceil(len(QUANTITIES) / COLUMNS)
 
 
 class _Sections:
-    """The sections of all snapshots of a case; colours mean the same in all of them."""
+    """The sections of all snapshots of a case, with the same scale of colours."""
 
     def __init__(self, fields: xr.Dataset) -> None:
         radius = fields.cone_radius.item()
@@ -169,7 +169,7 @@ class _Sections:
         self.size = WIDTH, round(ROWS * height + 0.5, 1)  # of a figure that they fill [inch]
 
     def draw(self, figure: Figure, number: int) -> None:
-        """Draw those of a snapshot into an empty figure."""
+        """Draw the sections of one snapshot into an empty figure."""
         panels = figure.subplots(ROWS, COLUMNS)
         for axes in panels.flat[len(QUANTITIES) :]:
             axes.remove()
@@ -238,7 +238,7 @@ AT_TIP = (
     "its force\nover its own small area would be a spike."
 )
 MOST_CURVES = 6
-"""Snapshots that are drawn, the last among them."""
+"""Number of snapshots that are drawn; the last one is among them."""
 
 
 def traction_figure(fields: xr.Dataset) -> Figure:
@@ -282,11 +282,11 @@ def traction_figure(fields: xr.Dataset) -> Figure:
 
 FRAMES_PER_SECOND = 2
 RESOLUTION = 160
-"""Pixels of a frame per inch; of a tenth of an inch an even number, as MP4 needs."""
+"""Dots per inch of a frame; MP4 needs an even number of pixels per tenth of an inch."""
 
 
 def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
-    """Write the film as a GIF, and as an MP4 beside it where `ffmpeg` is installed; the files."""
+    """Write the film as GIF, and as MP4 too if `ffmpeg` is installed; return the files."""
     writers: dict[Path, AbstractMovieWriter] = {path: PillowWriter(fps=FRAMES_PER_SECOND)}
     if shutil.which("ffmpeg") is not None:
         writers[path.with_suffix(".mp4")] = FFMpegWriter(

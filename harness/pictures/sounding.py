@@ -50,7 +50,7 @@ def joined(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _as_one(stretches: xr.Dataset) -> xr.Dataset:
-    """One sounding of its stretches, over the depths that one of them has."""
+    """The stretches of one sounding joined over all their depths."""
     mean = stretches.mean("case", keep_attrs=True)
     resistance = stretches[RESISTANCE]
     count = resistance.notnull().sum("case")
@@ -186,7 +186,7 @@ def check_figure(found: xr.Dataset) -> Figure:
 
 @STYLED
 def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
-    """Several tests of a site: net resistance and su by depth, each su with its band of 90 %."""
+    """Several tests of a site: net resistance and su over depth, su with a band of 90 %."""
     figure, (test, strength) = panels(2, TALL, sharey=True)
     titles = [one.attrs["title"] for one in found]
     for place, one in enumerate(map(_broken, found)):
@@ -214,7 +214,7 @@ def _broken(found: xr.Dataset) -> xr.Dataset:
 
 
 def _legend(axes: Axes, columns: int) -> None:
-    """Above the panel, where it hides nothing."""
+    """Put the legend above the panel, where it hides nothing."""
     axes.legend(
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
@@ -238,7 +238,7 @@ def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure
 
 
 def _asked(found: xr.Dataset) -> Floats:
-    """Depths that are in a layer; all where none is."""
+    """The depths that are in a layer; all depths if none is."""
     meanings = found.reason.attrs["flag_meanings"].split()
     inside = found.depth.values[found.reason.values != meanings.index("no_layer")]
     return np.asarray(inside if len(inside) else found.depth.values)
@@ -275,7 +275,7 @@ def _shares(axes: Axes, found: xr.Dataset) -> None:
 
 
 def _shade(all_axes: Sequence[Axes], found: xr.Dataset) -> None:
-    """Shades over depths that feel another layer, and over those without a strength."""
+    """Shade the depths that feel another layer, and those without a strength."""
     depth = found.depth.values
     for where, colour in ((found.near_border, "#f6e6c8"), (found.reason, "0.92")):
         for run in runs(where.values != 0):

@@ -1,7 +1,8 @@
-"""Where a study is stable, by which margin, and what gives way first beyond: a picture, and words.
+"""The picture `stability`, and its table: where cases complete, with what margin, and what fails.
 
-One parameter at a time: a strip of single cases for each parameter, from the default to the first
-failure on either side. At random: the share that completed over the range of each parameter.
+In a one-at-a-time study each parameter has a strip of single cases, from the default to the first
+failure on either side. In a random study it shows the share of completed cases over the range of
+each parameter.
 """
 
 import re
@@ -41,7 +42,7 @@ from harness.study.designs import ONE_AT_A_TIME
 from harness.study.study import STABILITY_MAP
 
 PART_COUNT = 5
-"""Parts of equally many cases that the range of a random parameter is cut into."""
+"""Intervals with equally many cases into which the range of a random parameter is divided."""
 STATUSES = {
     COMPLETED: ("o", "#009E73"),
     "inaccurate": ("^", "#E69F00"),
@@ -54,15 +55,15 @@ STATUSES = {
 }
 """Marker and colour of each status, in Okabe and Ito's colours."""
 OTHER = ("*", "black")
-"""Those of any other status."""
+"""Marker and colour of any other status."""
 SCALE = 0.6
 """Height of the scale of colours with its label [inch]."""
 LEFT, RIGHT = 0.18, 0.6
-"""Where strips begin and end, of the page's width: names stand before them, words behind."""
+"""Begin and end of the strips as a fraction of the page; names are to the left, notes right."""
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
-    """Whether a study's result shows where it is stable: it asked for that, and cases were run."""
+    """Whether a result has a stability map: the study asked for one, and cases were run."""
     if not dataset.attrs.get(STABILITY_MAP):
         return False
     ran = set(dataset["status"].values.flat) - {MISSING}
@@ -76,11 +77,11 @@ def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
 
 
 def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
-    """A strip for each varied parameter, of the cases that were run.
+    """A strip for each varied parameter, from the cases that were run.
 
-    One at a time, in the order of the study: the first case, which has the defaults, and those
-    that change the parameter. At random: all cases, those parameters first over which the shares
-    differ most.
+    In a one-at-a-time study a strip has the first case, which has the defaults, and those that
+    change the parameter; strips are in the order of the study. In a random study a strip has all
+    cases, and parameters over which the shares differ most come first.
     """
     outcomes = Outcomes.of(dataset)
     ran = outcomes.status != MISSING
@@ -108,7 +109,7 @@ class Outcomes(NamedTuple):
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self:
-        """Those of all cases of a result."""
+        """The outcomes of all cases of a result."""
         status = over_cases(dataset, "status").astype(str)
         reason = np.array([short_reason(str(value)) for value in over_cases(dataset, "message")])
         limits = limits_of(dataset).items()
@@ -116,7 +117,7 @@ class Outcomes(NamedTuple):
         return cls(status, reason, np.fmax.reduce([np.full(status.shape, np.nan), *sizes]))
 
     def at(self, cases: np.ndarray) -> Self:
-        """Those of some cases."""
+        """The outcomes of some cases."""
         return type(self)(*(field[cases] for field in self))
 
     @property
@@ -126,7 +127,7 @@ class Outcomes(NamedTuple):
 
     @property
     def failures(self) -> str:
-        """What gave way: cases of each status, and a reason of the most frequent one."""
+        """The number of cases of each status, and a reason for the most frequent failure."""
         failed = Counter(self.status[self.status != COMPLETED].tolist())
         if not failed:
             return "none"
@@ -136,7 +137,7 @@ class Outcomes(NamedTuple):
 
 
 def short_reason(message: str) -> str:
-    """What gave way, out of a message: without the exception's name, places, times and remedy."""
+    """The cause in a message, without the name of the exception, places, times and remedy."""
     text = re.sub(r"^\w+: ", "", message)
     text = re.sub(r" (at|is) \[[^]]*\]( m)?", "", text)
     return re.split(r", at |, more than |; |: ", text)[0]
@@ -189,13 +190,13 @@ class Strip:
 
     @property
     def beside(self) -> tuple[str, ...]:
-        """What stands beside the strip; texts are neither below the default nor above it."""
+        """The notes beside the strip. Texts are neither below nor above the default."""
         if self.values.categories:
             return (self.margin(1),)
         return f"below: {self.margin(-1)}", f"above: {self.margin(1)}"
 
     def margin(self, side: int) -> str:
-        """How far it is from the default to the first failure on a side, and what gives way."""
+        """The distance from the default to the first failure on a side, and its cause."""
         values, place = self.values, self.failure(side)
         if place is None:
             beyond = side * (values.numbers - self.default)
@@ -244,7 +245,7 @@ class Shares:
 
     @classmethod
     def of(cls, values: Values, outcomes: Outcomes) -> Self:
-        """Parts of single values where there are few of them, else of about as many cases each."""
+        """Intervals of single values if there are few, otherwise with about equally many cases."""
         numbers, edges = values.numbers, values.different
         if not values.categories and edges.size > PART_COUNT:
             edges = np.unique(np.quantile(numbers, np.linspace(0.0, 1.0, PART_COUNT + 1)))[1:-1]
@@ -254,12 +255,12 @@ class Shares:
         return cls(values, bounds, [outcomes.at(cases) for cases in members])
 
     def share(self, status: str) -> Floats:
-        """Share of the cases of each part that ended so, shape [part_count]."""
+        """Share of the cases in each interval that ended with a status, shape [part_count]."""
         return np.array([np.mean(part.status == status) for part in self.parts])
 
     @property
     def completed(self) -> Floats:
-        """Share of the cases that completed, of each part."""
+        """Share of the cases in each interval that completed."""
         return self.share(COMPLETED)
 
     @property
@@ -287,7 +288,7 @@ class Shares:
 
     @property
     def beside(self) -> tuple[str, ...]:
-        """What stands beside the bars."""
+        """The notes beside the bars."""
         least, most = self.completed.min(), self.completed.max()
         if least == 1.0:
             return (f"all {sum(part.status.size for part in self.parts)} complete",)
@@ -295,7 +296,7 @@ class Shares:
         return f"{least:.0%} to {most:.0%} complete", failures
 
     def draw(self, axes: Axes) -> None:
-        """Draw a bar for each part, in the colours of how its cases ended."""
+        """Draw a bar for each interval, in the colours of the statuses of its cases."""
         places, base = np.arange(len(self.parts)), np.zeros(len(self.parts))
         for status in _in_order(np.concatenate([part.status for part in self.parts])):
             height = self.share(status)
@@ -317,7 +318,7 @@ class Shares:
 
 @STYLED
 def stability_figure(dataset: xr.Dataset) -> Figure | None:
-    """A strip for each parameter: of single cases, or of the shares of random ones."""
+    """The picture, with a strip for each parameter: single cases, or shares of random ones."""
     if not shows_stability(dataset):
         return None
     rows, outcomes = stability_strips(dataset), Outcomes.of(dataset)
@@ -369,6 +370,6 @@ def _draw_scale(figure: Figure, bottom: float, label: str) -> None:
 
 
 def _in_order(statuses: Texts) -> list[str]:
-    """Each status of cases that were run once, in the order of `STATUSES`, others last."""
+    """The statuses of the cases that were run, in the order of `STATUSES`, others last."""
     present = set(statuses.tolist()) - {MISSING}
     return [*(status for status in STATUSES if status in present), *sorted(present - set(STATUSES))]

@@ -1,4 +1,4 @@
-"""What a study is about: what its cases vary, and the result that they were run for."""
+"""A result as pictures and reports see it: what its cases vary, and their headline."""
 
 import functools
 from collections.abc import Iterable, Sequence
@@ -31,42 +31,42 @@ BARS = "Error bars hold the value"
 
 @dataclass(frozen=True)
 class Studied:
-    """The cases of a result in their order, and the name of the headline that they were run for."""
+    """The cases of a result in their order, and the name of their headline."""
 
     dataset: xr.Dataset
     headline: str
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self | None:
-        """What a result is about; None where its cases share no headline."""
+        """From a result of one scene with one headline; None for any other."""
         found = headlines_of(dataset) or [COMPARED] * (COMPARED in dataset)
         several = len(set(scenes_of(dataset))) > 1
         return None if several or len(found) != 1 else cls(dataset, found[0])
 
     @functools.cached_property
     def computed(self) -> Floats:
-        """The headline of each case, not a number where it did not complete."""
+        """The headline of each case; NaN where it did not complete."""
         return over_cases(self.dataset, self.headline).astype(float)
 
     @functools.cached_property
     def half_width(self) -> Floats | None:
-        """Half width of the headline's 95 % interval, of each case; None where it is not known."""
+        """The half width of each case's headline (95 %); None if no case has one."""
         known = uncertainty_of(self.dataset).astype(float)
         return known if np.isfinite(known).any() else None
 
     def widths(self, cases: np.ndarray | int) -> Floats | None:
-        """The half widths of some cases; None where none is known."""
+        """The half widths of some cases; None if no case of the study has one."""
         return None if self.half_width is None else self.half_width[cases]
 
     def draw(self, axes: Axes, x: Floats, cases: np.ndarray, **style: Any) -> None:
-        """Draw the headline of some cases over x of all, and marks of those without one."""
+        """Draw the headline of some cases, and mark those without one; `x` is for all cases."""
         own, headline = x[cases], self.computed[cases]
         axes.errorbar(own, headline, self.widths(cases), **style)
         mark_failures(axes, own[~np.isfinite(headline)])
 
     @functools.cached_property
     def varied(self) -> dict[str, Values]:
-        """The values of each parameter that has more than one, in the order of the study."""
+        """The parameters that have several values, in the order of the study."""
         names = [name for name in varied_names(self.dataset) if name != "scene"]
         values = {name: Values.of(self.dataset, name) for name in names}
         return {name: value for name, value in values.items() if value.different.size > 1}
@@ -83,31 +83,31 @@ class Studied:
 
     @property
     def is_combined(self) -> bool:
-        """Whether values were chosen and combined, not drawn by lot or changed one at a time."""
+        """Whether values are combined: neither random nor changed one at a time."""
         return self.dataset.attrs.get("design") not in (ONE_AT_A_TIME, LATIN_HYPERCUBE)
 
     @property
     def method(self) -> tuple[str, ...]:
-        """The parameters of the method alone, as the dataset calls them."""
+        """The variables of the dataset that hold parameters of the method."""
         return method_of(self.dataset, str(self.dataset.attrs.get("scene", "")))
 
     @property
     def bars(self) -> str:
-        """What error bars are, and why cases have none; see `of_half_widths`."""
+        """Sentences on what error bars are and why cases have none; see `of_half_widths`."""
         return of_half_widths(self.dataset, BARS, are_shown=self.half_width is not None)
 
     def label(self, case: int, names: Iterable[str] | None = None) -> str:
-        """What a case is called: its values of these varied parameters, by default of all.
+        """The label of a case: its values of these varied parameters, by default of all.
 
-        Of one at a time those that differ from the start.
+        In a one-at-a-time study only values that differ from the first case are included.
         """
         own = [self.varied[name] for name in (self.varied if names is None else names)]
         return label_of(self.dataset, own, case)
 
     def groups(self, name: str, along: Floats) -> list[tuple[np.ndarray, str]]:
-        """The cases that agree in all that varies but `name`, each group by `along`; its label.
+        """Groups of cases that differ only in `name`, each with its label.
 
-        The groups are by ascending values.
+        The cases of a group are ordered by `along`, and the groups by their values, ascending.
         """
         others = [other for other in self.varied if other != name]
         columns = [np.zeros(self.computed.size), *(self.varied[other].numbers for other in others)]
@@ -118,7 +118,7 @@ class Studied:
 
 
 def label_of(dataset: xr.Dataset, values: Iterable[Values], case: int, start: int = 0) -> str:
-    """The values of a case; of one at a time those that differ from the case at the start."""
+    """The values of a case; in a one-at-a-time study only those that differ from case `start`."""
     is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
     if is_one_at_a_time:
         values = [it for it in values if it.numbers[case] != it.numbers[start]]
@@ -127,10 +127,10 @@ def label_of(dataset: xr.Dataset, values: Iterable[Values], case: int, start: in
 
 
 def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:
-    """Of a study of one parameter at a time the cases in which it changes each, of shape [case].
+    """In a one-at-a-time study: for each parameter which cases change it, each of shape [case].
 
-    By value another parameter differs too where its default follows from the one that is changed,
-    so the study says which it is. Where a file does not, a case counts that differs in one alone.
+    The result names the changed parameter, because values are not enough: defaults of others may
+    follow it. If a file has no such names, cases that differ in a single parameter are taken.
     """
     if CHANGED in dataset:
         told = over_cases(dataset, CHANGED).astype(str)
@@ -141,15 +141,20 @@ def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:
 
 
 def case_labels(dataset: xr.Dataset) -> list[str]:
-    """What each case of a result is called; "" where its cases share no headline."""
+    """The label of each case; "" if the cases have no common headline."""
     studied = Studied.of(dataset)
     return [studied.label(case) if studied else "" for case in range(dataset["status"].size)]
 
 
 def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
-    """Some of the cases that have a curve, evenly spread; and in words how many more there are.
+    """Choose cases to draw, evenly spread among those with a curve.
 
-    The curves have the shape [case, :].
+    Args:
+        dataset: the result.
+        curves: shape [case, :]; NaN where there is no value.
+
+    Returns:
+        The chosen cases, and a sentence on how many more there are.
     """
     drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
     shown = [line._replace(place=case, label=labels[case]) for case, line in series(drawn)]
@@ -157,7 +162,7 @@ def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
 
 
 def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:
-    """The parameters of a scene's method, as a dataset calls them; what refines it among them."""
+    """The variables of a dataset that hold parameters of a scene's method."""
     if scene not in scene_names():
         return ()
     stored = parameter_names(dataset)

@@ -46,7 +46,7 @@ from harness.study.designs import ONE_AT_A_TIME
 
 
 class _Problem(NamedTuple):
-    """Cases that ask the same question: they differ in settings of the method alone.
+    """Cases of the same problem, which differ only in settings of the method.
 
     The soil is what else the study varies within the scene, in words.
     """
@@ -78,14 +78,14 @@ def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
 
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
-    """The settings of a case that vary; of one at a time those that differ from the start."""
+    """The varied settings of a case; in a one-at-a-time study those unlike the first case."""
     if dataset.attrs.get("design") != ONE_AT_A_TIME and len(problem.settings) > 1:
         return " / ".join(quantity(it.of_case(case)) for it in problem.settings)
     return label_of(dataset, problem.settings, case, start=problem.cases[0])
 
 
 def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
-    """What the values of :func:`_setting_of` are, in a sentence."""
+    """A sentence that explains the values of :func:`_setting_of`."""
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         return ""
     keys = dict.fromkeys(
@@ -187,7 +187,7 @@ def _draw_fronts(
     measured: Floats,
     errors: Floats,
 ) -> None:
-    """Draw the cases of each problem that have an error; `errors` are those that rank them."""
+    """Draw the cases of each problem that have an error; they are ranked by `errors`."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
     for problem, line in series(problems, None):

@@ -1,6 +1,6 @@
-"""Pages of HTML without a script: on interpreted cone tests, and on the open benchmark.
+"""HTML pages without scripts: on interpreted cone tests, and on the open benchmark.
 
-The first says what may be quoted, and all that it stands on.
+The page on tests has all values that may be quoted, with everything that they depend on.
 """
 
 import math
@@ -25,21 +25,21 @@ from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, se
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 
 Rows = list[tuple[str, ...]]
-"""Of a table, its heading first."""
+"""Rows of a table, the heading first."""
 
 
 @dataclass(frozen=True)
 class Interpreted:
-    """One test: its site file, what that says, what `interpret` gives, and the picture of it."""
+    """One interpreted test."""
 
-    path: Path
-    site: Site
-    found: xr.Dataset
-    figure: Figure
+    path: Path  # the site file
+    site: Site  # its content
+    found: xr.Dataset  # the result of `interpret`
+    figure: Figure  # its picture
 
 
 def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -> str:
-    """The page on tests as text; a picture of them together where there are several."""
+    """The page on tests as text; `together` is a picture of all tests if there are several."""
     overview = None if together is None else embedded("all tests", image(together, dpi=PICTURE_DPI))
     made = provenance()
     return TEMPLATES.get_template("interpretation.html").render(
@@ -51,7 +51,7 @@ def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -
 
 
 def _section(test: Interpreted, place: int) -> dict[str, Any]:
-    """What the page says of a test, by the names that stand in interpretation.html."""
+    """The variables of interpretation.html for one test."""
     site, found = test.site, test.found
     return {
         "anchor": f"test-{place}",

@@ -1,4 +1,4 @@
-"""One page of HTML on results, with all that they hold and nothing to be fetched."""
+"""The HTML page of `harness report`: one file that loads nothing from the network."""
 
 import base64
 import itertools
@@ -37,11 +37,11 @@ from harness.report import words
 from harness.report.tables import case_columns, case_parameters, comparisons
 
 PICTURE_DPI, SMALL_DPI = 150, 75
-"""Points an inch of the pictures, and of the small ones of the summary."""
+"""Resolution of the pictures, and of the small ones in the summary [dots per inch]."""
 
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent),
-    autoescape=True,  # what a file says is text, whatever markup is in it
+    autoescape=True,  # markup in texts of a result must not become part of the page
     undefined=StrictUndefined,
     trim_blocks=True,
     lstrip_blocks=True,
@@ -50,22 +50,22 @@ TEMPLATES = Environment(
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of a study: its name, and its PNG as a data address."""
+    """A picture in the page."""
 
     name: str
-    address: str
+    address: str  # data URL of the PNG
 
 
 def write_report(datasets: Sequence[xr.Dataset], path: Path) -> Failures:
-    """Write the page; returns the errors of pictures that could not be drawn, and are left out."""
+    """Write the page; return the errors of pictures that could not be drawn and are left out."""
     text, failed = page(datasets)
     write_own(text.encode(), path)
     return failed
 
 
 def page(datasets: Sequence[xr.Dataset]) -> tuple[str, Failures]:
-    """The page as text, and the errors of the pictures that could not be drawn."""
-    # The small picture is that of the summary, which one study alone does not have.
+    """The page as text, and the errors of pictures that could not be drawn."""
+    # Small pictures are for the summary, which only a page on several studies has.
     sections = [
         _section(place, dataset, has_small=len(datasets) > 1)
         for place, dataset in enumerate(datasets, start=1)
@@ -97,7 +97,7 @@ def _drawn(
 
 
 def _section(place: int, dataset: xr.Dataset, *, has_small: bool) -> dict[str, Any]:
-    """What the page says of a study, by the names that stand in page.html."""
+    """The variables of page.html for one study."""
     pictures, small, failed = _drawn(dataset, has_small=has_small)
     columns, parameters = case_columns(dataset), case_parameters(dataset)
     completed = (over_cases(dataset, "status") == COMPLETED).tolist()
@@ -129,7 +129,7 @@ def _section(place: int, dataset: xr.Dataset, *, has_small: bool) -> dict[str, A
 
 
 def _stands_on(dataset: xr.Dataset, parameters: Iterable[tuple[str, str, str]]) -> str:
-    """Which strength is meant, and the soil and cone of all cases, in sentences."""
+    """Sentences on which strength is meant, and on the soil and cone of all cases."""
     fixed = [
         " ".join(filter(None, (spoken(name), value, unit)))
         for name, value, unit in parameters
@@ -141,7 +141,7 @@ def _stands_on(dataset: xr.Dataset, parameters: Iterable[tuple[str, str, str]]) 
 
 
 def _summary(dataset: xr.Dataset) -> str:
-    """How many cases there are, how many did not complete, and the range of the headline."""
+    """The number of cases, how many did not complete, and the range of the headline, in words."""
     status = over_cases(dataset, "status")
     lost = int(np.sum(status != COMPLETED))
     parts = [counted(status.size, "case")]
@@ -166,5 +166,5 @@ def embedded(name: str, png: bytes) -> Picture:
 def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:
     yield from ((str(name), str(value)) for name, value in sorted(dataset.attrs.items()))
     for name in OF_CASE:
-        if name in dataset:  # not the same for all cases
+        if name in dataset:  # it differs between cases
             yield name, "; ".join(sorted({*map(str, dataset[name].values.flat)} - {""}))

@@ -1,4 +1,4 @@
-"""The tables of a page: the cases of a study, and studies beside each other."""
+"""The tables of the report: the cases of a study, and a comparison of studies."""
 
 import functools
 import itertools
@@ -33,15 +33,15 @@ from harness.report import words
 
 @dataclass(frozen=True)
 class Cell:
-    """What a table shows of one value, and all its digits in the unit shown; "" of a text."""
+    """A cell of a table."""
 
-    text: str
-    value: str
+    text: str  # as shown
+    value: str  # all digits in the unit shown, for sorting; "" for a text
 
 
 @dataclass(frozen=True)
 class Column:
-    """One quantity of all cases; its symbol and its unit are "" where it has none."""
+    """One quantity of all cases; symbol and unit are "" if it has none."""
 
     title: str
     symbol: Markup
@@ -50,16 +50,16 @@ class Column:
 
 
 def case_columns(dataset: xr.Dataset) -> list[Column]:
-    """What varies, how each case ended, and what came out."""
+    """The columns of the table of cases: what varies, status, and results."""
     return [_column(dataset, name) for name in _names(dataset)]
 
 
 def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
-    """The parameters of a result, as the page's script shows them of a case.
+    """The parameters of a result, for the script of the page.
 
     Returns:
-        Name, value and unit of those that are the same in all cases (`fixed`), name and unit of
-        those that are not (`own`), and the texts of these, of each case (`values`).
+        `fixed`: name, value and unit of parameters that are the same in all cases; `own`: name and
+        unit of the others; `values`: texts of the others for each case.
     """
     parameters = parameter_names(dataset)
     own = {name: stored for name, stored in parameters.items() if dataset[stored].ndim}
@@ -76,7 +76,7 @@ def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
 
 
 def _names(dataset: xr.Dataset) -> list[str]:
-    """The variables that have a column, as far as each case has one value of them."""
+    """The variables that get a column; each has one value per case."""
     wanted = (
         *varied_names(dataset),
         "status",
@@ -93,7 +93,7 @@ def _names(dataset: xr.Dataset) -> list[str]:
     return [
         str(name)
         for name in dict.fromkeys(wanted)
-        # What is the same in all cases is listed elsewhere; a case alone has no dims.
+        # Variables that are the same in all cases are listed elsewhere; a single case has no dims.
         if name in dataset and set(dataset[name].dims) <= dims and (dataset[name].ndim or not dims)
     ]
 
@@ -123,7 +123,7 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
 
 
 def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> str:
-    """A value and its half width, or why it has none; nothing beside a value that is missing."""
+    """A value with its half width, or with why it has none."""
     if text == words.MISSING:
         return text
     if math.isfinite(half_width):
@@ -138,21 +138,20 @@ def _sortable(value: object) -> str:
 
 
 MOST_VALUES = 6
-"""Values of a parameter that are listed; of more the ends are."""
+"""Up to so many values of a parameter are listed; of more only the ends."""
 
 Key = tuple[tuple[str, str], ...]
-"""Names and values of the parameters of a soil and its cone."""
+"""Names and values of the parameters of a soil and cone, without those of the method."""
 
 
 def comparisons(datasets: list[xr.Dataset]) -> list[dict[str, Any]]:
-    """What the page says of studies beside each other, for each scene of several studies.
+    """The variables of page.html for each scene that several studies have.
 
     Returns:
-        By the names that stand in page.html. `differing` has a row for each parameter that is not
-        the same in all studies: the name, and the value or values in each. `shared` has a row for
-        each case whose parameters, the method's aside, several studies have: the values of those
-        that tell such cases apart (`varied`), the headline in each study, and how much the last
-        differs from the first that has it.
+        `differing` has a row for each parameter that is not the same in all studies: name, and
+        values in each study. `shared` has a row for each soil and cone that several studies have:
+        the values of the parameters in `varied`, the headline in each study, and the relative
+        difference of the last from the first.
     """
     groups: dict[tuple[str, str], list[Studied]] = {}
     for dataset in datasets:
@@ -193,14 +192,14 @@ def _row(key: Key, varied: list[str], soils: list[dict[Key, float]]) -> list[str
 
 
 def _by_soil(studied: Studied) -> dict[Key, float]:
-    """The headline by soil and cone; of several settings of the method the costliest counts."""
+    """The headline by soil and cone; of several settings of the method the costliest is used."""
     dataset = studied.dataset
     names = {
         name: stored
         for name, stored in parameter_names(dataset).items()
         if stored not in studied.method
     }
-    # By name: in which order a result holds its parameters depends on which of them vary.
+    # Sorted, because the order of parameters in a result depends on which of them vary.
     columns = [
         (name, over_cases(dataset, stored).tolist()) for name, stored in sorted(names.items())
     ]

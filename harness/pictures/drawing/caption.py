@@ -1,4 +1,4 @@
-"""The caption of a picture: what it shows, and what was fixed."""
+"""Captions of pictures: what is shown, and which parameters are fixed."""
 
 import math
 import re
@@ -30,7 +30,7 @@ from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
 LETTERS = 112
-"""Letters of a line of the caption, which is as wide as the page."""
+"""Letters in a line of the caption, which has the width of the page."""
 LINE = 0.126
 """Height of a line [inch]."""
 MOST_FIXED = 14
@@ -38,9 +38,9 @@ MOST_FIXED = 14
 MOST_TEXTS = 4
 """Long texts that a caption has room for."""
 SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
-"""A symbol in mathematics, and what holds its place while lines are wrapped."""
+"""Pattern of a mathematical symbol, and its placeholder while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
-"""Between a symbol and its value: they stay on one line."""
+"""Keeps a symbol and its value on one line."""
 SOIL_AND_CONE = (
     "rigidity_index",
     "adhesion_factor",
@@ -50,15 +50,16 @@ SOIL_AND_CONE = (
     "stress_anisotropy",
     "material",
 )
-"""Parameters that a caption names even where they are the defaults: results depend on them most."""
+"""Parameters that a caption always gives, because results depend on them most."""
 
 
 def captioned(
     figure: Figure, dataset: xr.Dataset, *sentences: str, legend: Axes | None = None
 ) -> Figure:
-    """A figure with what it shows, and what was fixed, below it; with the legend of axes above.
+    """Add a caption below a figure, and the legend of axes above it.
 
-    Empty sentences are left out. For the key of long texts the figure is higher.
+    The caption has the title of the study, the sentences, and the fixed parameters. Empty sentences
+    are left out. The figure becomes higher if long texts need a key.
     """
     if legend is not None:
         legend_above(figure, legend)
@@ -73,7 +74,7 @@ def captioned(
 
 
 def _numbered(dataset: xr.Dataset) -> Iterator[str]:
-    """What numbers stand for in the place of long texts, in sentences."""
+    """Sentences that explain the numbers which replace long texts."""
     for name in varied_names(dataset):
         if long := Values.of(dataset, name).long:
             key = "; ".join(f'{place}: "{plain(text)}"' for place, text in enumerate(long, 1))
@@ -82,30 +83,33 @@ def _numbered(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def left_out(count: int, noun: str) -> str:
-    """How many of something have no room in a picture, in a sentence."""
+    """A sentence on how many items are not shown; "" if there are none."""
     return f"{count} more {noun} are not shown." if count else ""
 
 
 def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
-    """What bars or bands are, and why there is none of some cases, in sentences.
+    """Sentences on what error bars or bands mean, and why some cases have none.
 
-    `holds` says which they are, and of what: "Bands hold the resistance".
+    Args:
+        dataset: the result.
+        holds: beginning of the first sentence: "Bands hold the resistance".
+        are_shown: whether the picture has any bars or bands.
     """
     meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
     reasons = reasons_of(dataset)
     words, (_, _, sentence) = words_of(reasons), next(filter(None, reasons), "").partition(": ")
-    if len(set(filter(None, reasons))) > 1:  # each with depths of its own
+    if len(set(filter(None, reasons))) > 1:  # they apply to different depths
         sentence = sentence.partition(", from ")[0]
     where = "Where there is none" if are_shown else "There are no half widths:"
     why = f" the error is not known: {words}" if words else ""
-    if sentence and "," not in words:  # there is room for the whole of one reason
+    if sentence and "," not in words:  # a single reason is given in full
         why = f"{':' if are_shown else ''} {sentence.partition(', but ')[0]}"
     without = f"{where}{why}." if why else ""
     return " ".join(filter(None, [meant, without, _not_measured(dataset) if are_shown else ""]))
 
 
 def _not_measured(dataset: xr.Dataset) -> str:
-    """Which scenes have neither a half width nor a reason for none, in a sentence."""
+    """A sentence on scenes that have neither a half width nor a reason for its absence."""
     silent = np.isnan(uncertainty_of(dataset)) & (np.array(reasons_of(dataset)) == "")
     silent &= over_cases(dataset, "status") == COMPLETED
     names = plain(" and ".join(dict.fromkeys(np.array(scenes_of(dataset))[silent].tolist())))
@@ -113,20 +117,20 @@ def _not_measured(dataset: xr.Dataset) -> str:
 
 
 def fixed(dataset: xr.Dataset) -> str:
-    """The parameters that are the same in all cases, in a sentence.
+    """A sentence on the parameters that are the same in all cases.
 
-    Those that matter most are named, and all that differ from the scene's defaults.
+    It gives the most important ones, and all that differ from the scene's defaults.
     """
     names = list(_fixed_names(dataset))
     texts = (assigned(dataset, name, dataset[name].item()) for name in names[:MOST_FIXED])
     shown = [text.replace(" ", NO_BREAK) for text in (*texts, *_by_depth(dataset))]
     scene = plain(dataset.attrs.get("scene", ""))
-    rest = f"all else by the defaults of {scene}" if scene in scene_names() else ""
+    rest = f"all else as by default in {scene}" if scene in scene_names() else ""
     return f"Fixed: {', '.join(filter(None, [*shown, rest]))}." if shown or rest else ""
 
 
 def _by_depth(dataset: xr.Dataset) -> Iterator[str]:
-    """What resistance depends on most of a profile that all cases have: from least to greatest."""
+    """The ranges of the most important quantities in a profile that all cases have."""
     text = dataset[PROFILE].item() if PROFILE in dataset and not dataset[PROFILE].ndim else ""
     columns = columns_of(text) if text else {}
     if "shear_modulus" in columns and "strength" in columns:
@@ -139,7 +143,7 @@ def _by_depth(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
-    """What they are called in the dataset."""
+    """The variables of the dataset that a caption gives as fixed."""
     constant = {
         name: own
         for name, own in parameter_names(dataset).items()
@@ -153,7 +157,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _wrapped(text: str) -> str:
-    """Lines of a page's width; a symbol is as wide as its few letters."""
+    """The text in lines of the page's width; a symbol is as wide as its few letters."""
     symbols = iter(SYMBOL.findall(text))
     # Each symbol is wrapped as a word of its own length, then put back.
     lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), LETTERS, break_on_hyphens=False)
