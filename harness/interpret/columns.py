@@ -19,49 +19,14 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import read_file
-from harness.interpret.formats import LENGTHS, Heading, NotNamedError, TestFile, plain_unit
+from harness.interpret.formats import TestFile
+from harness.interpret.headings import columns_in, is_of_rods
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import nearest_name
 
-NAMES: Mapping[str, tuple[str, ...]] = {
-    "depth": ("depth", "z", "penetration", "penetrationlength", "sondeerlengte", "scpt_dpth"),
-    "qc": ("qc", "cone_resistance", "coneresistance", "tip", "scpt_res"),
-    "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres"),
-    "u2": ("u2", "u", "pore_pressure", "porepressureu2", "scpt_pwp2"),
-    "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1", "inclinationns"),
-    "inclination_across": ("inclination_across", "scpt_slp2", "inclinationew"),
-}
-"""What each column may be called, without regard to capitals."""
-RODS = ("penetration", "penetrationlength", "sondeerlengte")
-"""Of the names of a depth those of a length of rods."""
-IN_PLANES = ("inclinationns", "inclinationew")
-"""Of the names of inclinations those in two planes; their resultant says the same."""
-OPTIONAL = ("u2", *AXES)
-PRESSURES: Mapping[str, float] = {
-    "Pa": 1.0,
-    "kPa": 1e3,
-    "MPa": 1e6,
-    "bar": 1e5,
-    "kN/m2": 1e3,
-    "MN/m2": 1e6,
-    "kg/cm2": 98066.5,
-    "tsf": 95760.52,
-    "psi": 6894.757,
-}
-ANGLES: Mapping[str, float] = {
-    "deg": math.pi / 180.0,
-    "degrees": math.pi / 180.0,
-    "graden": math.pi / 180.0,
-    "\N{DEGREE SIGN}": math.pi / 180.0,
-    "rad": 1.0,
-}
-"""Units, and what they are in SI units."""
-UNITS = {"depth": LENGTHS} | dict.fromkeys(AXES, ANGLES)
-"""Of columns that hold no pressures."""
 MOST_INCLINED = math.radians(45.0)
 """No cone is pushed so far; what is more is in another unit."""
 POSSIBLE: Mapping[str, Range] = {
@@ -133,7 +98,7 @@ def read_columns(test: MeasuredTest) -> Columns:
         )
     _refuse_impossible(test, places, values)
     angles = [values.pop(name) for name in AXES if name in values]
-    of_rods = _joined(file.headings[found["depth"][0]].name) in RODS
+    of_rods = is_of_rods(file.headings[found["depth"][0]])
     if of_rods and not angles:
         notes.append("depth is the length of the rods; the file has no inclination")
     elif of_rods or AXES[0] in test.columns:
@@ -211,78 +176,6 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
         )
     cone_radius = math.sqrt(1e-4 * (cone_area or USUAL_AREA) / math.pi)
     return area_ratio, pre_drilled or 0.0, cone_radius, notes
-
-
-def columns_in(
-    path: Path,
-    headings: Sequence[Heading],
-    columns: Mapping[str, str],
-    units: Mapping[str, str],
-) -> dict[str, tuple[int, float]]:
-    """Which column holds what, and its unit in SI units; `columns` and `units` are given names.
-
-    Raises:
-        NotNamedError: a column or a unit is not known by its name.
-    """
-    found, lacking = {}, {}
-    names_of_all = {_joined(heading.name) for heading in headings}
-    whole = {_joined(own) for own in NAMES[AXES[0]] if own not in IN_PLANES}
-    resultant = AXES[0] in columns or bool(names_of_all & whole)
-    for name, usual in NAMES.items():
-        wanted = columns.get(name)
-        names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]
-        if resultant and wanted is None:
-            names = [own for own in names if own not in IN_PLANES]
-        places = [
-            place
-            for place, heading in enumerate(headings)
-            if _joined(heading.name) in names or (wanted and _joined(heading.title) in names)
-        ]
-        if name == "depth" and wanted is None:  # the length of rods is more, where they lean
-            places = [place for place in places if headings[place].name == name] or places
-        if len(places) > 1:
-            titles = ", ".join(headings[place].title for place in places)
-            raise NotNamedError(
-                f"{path}: {len(places)} columns may be {name}: {titles}; name one under columns of "
-                f'the site file, as columns = {{ {name} = "..." }}'
-            )
-        if places:
-            found[name] = places[0]
-        elif name not in OPTIONAL or wanted is not None:
-            lacking[name] = wanted or name
-    if lacking:
-        near = nearest_name(
-            next(iter(lacking.values())), [heading.title for heading in headings if heading.title]
-        )
-        keys = ", ".join(f'{name} = "..."' for name in lacking)
-        raise NotNamedError(
-            f"{path}: has no column {', '.join(map(repr, lacking.values()))}{near}; name it under "
-            f"columns of the site file, as columns = {{ {keys} }}"
-        )
-    if unused := units.keys() - found.keys():
-        raise StudyError(f"{path}: has no column {min(unused)!r}; units of the site file has it")
-    return {
-        name: (place, _unit(path, name, headings[place], units.get(name)))
-        for name, place in found.items()
-    }
-
-
-def _joined(name: str) -> str:
-    """A name without what parts its words, in small letters."""
-    return re.sub(r"[\s_.-]", "", name.lower())
-
-
-def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
-    known, unit = UNITS.get(name, PRESSURES), given or heading.unit
-    sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
-    usual = plain_unit(unit.partition("(")[0])  # as Graden(deg)
-    if usual not in sizes:
-        told = f"has unit {unit!r}" if unit else "has no unit"
-        raise NotNamedError(
-            f"{path}: column {heading.title!r} {told}; allowed: {', '.join(known)}, in the "
-            f'header as "{name} [{next(iter(known))}]", or under units of the site file'
-        )
-    return sizes[usual]
 
 
 def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...]) -> Floats:

@@ -1,6 +1,6 @@
 """Files of measured tests: the format of each is found, and those in CSV are read here.
 
-What a column holds is told by its name in NAMES of columns.py.
+What a column holds is told by its name in NAMES of headings.py.
 """
 
 import csv

@@ -14,10 +14,10 @@ from tqdm import tqdm
 from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
-from harness.interpret.columns import columns_in
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import read_file
 from harness.interpret.formats import NotNamedError
+from harness.interpret.headings import columns_in
 from harness.interpret.keys import TEST_KEYS
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import (
