@@ -43,6 +43,8 @@ NO_VALUE = -999.0, -9999.0, -99999.0, -999999.0
 """Usual codes for no value, which the file or the site file has to declare."""
 GAP = 0.25
 """Steps of depth above this, and above five usual ones, are told as gaps [m]."""
+NOT_THERE = {"fs": "only Bq and the tip tell what is clay", "u2": "there is no Bq"}
+"""Columns that a test may lack, and what is lost without them."""
 MOST_ROWS = 20_000
 USUAL_AREA = 10.0
 """Cross-section of a cone where neither file says it [cm2]."""
@@ -60,7 +62,7 @@ class Columns:
 
 
 def read_columns(test: MeasuredTest) -> Columns:
-    """The columns of the file of a test; depth rises, and u2 is all missing where it has none.
+    """The columns of the file of a test; depth rises, fs or u2 is all missing where it has none.
 
     Raises:
         StudyError: the file is missing, damaged or too large, lacks a column, or is no cone test.
@@ -89,7 +91,10 @@ def read_columns(test: MeasuredTest) -> Columns:
     order = np.arange(len(places)) if file.in_order else np.argsort(values["depth"], kind="stable")
     kept = order[_downward(path, values["depth"][order], places[order], notes)]
     places, values = places[kept], {name: value[kept] for name, value in values.items()}
-    values.setdefault("u2", np.full_like(values["depth"], np.nan))
+    for name, lost in NOT_THERE.items():
+        if name not in values:
+            values[name] = np.full_like(values["depth"], np.nan)
+            notes.append(f'no column is taken as {name} (columns = {{ {name} = "..." }}): {lost}')
     if area_ratio < 1.0 and np.isnan(values["u2"]).all():
         raise StudyError(
             f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "

@@ -23,7 +23,7 @@ RODS = ("penetration", "penetrationlength", "sondeerlengte")
 """Of the names of a depth those of a length of rods."""
 IN_PLANES = ("inclinationns", "inclinationew")
 """Of the names of inclinations those in two planes; their resultant says the same."""
-OPTIONAL = ("u2", *AXES)
+OPTIONAL = ("fs", "u2", *AXES)
 PRESSURES: Mapping[str, float] = {
     "Pa": 1.0,
     "kPa": 1e3,

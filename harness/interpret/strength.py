@@ -96,6 +96,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     test = measured(site.test)
+    _refuse_without_values(site, test)
     depth, borders, radius = test.depth.values, site.borders, test.attrs["cone_radius"]
     used, placed = without_borders(test, borders, radius) if sharpen else (test, borders)
     names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
@@ -152,6 +153,19 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         told = "net resistance without the effect of borders"
         own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
     return found.assign(labelled(dims=("depth",), **own)).assign_attrs(notes="; ".join(notes))
+
+
+def _refuse_without_values(site: Site, test: xr.Dataset) -> None:
+    """Refuse a site that asks the sleeve or the filter of a test that has no value of it."""
+    by_sleeve = [it.title for it in site.layers if "adhesion_factor" not in it.inputs]
+    asked = [("fs", "sleeve_friction", f"adhesion_factor of {title}") for title in by_sleeve]
+    if "sleeve" in site.use:
+        asked.append(("fs", "sleeve_friction", "use"))
+    if "pore_pressure" in site.use:
+        asked.append(("u2", "pore_pressure", "use"))
+    for name, variable, key in asked:
+        if test[variable].isnull().all():
+            raise StudyError(f"{site.name}.toml: {key} asks for {name}, which the test has not")
 
 
 def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:

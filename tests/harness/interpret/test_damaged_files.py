@@ -38,7 +38,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
         lambda it: it.replace(b",", b";").replace(b"\n1.5;", b"\n1,5;"),
         "'1,5' is no number; a number has a point",
     ),
-    "no column": ("csv", replaced("fs [MPa]", "x [MPa]"), "has no column 'fs'"),
+    "no column": ("csv", replaced("qc [MPa]", "x [MPa]"), "has no column 'qc'"),
     "twice": ("csv", replaced("fs [MPa]", "qc [MPa]"), "2 columns may be qc: qc [MPa], qc [MPa]"),
     "unit of qc": (
         "csv",
@@ -128,6 +128,11 @@ IN_A_SITE_FILE = {
         "[test]",
         '[test]\nunits = { inclination = "deg" }',
         "has no column 'inclination'; units of the site file has it",
+    ),
+    "site: a column of no name": (
+        "[test]",
+        '[test]\ncolumns = { fs = "x" }',
+        "has no column 'x'",
     ),
     "site: no TOML": ("[test]", "[test", "not valid TOML"),
     "site: no area ratio": ("area_ratio = 0.8\n", "", "area_ratio: is missing"),

@@ -133,6 +133,38 @@ def test_what_may_be_sand_by_the_tip_alone_has_no_strength(folder: Path, frictio
     assert found.soil_index[ROW:].isnull().all()
 
 
+def test_without_a_sleeve_clay_is_told_by_pore_pressure_and_tip(folder: Path) -> None:
+    """As where fs has no value: clay by Bq, or by qt alone; nothing that asks for fs is given."""
+    rewritten(folder, "qc", 0.4, slice(ROW, ROW + 10))
+    rewritten(folder, "u2", 250.0, slice(ROW, ROW + 5))
+    rewritten(folder, "fs", "")
+    emptied = interpret(load_site(folder / "site.toml"))
+    text = (folder / "test.csv").read_text()
+    (folder / "test.csv").write_text(text.replace("fs [kPa]", "x [kPa]"))
+    found = interpret(load_site(folder / "site.toml"))
+    assert reasons(found)[ROW : ROW + 5] == ["used"] * 5
+    assert reasons(found)[ROW + 5 : ROW + 10] == ["no fs and it may be sand"] * 5
+    xr.testing.assert_equal(found, emptied)
+    assert found.attrs["notes"].startswith("no column is taken as fs (columns = { fs =")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("[test]", 'use = ["tip", "sleeve"]\n[test]', "use asks for fs, which the test has not"),
+        ("[test]", 'use = ["tip", "pore_pressure"]\n[test]', "use asks for u2"),
+        ("= 0.4", '= "sleeve"', "adhesion_factor of 2 to 10 m asks for fs"),
+    ],
+)
+def test_a_sleeve_or_filter_that_is_asked_has_to_be_there(
+    folder: Path, old: str, new: str, told: str, refusal: Refusal
+) -> None:
+    rewritten(folder, "fs", "")
+    rewritten(folder, "u2", "")
+    path = changed(folder, (old, new), ("area_ratio = 0.8", "area_ratio = 1"))
+    assert told in refusal(["interpret", str(path)])
+
+
 @pytest.mark.parametrize("friction", ["0", "-1", ""])
 def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_tell_something(
     folder: Path, friction: str
