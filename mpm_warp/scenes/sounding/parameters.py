@@ -58,7 +58,11 @@ class SoundingTest(FittedToCone, FieldClayScene):
         0.0, "growth of strength with depth", unit="Pa m-1", minimum=0, maximum=1e9
     )
     layer_top: float | None = parameter(
-        None, "depth of the top of the layer (default: no layer)", unit="m", above=0
+        None,
+        "depth of the top of the layer (default: no layer)",
+        unit="m",
+        above=0,
+        maximum=LAST_DEPTH,
     )
     layer_thickness: float | None = parameter(
         None, "thickness of the layer (default: it has no end)", unit="m", above=0

@@ -162,6 +162,7 @@ def test_two_stretches_agree_where_they_overlap() -> None:
         ({"stretch_number": 2}, "stretch_number = 2 is not allowed: must be <= stretch_count = 1"),
         ({"profile": f"{HEAD}; 0, 1; 14, 1"}, "ends at 14 m, must reach to_"),
         ({"layer_top": 13.0, "layer_thickness": 0.1}, "is 0.1 m thick, must be >= a cell, 0.5774"),
+        ({"layer_top": 10001.0}, "must be a number > 0 and <= 10000"),
         ({"layer_thickness": 2.0}, "layer_thickness = 2 needs layer_top, the depth"),
         ({"layer_strength_ratio": 0.5}, "layer_strength_ratio = 0.5 needs layer_top, "),
         (
