@@ -40,7 +40,8 @@ ABOVE_VACUUM = Range(minimum=-0.2e6, maximum=100e6)
 REBOUND = 0.05
 """By so much the tip may go back where rods are changed [m]."""
 NO_VALUE = -999.0, -9999.0, -99999.0, -999999.0
-"""Usual codes for no value, which the file or the site file has to declare."""
+"""Usual codes for no value. By its value alone a pressure of -999 kPa is no other, so that the file
+or the site file has to tell which it is."""
 GAP = 0.25
 """Steps of depth above this, and above five usual ones, are told as gaps [m]."""
 NOT_THERE = {"fs": "only Bq and the tip tell what is clay", "u2": "there is no Bq"}
@@ -183,7 +184,7 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
     return area_ratio, pre_drilled or 0.0, cone_radius, notes
 
 
-def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...]) -> Floats:
+def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...] | None) -> Floats:
     """The numbers of a column, not a number where there is none."""
     heading, values = file.headings[place], np.full(len(file.rows), np.nan)
     for row, (number, cells) in enumerate(file.rows):
@@ -202,13 +203,13 @@ def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...])
                     f"{path}: {file.row} {number}, column {heading.title!r}: {cell[:40]!r} is no "
                     f"number{comma}"
                 ) from None
-    values[np.isin(values, (*missing, *heading.missing))] = np.nan
-    if (codes := np.isin(values, NO_VALUE)).any():
+    values[np.isin(values, (*(missing or ()), *heading.missing))] = np.nan
+    if missing != () and (codes := np.isin(values, NO_VALUE)).any():
         row = int(np.argmax(codes))
         raise StudyError(
             f"{path}: {file.row} {file.rows[row][0]}, column {heading.title!r}: {values[row]:g} is "
-            "a usual code for no value, which belongs under `missing` of the site file, as "
-            f"missing = [{values[row]:g}]"
+            f"a usual code for no value: missing = [{values[row]:g}] in the site file says so, "
+            "missing = [] that all such values were measured"
         )
     return values
 

@@ -110,7 +110,10 @@ TEST_KEYS: Mapping[str, Key] = {
     "sounding": _text("name of the one that is meant, in a file of several"),
     "columns": _texts("names of the columns in the file, where they are others"),
     "units": _texts("units of the columns, in place of the file's"),
-    "missing": Key("numbers that stand for no value, beside the file's own", forms=(Form.NUMBERS,)),
+    "missing": Key(
+        "numbers that stand for no value, beside the file's own; [] where -999 is measured",
+        forms=(Form.NUMBERS,),
+    ),
     "ground_level": _number(
         "level of the ground, where the file has levels, upward, in place of depths", unit="m"
     ),

@@ -36,7 +36,7 @@ class MeasuredTest:
     sounding: str | None
     columns: Mapping[str, str]
     units: Mapping[str, str]
-    missing: tuple[float, ...]
+    missing: tuple[float, ...] | None  # beside the file's own; () says that there are no others
     ground_level: float | None
     pre_drilled: float | None
     area_ratio: float | None
@@ -146,7 +146,9 @@ def _test(given: Table, folder: Path) -> MeasuredTest:
         sounding=table.text("sounding") if "sounding" in table.values else None,
         columns=_texts(table, "columns"),
         units=_texts(table, "units"),
-        missing=tuple(_finite(table, "missing", code) for code in table.list("missing")),
+        missing=tuple(_finite(table, "missing", code) for code in table.list("missing"))
+        if "missing" in table.values
+        else None,
         ground_level=_optional(table, "ground_level"),
         pre_drilled=_optional(table, "pre_drilled"),
         area_ratio=_optional(table, "area_ratio"),

@@ -48,7 +48,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "unit of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,9,9\n1.51,"), "fs = 9e+06 Pa, must be"),
     "a code of fs": ("csv", replaced("\n1.5,", "\n1.5,0.1,-0.999,0\n1.51,"), "fs = -999000 Pa"),
     "a code of u2": ("csv", replaced("\n1.5,", "\n1.5,0.1,0,-0.999\n1.51,"), "u2 = -999000 Pa"),
-    "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "as missing = [-9999]"),
+    "a code": ("csv", replaced("\n1.5,", "\n1.5,-9999,0,0\n1.51,"), "value: missing = [-9999] in"),
     "no unit": ("csv", replaced("qc [MPa]", "qc"), "has no unit"),
     "no u2": ("csv", replaced("u2 [MPa]", "other [MPa]"), "has no u2"),
     "unknown unit": ("csv", replaced("[MPa]", "[lb]"), "has unit 'lb'; allowed: Pa, kPa, MPa"),

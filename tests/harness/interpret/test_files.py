@@ -217,6 +217,8 @@ def test_a_code_for_no_value_is_never_a_pore_pressure(folder: Path, code: float)
         columns_of(path)
     told = columns_of(changed(folder, ("[test]", f"[test]\nmissing = [{code}]")))
     np.testing.assert_array_equal(np.isnan(told.values["u2"]), [False, True, False])
+    none = columns_of(changed(folder, (f"[{code}]", "[]")))
+    np.testing.assert_array_equal(none.values["u2"], [30e3, 1e3 * code, 50e3])
 
 
 def test_rows_without_a_depth_by_their_code_are_left_out(folder: Path) -> None:
