@@ -3,7 +3,7 @@
 All three are made from the definitions in keys.py.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,17 @@ PERCENTILES = 5, 50, 95
 """Of a distribution, by which it is told."""
 
 
-def site_text(test: str, told: Mapping[str, float]) -> str:
-    """A site file for a test, explained key by key, to be edited; `told` is by the test's own."""
+def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = ()) -> str:
+    """A site file for a test, explained key by key, to be edited.
+
+    `told` is by the test's own; of several `soundings` one is to be chosen, each has a comment.
+    """
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
+    rows = _key_rows(TEST_KEYS, given)
+    if soundings:
+        at = rows.index("#sounding = ...")
+        rows[at : at + 1] = [f"#{assignment('sounding', name)}" for name in soundings]
     lines = [
         "# A measured cone test and its ground. A line that begins with # is a comment; a value in",
         "# it is assumed, and told so. Take the # away and give what is known of this ground.",
@@ -33,7 +40,7 @@ def site_text(test: str, told: Mapping[str, float]) -> str:
         *_key_rows(SITE_KEYS, {"title": "My site"}),
         "",
         "[test]",
-        *_key_rows(TEST_KEYS, given),
+        *rows,
         "",
         "# As many layers as there are of undrained clay.",
         "[[layer]]",

@@ -21,6 +21,11 @@ from mpm_warp.parameters import nearest_name
 class NotNamedError(StudyError):
     """What the site file has to name: one of several soundings, a column, a unit."""
 
+    def __init__(self, message: str, soundings: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.soundings = soundings
+        """Of the soundings their names."""
+
 
 @dataclass(frozen=True)
 class Heading:
@@ -304,7 +309,8 @@ def _one_of(path: Path, names: Sequence[str], wanted: str | None) -> str:
     if wanted is None:
         raise NotNamedError(
             f"{path}: has {len(names)} tests: {told}; name one in the site file, as sounding = "
-            f'"{names[0]}"'
+            f'"{names[0]}"',
+            names,
         )
     if wanted not in names:
         near = nearest_name(wanted, names)

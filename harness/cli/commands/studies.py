@@ -65,15 +65,17 @@ def new(options: argparse.Namespace) -> int:
 def _site_text(test: Path) -> str:
     """A site file for a measured test, with the values that the test's file states."""
     told: Mapping[str, float] = {}
+    soundings: Sequence[str] = ()
     try:
         file = read_file(test)
         told = file.told
         columns_in(test, file.headings, columns={}, units={})
     except NotNamedError as error:
         tell(str(error))
+        soundings = error.soundings
     # Values out of range are left out here; `interpret` refuses them and names their place.
     allowed = {key: it for key, it in told.items() if TEST_KEYS[key].allowed.holds(it, it)}
-    return site_text(str(test), allowed)
+    return site_text(str(test), allowed, soundings)
 
 
 def list_names(options: argparse.Namespace) -> int:
