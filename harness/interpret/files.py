@@ -5,7 +5,7 @@ What a column holds is told by its name in NAMES of headings.py.
 
 import csv
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from harness.study.files import read_bounded
 from harness.study.tables import StudyError
 
 FEWEST_COLUMNS = 3
-"""Of a CSV: depth, qc and fs."""
+"""Of a CSV: depth, qc, and fs or u2."""
 LARGEST_FILE = 20_000_000
 """Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
 READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
@@ -69,12 +69,15 @@ DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
 
 
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
-    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma.
+    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma, or blanks.
 
-    Parted by tab or ; numbers may have a decimal comma, where none has a point. Lines above the
+    Not parted by comma, numbers may have a decimal comma, where none has a point. Lines above the
     header are left out; units may stand in a line of their own below it.
     """
     every = dict(enumerate(text.splitlines(), start=1))
+    if by_blanks := _are_parted_by_blanks(every.values()):
+        # A unit stays with its name.
+        every = {it: "\t".join(re.sub(r"\s+(?=[\[(])", "", every[it]).split()) for it in every}
     lines = {
         number: line
         for number, line in every.items()
@@ -91,6 +94,13 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     header = [_heading(cell.strip()) for cell in next(reader)]
     numbers = list(lines)
     rows = [(numbers[reader.line_num - 1], cells) for cells in reader]
+    odd = [(number, cells) for number, cells in rows if len(cells) != len(header)]
+    if by_blanks and odd:
+        raise StudyError(
+            f"{path}: line {odd[0][0]}: has {len(odd[0][1])} cells parted by blanks, the header "
+            f"{len(header)}; where a value is missing or a name has several words, cells must be "
+            "parted by comma, semicolon or tab"
+        )
     if _are_units(lines[rows[0][0]]):
         units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
         header = [
@@ -105,6 +115,15 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
             notes.append("numbers have a decimal comma")
     return TestFile(headings=header, rows=rows, notes=tuple(notes))
+
+
+def _are_parted_by_blanks(lines: Collection[str]) -> bool:
+    """Whether there are rows of numbers between blanks, and none between other marks."""
+    marked, blank = (
+        any(len(numbers_of(cells(line))) >= FEWEST_COLUMNS for line in lines)
+        for cells in (_cells, lambda line: line.replace(",", ".").split())
+    )
+    return blank and not marked
 
 
 def _delimiter(line: str) -> str:
@@ -124,15 +143,7 @@ def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> i
             f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
             "among them; take its # away"
         )
-    values, by_blanks = (
-        [it for it, line in lines.items() if len(numbers_of(cells(line))) >= FEWEST_COLUMNS]
-        for cells in (_cells, str.split)
-    )
-    if by_blanks and not values:
-        raise StudyError(
-            f"{path}: line {by_blanks[0]}: values are parted by blanks; must be by comma, "
-            "semicolon or tab, and a cell without a value be empty"
-        )
+    values = [it for it, line in lines.items() if len(numbers_of(_cells(line))) >= FEWEST_COLUMNS]
     first = next((it for it in values if named and it > named[0]), None)
     above = [number for number in named if first is not None and number < first]
     if values and not above:

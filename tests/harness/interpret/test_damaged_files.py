@@ -74,7 +74,11 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
         replaced("\n1.5,", "\n1.5,1,0,-0.3\n1.51,"),
         "set to zero on the sea bed water_level is 0",
     ),
-    "blanks": ("csv", lambda it: it.replace(b",", b"  "), "line 2: values are parted by blanks"),
+    "blanks": (
+        "csv",
+        lambda it: re.sub(rb"(?m)^(1\.5,[^,]*),[^,]*", rb"\1,", it).replace(b",", b"  "),
+        "line 7: has 3 cells parted by blanks, the header 4; where a value is missing",
+    ),
     "header in a comment": ("csv", lambda it: b"# " + it, "line 1 among them; take its #"),
     "too large": ("csv", lambda it: it + b" " * 20_000_000, "a test has at most 20000000"),
     "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),

@@ -257,6 +257,21 @@ def test_decimal_commas_are_read_where_the_cells_are_not_parted_by_commas(
     np.testing.assert_array_equal(again.values["qc"], found.values["qc"])
 
 
+@pytest.mark.parametrize("point", [".", ","])
+@pytest.mark.parametrize(
+    "header", ["depth [m]  qc (MPa) fs[MPa]\tu2 [MPa]", "z qc fs u2\nm MPa MPa MPa"]
+)
+def test_cells_may_be_parted_by_blanks(folder: Path, point: str, header: str) -> None:
+    """Below lines of words, with units beside or below the names, and no value missing."""
+    rows = [row for row in rows_of(folder) if not np.isnan(row).any()]
+    lines = [f"  {'   '.join(map(repr, row))}".replace(".", point) for row in rows]
+    text = "\n".join(["Test 7 of the quay", "", *header.splitlines(), *lines]) + "\n"
+    found = columns_of(site_of(folder, "csv", text))
+    expected = np.array(rows).T * np.array([1.0, 1e6, 1e6, 1e6])[:, None]
+    np.testing.assert_allclose(list(found.values.values()), expected, rtol=1e-14)
+    assert "1 lines above the header left out" in found.notes
+
+
 def test_units_of_other_countries(folder: Path) -> None:
     """1 kg/cm2 is 14.2233 psi and 1.02408 tons of 2000 lb on a square foot."""
     depth = [row[0] for row in rows_of(folder)]
