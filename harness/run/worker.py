@@ -131,13 +131,13 @@ def run_case(
 ) -> Outcome:
     """Run a case in this process and write its file, completed or not.
 
-    A failure does not replace a result that another run has completed meanwhile.
+    A result that another run has completed meanwhile is kept: it may have snapshots too.
 
     The arguments are those of :func:`compute`, and the folder of the study's cases.
     """
     result = compute(case, progress, execution, options)
     outcome = result.outcome
-    if outcome.status != COMPLETED and is_complete(folder, case, options.repeats):
+    if is_complete(folder, case, options.repeats):
         return Outcome(COMPLETED, "by another run")
     write_case(folder, case, result.dataset, outcome.status, outcome.message, result.fields)
     return outcome

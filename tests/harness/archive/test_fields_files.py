@@ -101,8 +101,14 @@ def test_they_go_with_their_case(own: Ran) -> None:
     assert list(own.folder.iterdir()) == []
 
 
-def test_a_run_without_snapshots_leaves_none_of_an_earlier_one(own: Ran) -> None:
-    run_case(replace(own.case, snapshots=()), own.folder)
+def test_a_run_without_snapshots_leaves_those_of_another_and_none_of_an_earlier_one(
+    own: Ran,
+) -> None:
+    without = replace(own.case, snapshots=())
+    run_case(without, own.folder)  # another run has completed it meanwhile, with snapshots
+    assert case_files.is_complete(own.folder, own.case)
+    case_files.case_file(own.folder, own.case).unlink()
+    run_case(without, own.folder)
     assert not own.fields.exists()
 
 
