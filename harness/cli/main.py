@@ -16,6 +16,7 @@ from harness.cli.process import (
     DEFECT,
     Terminated,
     complete_streams,
+    end_at_sigterm,
     safe_output,
     safe_remarks,
     send_nowhere,
@@ -52,6 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
     """Run one command; an error is reported in one line."""
     try:
+        end_at_sigterm()
         with safe_output():
             options = _parsed(parser, given)
             # Imported here so that help appears at once and only needed modules are loaded.

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 
 import xarray as xr
 
@@ -142,6 +142,10 @@ def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         try:
             yield from pool.map(verify, checks)
+        except KeyboardInterrupt:
+            for worker in active_children():  # the pool would wait for checks that are running
+                worker.terminate()
+            raise
         finally:
             pool.shutdown(cancel_futures=True)
 

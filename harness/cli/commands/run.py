@@ -21,7 +21,7 @@ from harness.benchmark.cases import (
 )
 from harness.benchmark.score import case_rows, formulas, scores, summary_rows
 from harness.cli.commands.results import list_misses, show
-from harness.cli.process import DONE, INCOMPLETE, end_at_sigterm
+from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, counted, tell
 from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
@@ -39,7 +39,6 @@ from mpm_warp.parameters import parameters_of
 
 def run(options: argparse.Namespace) -> int:
     """Run a study, show its result and list what is missing."""
-    end_at_sigterm()
     if options.dask is not None and options.case_timeout < math.inf:
         raise HarnessError("--case-timeout is not possible with --dask; leave one of them out")
     if options.dask is not None and (
@@ -101,7 +100,6 @@ def _list_incomplete(study: Study, dataset: xr.Dataset) -> int:
 
 def rerun_case(options: argparse.Namespace) -> int:
     """Run one case again and compare it with its file, bit by bit."""
-    end_at_sigterm()
     check_device(options.device)
     case, before = read_for_rerun(options.file, options.case)
     with Display(1, sys.stderr) as display:
@@ -113,7 +111,6 @@ def rerun_case(options: argparse.Namespace) -> int:
 
 def bench(options: argparse.Namespace) -> int:
     """Measure what a step costs."""
-    end_at_sigterm()
     study = load_study("bench", options.set)
     runner = on_this_machine(study, None, RunOptions(device=options.device))
     dataset = run_study(study, options.out, runner, fresh=True)

@@ -4,10 +4,12 @@ import argparse
 import importlib
 import os
 import shlex
+import signal
 import subprocess
 import sys
 from multiprocessing import connection
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -15,7 +17,7 @@ import pytest
 from harness.cli.commands import studies
 from harness.cli.help import HELP
 from harness.cli.options import make_parser
-from harness.cli.process import DEFECT
+from harness.cli.process import DEFECT, DONE
 from harness.run import pool
 from tests.conftest import finished
 from tests.harness.conftest import Command, Refusal
@@ -75,6 +77,21 @@ def test_an_error_of_the_program_is_not_called_the_users(
     assert "please report it to the mpm_warp developers" in line
     assert bool(trace) == bool(debug)
     assert not trace or "in broken" in "".join(trace)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_any_command_as_an_exception_that_removes_what_is_half_done(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    def interrupted(options: argparse.Namespace) -> int:
+        with TemporaryDirectory(dir=tmp_path):
+            signal.raise_signal(number)
+        return DONE
+
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # it may be ignored here, as under nohup
+    monkeypatch.setattr(studies, "references", interrupted)
+    assert command("references", code=128 + number).err == ""
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow
