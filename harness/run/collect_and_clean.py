@@ -73,20 +73,32 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
 
 
 def _tell_of_another(path: Path, dataset: xr.Dataset) -> None:
-    """Say in one line that a file which is written holds a study of another title, if so.
+    """Say in one line that a file which is written holds another study or other cases, if so.
 
-    Two studies whose files have the same name, in two folders, share the file of their results.
+    Two studies whose files have the same name, in two folders, share the file of their results, and
+    so do two runs of a study with different settings.
     """
     try:
         before = read_attributes(path).get("title", "no title")
+        if before != dataset.attrs["title"]:
+            tell(
+                f'{path}: was of a study with another title, "{before}"; its cases are kept, and '
+                "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one "
+                "name apart"
+            )
+        elif others := _completed_keys(read_study(path)) - _completed_keys(dataset):
+            tell(
+                f"{path}: had {counted(len(others), 'other result')}, kept in the files of the "
+                "cases; `harness collect` with each --set of then gathers them again, unless their "
+                "scene has another version since; `--out FOLDER` keeps two runs apart"
+            )
     except ArchiveError:
         return  # there is no file, or a damaged one
-    if before != dataset.attrs["title"]:
-        tell(
-            f'{path}: was of a study with another title, "{before}"; its cases are kept, and '
-            "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one name "
-            "apart"
-        )
+
+
+def _completed_keys(dataset: xr.Dataset) -> set[str]:
+    is_completed = over_cases(dataset, "status") == COMPLETED
+    return {str(key) for key in over_cases(dataset, "case_key")[is_completed]}
 
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:

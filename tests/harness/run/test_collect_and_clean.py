@@ -104,6 +104,17 @@ def test_a_study_of_the_same_name_is_not_replaced_silently(
     assert named in told
 
 
+def test_results_of_other_settings_are_not_replaced_silently(
+    out: Path, half_done: Study, of_small: Command
+) -> None:
+    of_small("collect", code=1)
+    keep(half_done, out)
+    assert "other result" not in of_small("collect").err
+    told = of_small("collect", "--set", "adhesion_factor=[0, 0.5]").err
+    assert f"{out / 'small.nc'}: had 1 other result, kept in the files of the cases; " in told
+    assert "other result" not in of_small("collect").err
+
+
 @pytest.mark.parametrize("content", ["noise", "site", "classic"])
 @pytest.mark.parametrize("command", ["collect", "run"])
 def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(
