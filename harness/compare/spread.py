@@ -55,9 +55,9 @@ class Spread:
     percentiles: Floats  # at `PERCENTILES`
     numerical: float  # standard deviation of the numerical error; 0 if that of a case is unknown
     # shares of the inputs, the numerical error and the rest in the total variance; their sum is 1;
-    # empty if there are too few cases
+    # empty if there are too few samples
     shares: Mapping[str, float]
-    needed: int  # cases needed to give shares
+    needed: int  # samples needed to give shares
 
     @property
     def combined(self) -> float:
@@ -176,13 +176,13 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
         (f"mean with the {spread.called}", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),
         ("median", middle),
-        ("90 % of the cases", f"{low} to {high}"),
+        ("90 % of the samples", f"{low} to {high}"),
         ("U of the inputs alone", f"{DEVIATIONS * spread.deviation:.2g}"),
         ("numerical U", f"{half:.2g}" if half else "not known"),
     ]
     shares = sorted(spread.shares.items(), key=lambda it: -it[1])
     told = ", ".join(f"{name} {share:.0%}" for name, share in shares)
-    too_few = f"unknown: {spread.needed} cases are needed"
+    too_few = f"unknown: {spread.needed} samples are needed"
     return [*rows, ("share of the variance", told or too_few)]
 
 
@@ -192,7 +192,7 @@ def spread_notes(dataset: xr.Dataset) -> list[str]:
     for spread in spreads_of(dataset):
         notes += [
             "",
-            f"{spread.name} by the distributions of its inputs, {len(spread.values)} cases:",
+            f"{spread.name} by the distributions of its inputs, {len(spread.values)} samples:",
         ]
         notes += [f"  {what}: {told}" for what, told in spread_rows(spread)]
     return notes

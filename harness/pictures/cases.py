@@ -140,9 +140,9 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     return captioned(
         figure,
         dataset,
-        f"{len(spread.values)} cases; {spread.mean:.3g} +- {spread.combined:.2g} is the mean with "
-        f"the {spread.called}.",
-        f"Shade: 90 % of the cases; line: median; bar: mean, {spread.called}{below}.",
+        f"{len(spread.values)} samples; {spread.mean:.3g} +- {spread.combined:.2g} is the mean "
+        f"with the {spread.called}.",
+        f"Shade: 90 % of the samples; line: median; bar: mean, {spread.called}{below}.",
         f"Inputs: {'; '.join(told)}.",
     )
 
@@ -156,7 +156,7 @@ def _histogram(axes: Axes, spread: Spread) -> None:
     for height, half in ((1.10, spread.combined), (1.03, DEVIATIONS * spread.numerical)):
         if half:
             axes.errorbar(spread.mean, height * top, xerr=half, fmt="o", color=INK, ms=3, capsize=3)
-    axes.set(ylim=(0.0, 1.17 * top), ylabel="cases")
+    axes.set(ylim=(0.0, 1.17 * top), ylabel="samples")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 

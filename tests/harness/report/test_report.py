@@ -186,7 +186,7 @@ def test_distributions_of_few_cases_have_a_table_and_a_picture(results: list[xr.
     few = results[0].copy(deep=True)
     few.rigidity_index.attrs[DISTRIBUTION] = "low 50, high 1000"
     text, failed = page([few])
-    assert "<td>unknown: 6 cases are needed</td>" in text
+    assert "<td>unknown: 6 samples are needed</td>" in text
     assert failed == {}
     figure = spread_figure(few)
     assert figure is not None
