@@ -31,7 +31,7 @@ class DamagedError(ArchiveError):
 
 
 def prepare(folder: Path) -> None:
-    """Make a folder, and write and remove a small file to check that it is writable."""
+    """Make the folder, check that a file can be written there, and remove abandoned ones."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -41,6 +41,9 @@ def prepare(folder: Path) -> None:
             file.write(b"probe")
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be written to: {error.strerror}") from None
+    for partial in abandoned(folder):
+        with contextlib.suppress(OSError):  # another user's
+            partial.unlink()
 
 
 def write_whole(content: bytes | memoryview, path: Path) -> None:

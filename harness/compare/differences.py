@@ -206,7 +206,7 @@ def difference(first: Known, second: Known) -> Known:
 def ratio(first: Known, second: Known) -> Known:
     """`first` divided by `second`, which must not be 0."""
     value = first[0] / second[0]
-    return value, abs(value) * math.hypot(first[1] / first[0], second[1] / second[0])
+    return value, math.hypot(first[1], value * second[1]) / abs(second[0])
 
 
 def slope(places: np.ndarray, values: np.ndarray) -> Known:

@@ -15,7 +15,7 @@ from typing import TextIO
 import xarray as xr
 from tqdm import tqdm
 
-from harness.archive.atomic_files import ArchiveError, abandoned, prepare, remove_file
+from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED
 from harness.archive.study_files import check_place, study_file
@@ -183,9 +183,8 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     folder = case_folder(out, study)
     check_no_link(out, study)
     check_place(study_file(out, study))
+    prepare(out)
     prepare(folder)
-    for partial in (*abandoned(out), *abandoned(folder)):
-        remove_file(partial)
     if fresh:
         discard(folder, study.cases)
     stand = results.outcomes(study, out)

@@ -30,7 +30,7 @@ write_whole(b"later", Path(sys.argv[1]))
 """
 
 
-def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_to_be_removed(
+def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_that_the_next_removes(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "picture.png"
@@ -40,6 +40,8 @@ def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_to_be_rem
     assert path.read_bytes() == b"earlier"
     (half_written,) = abandoned(tmp_path)
     assert set(tmp_path.iterdir()) == {path, half_written}
+    prepare(tmp_path)
+    assert set(tmp_path.iterdir()) == {path}
 
 
 def test_no_name_that_is_guessed_leads_a_file_elsewhere(
@@ -150,7 +152,7 @@ def test_a_full_disk_ends_the_run_and_loses_nothing(
         file.write(bytes(room.f_bavail * room.f_frsize))
     code, told = harness(arguments(small_file, full_disk))
     assert (code, len(told)) == (2, 1)
-    assert told[0].endswith("/small/cases: cannot be written to: No space left on device")
+    assert told[0] == f"harness: {full_disk}: cannot be written to: No space left on device"
 
     filler.unlink()
     assert harness(arguments(small_file, full_disk))[0] == 0

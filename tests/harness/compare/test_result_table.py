@@ -136,6 +136,7 @@ def test_half_widths_are_those_of_samples() -> None:
     for found, samples in (
         (difference((11.4, 0.11), (10.8, 0.08)), drawn[:, 0] - drawn[:, 1]),
         (ratio((11.4, 0.11), (10.8, 0.08)), drawn[:, 0] / drawn[:, 1]),
+        (ratio((0.0, 0.11), (10.8, 0.08)), (drawn[:, 0] - 11.4) / drawn[:, 1]),
         (slope(places, values), np.polyfit(places, drawn.T, 1)[0]),
     ):
         # Samples tell a standard deviation to 0.35 %, a mean to half a percent of it.
@@ -341,7 +342,7 @@ def test_where_one_case_has_no_uncertainty_the_spread_is_that_of_the_inputs() ->
 def test_of_few_cases_no_shares_are_told() -> None:
     few = {name: it[:19] for name, it in DRAWN.items()}
     (found,) = spreads_of(study(few["a"], 0.1, **few))
-    assert dict(spread_rows(found))["share of the variance"] == "unknown: 20 cases are needed"
+    assert dict(spread_rows(found))["share of the variance"] == "unknown: 20 samples are needed"
 
 
 def test_a_study_without_distributions_has_no_spread() -> None:
