@@ -67,12 +67,16 @@ class ParticleWatch:
         position, velocity = self._of("position", particle), self._of("velocity", particle)
         stress, mass = self._of("stress", particle), self._of("mass", particle)
         # NaN is not within any limit either. A reduction over all components is the fastest.
-        for quantity, values, sound in (
+        looked_at = [
             ("velocity", velocity, np.abs(velocity) < self._run.plan.speed_limit),
             ("stress", stress, np.isfinite(stress)),
             ("mass", mass, (mass > 0.0) & np.isfinite(mass)),
             ("position", position, (position >= lower) & (position <= upper)),
-        ):
+        ]
+        if "particle.state" in self._run.plan.arrays:
+            state = self._of("state", particle)
+            looked_at.append(("state", state, np.isfinite(state)))
+        for quantity, values, sound in looked_at:
             if not sound.all():
                 worst = int(np.argmin(sound)) // values[0].size
                 raise Fault(
@@ -160,7 +164,7 @@ class SoilWatch(ParticleWatch):
         self._run.launch(launch)
         margin = self._run.array("yield.margin")
         block = int(np.argmax(margin))
-        if margin[block] > 0.0:
+        if not margin[block] <= 0.0:  # NaN where the law tells no measure or no strength
             worst = int(self._run.array("yield.particle")[block])
             stress = self._run.array("particle.stress")[worst]
             raise Fault(

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, check_kind, checked
+from mpm_warp.arguments import POSITIVE, Checked, as_array, check_array, check_kind, checked
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
@@ -28,6 +28,11 @@ PROPERTIES = "particle.properties"
 """The array of the properties of each point of a material that varies, shape [slot_count]."""
 ADHESION_RATIO = "particle.adhesion_ratio"
 """The array of the adhesion ratio of each point, where it varies; shape [slot_count]."""
+
+ALWAYS = ("update", "moduli")
+TAKEN = {"update": 5, "moduli": 3, "yield_function": 3, "strength_function": 3, "turn": 2}
+"""Methods of a material that give the functions of its `Law`, those that no law is without, and how
+many arguments each function takes."""
 
 EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure"
 """Two numbers of the state of a law with effective stress [Pa], compression positive."""
@@ -214,7 +219,25 @@ class Material(Checked, ABC):
         return self.variation.at(place, ratio)
 
     def law(self) -> Law:
-        """The material's functions on the device."""
+        """The material's functions on the device; `SceneError` where they or its numbers are none.
+
+        Warp would say so only where they are compiled, by kernels that the law is called in.
+        """
+        name = type(self).__name__
+        check_array(f"{name}.properties", as_array(self.properties), (None,))
+        if len(self.properties) == 0:
+            raise SceneError(f"{name}.properties is empty, must have a number at least")
+        check_kind(f"{name}.state", self.state, (tuple, list))
+        for method, taken in TAKEN.items():
+            function = getattr(self, method)()
+            if function is None and method not in ALWAYS:
+                continue
+            check_kind(f"{name}.{method}()", function, wp.Function)
+            given = len(function.input_types)
+            if given != taken:
+                raise SceneError(
+                    f"{name}.{method}() = {function.key} takes {given} arguments, must take {taken}"
+                )
         varies, remembers = self.variation is not None, len(self.state) > 0
         state_type = vector(max(1, len(self.state)))
         return Law(

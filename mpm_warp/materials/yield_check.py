@@ -58,7 +58,8 @@ def _make_yield_check(law: Law) -> Any:
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)
-                if beyond > greatest_margin:
+                # One that is not a number stays the worst.
+                if beyond > greatest_margin or wp.isnan(beyond):
                     greatest_margin = beyond
                     number = p
         yield_margin[block] = greatest_margin

@@ -272,8 +272,11 @@ class ConePenetration(ConeTestByDefault):
         settling = cone.SETTLING * wider["domain_above"]
         further = wider["domain_above"] - self.domain_above + settling
         wider |= {"approach": self.approach + further, "penetration": self.penetration + further}
+        # Rounding to whole rows must not leave the few of a blunt face as they are.
+        one_row_more = (rows + 1) * self.cone_radius / self.penetrometer.cone_height
+        finer = max(cone.FINER * self.cells_per_radius, one_row_more)
         changes = {
-            "mesh": {"cells_per_radius": cone.FINER * self.cells_per_radius},
+            "mesh": {"cells_per_radius": finer},
             "growth": {"cell_growth": cone.GROWING * self.cell_growth},
             "speed": {"speed_ratio": cone.SLOWER * self.speed_ratio},
             "domain": wider,

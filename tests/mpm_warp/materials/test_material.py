@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import warp as wp
 
 from mpm_warp.errors import SceneError, SimulationDiverged
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.kernel_types import real, vec1, vec2, vec3, vec4
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.tresca import Tresca
@@ -232,3 +234,60 @@ def test_what_points_start_with_has_a_row_for_each(floating: Scene) -> None:
     own = Misshapen(shear_modulus=2.0, poissons_ratio=0.48, density=1.0)
     with pytest.raises(SceneError, match=r"Misshapen.state_at has shape \(6,\), must have"):
         make_plan(dataclasses.replace(floating, material=own))
+
+
+@wp.func
+def without_state(stress: vec4, strain: vec4, time_step: real, properties: vec2):
+    return stress
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "message"),
+    [
+        ("properties", (), "properties is empty, must have a number at least"),
+        ("properties", (2.0, np.nan), r"properties\[1\] = nan must be a finite number"),
+        ("properties", "soft", "properties = array.* must be an array of numbers"),
+        ("state", "strain", "state = 'strain' must be of type tuple or list"),
+        ("update", lambda law: None, r"update\(\) = None must be of type Function"),
+        (
+            "update",
+            lambda law: without_state,
+            r"update\(\) = without_state takes 4 arguments, must take 5",
+        ),
+        ("yield_function", lambda law: without_state, r"yield_function\(\) = .* must take 3"),
+    ],
+)
+def test_a_law_without_its_numbers_or_functions_is_refused(
+    name: str, given: Any, message: str, floating: Scene
+) -> None:
+    """Before a kernel is compiled, which would speak of arguments of its own."""
+    own = type("Own", (Recording,), {name: given})(**ELASTIC)
+    with pytest.raises(SceneError, match=rf"^Own\.{message}"):
+        make_plan(dataclasses.replace(floating, material=own))
+
+
+@wp.func
+def strength_lost(stress: vec4, properties: vec3, state: vec1) -> vec2:
+    return vec2(stress[2], stress[0] / stress[0])
+
+
+class LosingStrength(Tresca):
+    """Its strength is not a number where there is no radial stress."""
+
+    def yield_function(self) -> Any:
+        return strength_lost
+
+
+def test_a_strength_and_a_state_that_are_no_numbers_are_noticed(floating: Scene) -> None:
+    """The stress of such a point may be sound for long, and is that of another law."""
+    losing = dataclasses.replace(floating, material=LosingStrength(strength=SU, **ELASTIC))
+    simulation = Simulation(losing)
+    simulation.array("particle.stress")[:, 0] = 1.0
+    simulation.check()
+    simulation.array("particle.stress")[7, 0] = 0.0
+    with pytest.raises(SimulationDiverged, match=r"stress of particle 7 .* by nan of the strength"):
+        simulation.check()
+    remembering = Simulation(dataclasses.replace(floating, material=SOIL))
+    remembering.array("particle.state")[3, 1] = np.nan
+    with pytest.raises(SimulationDiverged, match=r"state of particle 3 at .* is .*nan"):
+        remembering.check()

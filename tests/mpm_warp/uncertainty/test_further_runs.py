@@ -86,6 +86,15 @@ def test_effects_that_follow_the_laws_are_taken_off_exactly(test: Any, name: str
     assert float(results[f"{name}_further_mesh"]) == simulated(test.further_tests()["mesh"])
 
 
+@pytest.mark.parametrize("angle", [60.0, 125.0, 150.0])
+def test_the_run_with_smaller_cells_has_a_row_more_at_least(angle: float) -> None:
+    """Rounding left the 2 rows of 125 degrees and the one of 150 as they are: nothing to solve."""
+    case = dataclasses.replace(CONE, apex_angle=angle)
+    finer = case.further_tests()["mesh"]
+    rows = [test.penetrometer.rows_on_face(test.cell_size) for test in (case, finer)]
+    assert rows[1] > rows[0]
+
+
 def check_parts(results: xr.Dataset, name: str, known: dict[str, float], *others: str) -> None:
     """The squares of the parts of an uncertainty add up; some are known."""
     parts = {it: float(results[f"{name}_uncertainty_{it}"]) for it in (*known, *others)}
