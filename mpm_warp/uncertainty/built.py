@@ -42,6 +42,8 @@ LARGEST_BRITTLENESS = 0.1
 falls below the limit that further runs give, by 1.7 of their half widths."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
 """Parts of a scene that only record, and change no result."""
+MEASURABLE = ", but further runs may measure it (uncertainty = measured)"
+"""The remedy in a reason why a factor has no uncertainty; of pore pressures they tell none."""
 PARTS = (
     (Material, "law", "soil"),
     (SurfaceContact, "contact", "contact"),
@@ -115,8 +117,7 @@ def why_not_tresca(material: Material) -> list[str]:
         return []
     changing = isinstance(material, EinavRandolph)
     name = "clay that softens or has a rate effect" if changing else built_name(material)
-    measured = "further runs may measure it (uncertainty = measured)"
-    return [f"law: the error is known in tresca, not in {name}, but {measured}"]
+    return [f"law: the error is known in tresca, not in {name}{MEASURABLE}"]
 
 
 def why_law_not_measured(

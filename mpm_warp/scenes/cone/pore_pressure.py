@@ -38,7 +38,7 @@ from mpm_warp.scenes.cone.penetrometer import (
     PenetrometerContact,
 )
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import MEASURED_LAWS
+from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS
 from mpm_warp.uncertainty.further_runs import REASON
 from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_FACTOR, RADIAL_STRESS
@@ -150,7 +150,7 @@ def stated_beside_shaft(
     if isinstance(material, EinavRandolph):
         has_lower_bound &= not material.depends_on_rate
         remoulded = material.remoulded_strength_ratio
-    why_none = str(results[REASON].values)
+    why_none = str(results[REASON].values).replace(MEASURABLE, "")
     if shaft != face:
         why_none = why_none or "shaft: its adhesion is another than that of the face"
     if laws.cell_growth > LARGEST_GROWTH:

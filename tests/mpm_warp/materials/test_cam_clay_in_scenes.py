@@ -153,3 +153,4 @@ def test_a_cone_at_critical_state_meets_what_it_meets_in_von_mises_soil() -> Non
     assert float(one[shoulder]) == pytest.approx(float(other[shoulder]), rel=0.017)
     assert np.isnan(one.cone_factor_uncertainty)
     assert "not in modified_cam_clay, but further runs may" in str(one.why_no_uncertainty.values)
+    assert "further runs" not in str(one[f"{shoulder}_why_no_uncertainty"].values)

@@ -51,6 +51,13 @@ def test_cells_too_wide_for_further_runs_are_why_there_is_no_uncertainty() -> No
     assert str(result.why_no_uncertainty.values).startswith("further runs: cells_per_radius = 2")
 
 
+def test_where_no_further_run_can_tell_the_error_none_is_advised() -> None:
+    clay: Any = {"material": "modified_cam_clay"}
+    result = TBarPenetration.offered()(**clay, **SHORT).run()
+    reason = "law: the error is not known in modified_cam_clay"
+    assert str(result.why_no_uncertainty.values) == reason
+
+
 def test_half_the_speed_of_the_run_leaves_the_rates_of_the_real_one() -> None:
     """What is left of the speed is inertia, at most rho V^2."""
     factors = []
