@@ -34,6 +34,8 @@ def prepare(folder: Path) -> None:
     """Make the folder, check that a file can be written there, and remove abandoned ones."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise ArchiveError(f"{folder}: is not a folder") from None
     except OSError as error:
         raise ArchiveError(f"{folder}: cannot be made: {error.strerror}") from None
     try:

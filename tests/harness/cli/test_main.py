@@ -88,7 +88,9 @@ def test_a_signal_ends_any_command_as_an_exception_that_removes_what_is_half_don
             signal.raise_signal(number)
         return DONE
 
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # it may be ignored here, as under nohup
+    # It may be ignored here, as under nohup or in the background.
+    by_default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+    signal.signal(number, by_default)
     monkeypatch.setattr(studies, "references", interrupted)
     assert command("references", code=128 + number).err == ""
     assert not list(tmp_path.iterdir())
