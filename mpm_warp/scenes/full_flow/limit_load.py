@@ -1,4 +1,4 @@
-"""Limit loads of round bodies in soil on all sides, moved by a small part of their radius."""
+"""Limit loads of a cylinder and a sphere deep in soil, moved by a small part of their radius."""
 
 import math
 from dataclasses import dataclass
@@ -20,17 +20,16 @@ from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0
-"""Where the soil is held, over radius: the mechanism reaches to about three."""
-
+"""Outer radius of the soil, where it is fixed, over that of the body; the mechanism reaches 3."""
 LIMIT_LOAD_SOURCE = (
     "lower bound of Randolph & Houlsby 1984, Geotechnique 34(4):613-623, exact for a rough "
     "cylinder; upper bounds for others are at most 0.65 % higher (Martin & Randolph 2006, "
     "Geotechnique 56(2):141-145)"
 )
 ROUGH_VON_MISES = 2.0 / 0.143
-"""Load over (pi R^2 su): a sphere rests where its load is less than 2 pi R^2 su / 0.143."""
+"""Limit load of a rough sphere over (pi R^2 su): below 2 pi R^2 su / 0.143 it does not move."""
 BOUNDS_OF_TRESCA = {0.0: (11.0, 11.8), 1.0: (15.1, 15.5)}
-"""The same for Tresca by adhesion factor: bounds as commonly quoted, about."""
+"""Lower and upper bound for Tresca soil by adhesion factor, as commonly quoted."""
 
 
 def limit_load(adhesion_factor: float) -> float:
@@ -42,9 +41,9 @@ def limit_load(adhesion_factor: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlow(Bearing):
-    """Half a round body on rays, moved by a small part of its radius.
+    """Half a round body in a polar grid, moved by a small part of its radius.
 
-    Soil surrounds the body, so that the limit load of a small displacement is that of steady flow.
+    Soil surrounds the body, so the limit load of a small displacement is that of steady flow.
     """
 
     adhesion_factor: float = redefined(
@@ -52,7 +51,7 @@ class FullFlow(Bearing):
     )
 
     def grid(self) -> PolarGrid:
-        """Half a ring around the body, on rays."""
+        """Half a ring around the body."""
         size, span = RADIUS / self.cells_per_radius, (OUTER_RADIUS - 1.0) * RADIUS
         row_count = round(np.pi * self.cells_per_radius)
         return PolarGrid(
@@ -64,13 +63,13 @@ class FullFlow(Bearing):
         )
 
     def fixed(self, grid: Grid) -> Fixed:
-        """Nodes on the line of travel, and those around the soil."""
+        """Nodes on the line of travel, and those on the outer edge."""
         return Fixed.on(grid, radial=["bottom", "top", "side"], vertical=["side"])
 
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact all around the body."""
         vectors = -grid.wall_vectors
-        vectors[[0, -1], 0] = 0.0  # nothing moves off the line of travel
+        vectors[[0, -1], 0] = 0.0  # soil on the line of travel stays there
         areas = np.linalg.norm(vectors, axis=1)
         rows = np.arange(grid.row_count + 1)
         return SurfaceContact(
@@ -85,9 +84,9 @@ class FullFlow(Bearing):
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlowCylinder(FullFlow):
-    """Half a cylinder on rays, in plane strain.
+    """Half a cylinder in plane strain.
 
-    Force over (diameter times su), with D = asin(adhesion factor):
+    The limit load is the force over (diameter times su), with D = asin(adhesion factor):
     pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `LIMIT_LOAD_SOURCE`.
     """
 
@@ -109,10 +108,11 @@ class FullFlowCylinder(FullFlow):
 
 @dataclass(frozen=True, kw_only=True)
 class FullFlowSphere(FullFlow):
-    """Force over (pi R^2 su) of a sphere: the axisymmetric sibling of `full_flow_cylinder`.
+    """A sphere, the axisymmetric counterpart of `full_flow_cylinder`.
 
-    It is known for a rough sphere in soil of von Mises. For Tresca there are bounds of a smooth and
-    of a rough one, commonly quoted from Randolph, Martin & Hu (2000, GeoEng2000, Melbourne).
+    The limit load over (pi R^2 su) is known for a rough sphere in von Mises soil. For Tresca soil
+    there are bounds for a smooth and a rough sphere, commonly quoted from Randolph, Martin & Hu
+    (2000, GeoEng2000, Melbourne).
     """
 
     summary = "force on a sphere that soil flows around (ball penetrometer)"
@@ -139,7 +139,7 @@ class FullFlowSphere(FullFlow):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """See `Bearing`; where there are bounds, how far the load is outside them too."""
+        """Results of `Bearing`, and where bounds are known the distance of the load from them."""
         results = super().record(simulation, progress)
         if self.material != "tresca" or self.adhesion_factor not in BOUNDS_OF_TRESCA:
             return results

@@ -1,4 +1,4 @@
-"""Ball and T-bar that are pushed down until soil flows round them."""
+"""Ball and T-bar pushed down until the soil flows steadily around them."""
 
 import math
 from dataclasses import dataclass, replace
@@ -36,16 +36,15 @@ from mpm_warp.uncertainty.built import (
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES, steady_mean
 
 SPARE_FRACTION = 0.4
-"""Slots for material points beside those that fill the grid, over their number."""
-NEAR = 2.0
-"""Radii above and below the centre up to which an empty cell is a hole that the body feels."""
-NOT_MEASURED = "further runs: none were made, which uncertainty = measured does"
-"""Why a resistance factor has no uncertainty by default."""
+"""Spare slots for material points, over the number of points that fill the grid."""
+NEAR_HEIGHT = 2.0
+"""Height above and below the centre, in radii, within which an empty cell affects the body."""
+NOT_MEASURED = "further runs: none were made; uncertainty = measured makes them"
 CELLS_AT_SPEED = 4
-"""Cells per radius from which on transfers take less than their limit at any speed: above
-`GREATEST_INERTIA` 10 of 12 random cases with fewer are inaccurate, one of 7 others."""
+"""Cells per radius from which on the energy error stays below its limit at any speed. Above
+`GREATEST_INERTIA` 10 of 12 random cases with fewer are inaccurate, and 1 of 7 others."""
 LARGEST_CHANGE = 0.02
-"""What the mean resistance over two radii may differ from that over the two before, over it."""
+"""Largest relative change of the mean resistance from one two radii to the next in steady flow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,11 +64,11 @@ class FullFlowPenetration(FullFlowPenetrometer):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.uncertainty == "measured":
-            self.further_tests()  # all are allowed
+            self.further_tests()  # refuses a case whose further runs are not allowed
 
     @property
     def last_cycle(self) -> float:
-        """See `FullFlowPenetrometer`: soil behind the body has borne one passage."""
+        """See `FullFlowPenetrometer`: the soil behind the body has borne one passage."""
         return 0.5
 
     @property
@@ -81,7 +80,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     @property
     def window(self) -> Window:
-        """The travel of the grid: the speed is reached after a radius."""
+        """The grid travels with the body, which reaches its speed after one radius."""
         return Window(speed=self.speed, ramp_travel=self.body.radius, spare_fraction=SPARE_FRACTION)
 
     @property
@@ -90,7 +89,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return self.window.time_to(self.penetration * self.body.radius)
 
     def run_size(self) -> RunSize:
-        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
+        """See `CatalogueScene`; with the further runs where the uncertainty is measured."""
         is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
         tests = self.further_tests().values() if is_measured else ()
         return of_several([test.own_size for test in (self, *tests)])
@@ -101,9 +100,9 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return size_in_grid(self.build(), self.end_time)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """What a run gives; with its uncertainty to be measured, the further runs are made too.
+        """Run the test, and the further tests where the uncertainty is to be measured.
 
-        In plane strain and perfectly plastic clay the exact factor, the limit load, is beside it.
+        For plane strain in perfectly plastic clay the results include the exact limit load.
         """
 
         def run(test: "FullFlowPenetration", report: Progress) -> xr.Dataset:
@@ -130,7 +129,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return replace(self, uncertainty="none")
 
     def _why_no_uncertainty(self) -> list[str]:
-        """Why the error of this run is not measured, each reason as "word: sentence"."""
+        """Why the error is not measured, each reason as "word: sentence"; [] if it is."""
         cannot = why_not_as_measured(self.build(), expected_scene(self._alone))
         if cannot or self.uncertainty == "measured":
             return cannot
@@ -141,7 +140,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return [NOT_MEASURED]
 
     def further_tests(self) -> dict[str, Self]:
-        """The tests that measure the error, by choice; `ParameterError` where one is refused."""
+        """The further tests, by what they change; `ParameterError` where one is not allowed."""
         full_flow.check_measurable(self.cells_per_radius, self.cell_growth)
         finer = {"cells_per_radius": math.ceil(full_flow.FINER * self.cells_per_radius)}
         slower = {"speed_ratio": full_flow.SLOWER * self.speed_ratio}
@@ -154,7 +153,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
-        """A run of the test, as far as its error goes."""
+        """What determines the error of a run of the test."""
         few = self.particles_per_cell == full_flow.FEWEST_POINTS
         return full_flow.FullFlowRun(
             cells_per_radius=self.cells_per_radius,
@@ -165,7 +164,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Push the body down, and take the mean of its resistance over the last two radii.
+        """Push the body down, and average its resistance over the last two radii.
 
         Raises:
             InaccurateRun: the transfers took too much of the work of the body.
@@ -175,9 +174,9 @@ class FullFlowPenetration(FullFlowPenetrometer):
         spacing = SAMPLE_SPACING * self.body.radius
         moments = [k * spacing for k in range(1, round(self.penetration / SAMPLE_SPACING) + 1)]
         recorded = follow(simulation, moments, simulation.travel_to, [curve], progress)
-        empty = float(_empty_cells(simulation, NEAR * self.body.radius))
-        near = "cells near the body that no material point is in"
-        holes = f"within {NEAR:g} radii at the end; none, but where soil leaves a hole behind"
+        empty = float(_empty_cells(simulation, NEAR_HEIGHT * self.body.radius))
+        near = "cells near the body without a material point"
+        holes = f"within {NEAR_HEIGHT:g} radii at the end; above 0 only where soil leaves a hole"
         results = recorded.assign(
             self._steady_values(recorded.penetration_resistance)
             | labelled(empty_cells=(empty, "1", near, holes))
@@ -209,7 +208,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
 
 def _empty_cells(simulation: Simulation, height: float) -> int:
-    """How many cells no material point is in, up to a height [m] above and below the body."""
+    """Number of cells without a material point, up to a height [m] above and below the centre."""
     grid = soil_scene(simulation).grid
     is_near = (grid.rows[:-1] >= -height) & (grid.rows[1:] <= height)
     in_cells = mean_of_points(simulation, simulation.array("particle.mass"))

@@ -1,4 +1,4 @@
-"""What ball and T-bar have in common, however they are moved: outline, soil, grid, contact."""
+"""What all tests of ball and T-bar share: outline, soil, grid and contact."""
 
 import math
 from abc import abstractmethod
@@ -31,52 +31,53 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 NO_PARTING = 1000.0
-"""In-situ stress over su, above any that the soil can pull with: it closes behind the body."""
-FITTED = 3.0
-"""Radius up to which the columns of nodes follow the surface, about, over that of the body: the
-mechanism reaches to about three."""
+"""In-situ stress over su: more than any tension of the soil, so that it closes behind the body."""
+FITTED_RADIUS = 3.0
+"""Approximate radius up to which the columns of nodes follow the surface, over that of the body.
+The mechanism reaches about as far."""
 POLE_ROW = 0.5
-"""Height of the rows beside the poles, over those away from the body: in a row as high as those, a
-pole would have one long chord, and an error that falls as the height only."""
+"""Height of the rows beside the poles over that of the rows beyond the body. Full rows would leave
+one long chord at a pole, and an error of first order in their height."""
 T_BAR_STRAIN = 3.7
-"""Plastic shear strain xi_p of a passage of a T-bar, by which practice turns n_95 into xi_95.
+"""Plastic shear strain xi_p of one passage of a T-bar, for xi_95 = 2 xi_p n_95.
 
-From upper bounds of Einav & Randolph 2005, and usual since (Zhou & Randolph 2009, Geotechnique
-59(2):79-86). That of a ball is about as large.
+It comes from upper bounds of Einav & Randolph 2005 and is usual since (Zhou & Randolph 2009,
+Geotechnique 59(2):79-86). That of a ball is about as large.
 """
 SANE_INERTIA, GREATEST_INERTIA = 1.0, 5.0
-"""rho V^2 over the strength that is left up to which most cases complete, above which few do."""
+"""Inertia, rho V^2 over the remaining strength: most cases complete below the first, few above the
+second."""
 BRITTLE_STRENGTH, BRITTLE_STRAIN = 0.15, 5.0
-"""Remoulded strength ratio and ductility below both of which 3 of 20 random balls complete, else 37
-of 62: soil shears in layers thinner than cells."""
+"""Remoulded strength ratio and ductility of brittle clay. Where both are less, soil shears in
+layers thinner than cells: 3 of 20 random balls complete, of the others 37 of 62."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RoundBody:
-    """A ball below a thin smooth shaft, or a cylinder in plane strain, its centre at z = 0."""
+    """A ball below a thin smooth shaft, or a cylinder in plane strain, with its centre at z = 0."""
 
     radius: float  # R [m], > 0
-    shaft_radius: float = 0.0  # radius of the shaft above [m], 0 <= radius < R; 0: there is none
-    planar: bool = False  # whether it is a cylinder in plane strain; otherwise it is a ball
+    shaft_radius: float = 0.0  # [m], 0 (no shaft) to less than R
+    planar: bool = False  # True: a cylinder in plane strain; False: a ball
 
     def surface_radius(self, height: Floats) -> Floats:
-        """Distance of the surface from the line of travel at heights [m]; 0 where soil is on it."""
+        """Radius of the surface at heights [m]; 0 above and below the body."""
         body = np.sqrt(np.clip(self.radius**2 - height**2, 0.0, None))
         return np.maximum(body, np.where(height > 0.0, self.shaft_radius, 0.0))
 
     def fitted_grid(self, *, cells_per_radius: int, columns: Floats, extent: int) -> Grid:
         """A grid whose rows meet both poles and whose first column follows the surface.
 
-        Columns far from the body are upright, so that the cells near it are the same however large
-        the grid is. They are at distances from the widest place, from 0, rising [m]. The extent is
-        that below and above the centre, over the radius, >= 2.
+        Columns far from the body are upright, so that the cells near it do not depend on the size
+        of the grid. Columns are at given distances from the equator, rising from 0 [m]. The grid
+        reaches `extent` radii above and below the centre, >= 2.
         """
         size = self.radius / cells_per_radius
         beside = np.linspace(0.0, self.radius - POLE_ROW * size, cells_per_radius + 1)
         beyond = self.radius + size * np.arange((extent - 1) * cells_per_radius + 1)
         above = np.append(beside, beyond)
         rows = np.append(-above[:0:-1], above)
-        last_fitted = int(np.argmin(np.abs(columns - (FITTED - 1.0) * self.radius)))
+        last_fitted = int(np.argmin(np.abs(columns - (FITTED_RADIUS - 1.0) * self.radius)))
         fitted, upright = np.split(columns, [last_fitted + 1])
         fitted_radius = self.radius + float(fitted[-1])
         return Grid(
@@ -88,12 +89,12 @@ class RoundBody:
         )
 
     def contact(self, grid: Grid, *, adhesion: float, in_situ_stress: float) -> SurfaceContact:
-        """Contact on all nodes of the surface, from the lower pole upward; the shaft is smooth.
+        """Contact at all nodes of the surface of a fitted grid, from the lower pole upward.
 
-        Normals are those of the consistent area vectors, so that on the whole no soil flows
-        through. The line of travel and the surface together hold the soil at a pole, which the flow
-        leaves with few material points: its node is one of those on the axis. The grid is fitted to
-        the body; adhesion, of ball or bar, and in-situ stress are in Pa, >= 0.
+        Normals are those of the consistent area vectors, so that no net flow passes through the
+        surface. The nodes of the poles are on the axis too: both hold the soil there, of which the
+        flow leaves few material points. The adhesion of ball or bar and the in-situ stress are in
+        Pa, >= 0; the shaft is smooth.
         """
         beside = np.flatnonzero(grid.surface_radius > 0.0)
         upper_end = min(beside[-1] + 1, grid.row_count)
@@ -118,8 +119,8 @@ class RoundBody:
 class FullFlowPenetrometer(FieldClayScene):
     """A round body that moves through uniform, weightless, undrained clay.
 
-    It starts in place, deep in undisturbed ground, and the soil never leaves it. Excess stresses
-    are simulated: those over the isotropic in-situ stress, which balances itself.
+    It starts in place, deep in undisturbed ground, and soil and body do not part. Stresses are
+    those in excess of the isotropic in-situ stress, which is in equilibrium by itself.
     """
 
     method: ClassVar[tuple[str, ...]] = (
@@ -153,35 +154,35 @@ class FullFlowPenetrometer(FieldClayScene):
     )
 
     relative_speed = 0.3
-    """Speed over sqrt(su / rho), by default: rho V^2 is 9 % of su."""
+    """Default speed over sqrt(su / rho): rho V^2 is 9 % of su."""
 
     def derived(self) -> Mapping[str, float]:
-        """The stiffer the clay, the faster its waves, and the slower the body against them."""
+        """The default speed over that of shear waves, which rises with sqrt(Ir)."""
         return {"speed_ratio": self.relative_speed / math.sqrt(self.rigidity_index)}
 
     @property
     @abstractmethod
     def body(self) -> RoundBody:
-        """Its outline, and the grid fitted to it."""
+        """The penetrometer."""
 
     @property
     @abstractmethod
     def window(self) -> Window | CyclicWindow:
-        """How the grid travels with the body."""
+        """The window, which travels with the body."""
 
     @property
     def speed(self) -> float:
-        """Of the body in the run [m/s]; a law with a stiffness of its own has its own waves."""
+        """Speed of the body in the run [m/s], by the stiffness that the law has."""
         return self.speed_ratio * math.sqrt(self.clay.ground_shear_modulus / self.density)
 
     @property
     @abstractmethod
     def last_cycle(self) -> float:
-        """Number n of the cycle in the end: soil has borne a plastic strain of 2 n xi_p."""
+        """Number n of the last passage: soil has then borne a plastic strain of 2 n xi_p."""
 
     @property
     def strength_left(self) -> float:
-        """Share of su that the last passage finds, see `cyclic`."""
+        """Strength in the last passage over su, by the formula of `cyclic`."""
         if self.ductility is None:
             return 1.0
         decay = math.exp(-6.0 * self.last_cycle * T_BAR_STRAIN / self.ductility)
@@ -189,12 +190,12 @@ class FullFlowPenetrometer(FieldClayScene):
 
     @property
     def inertia(self) -> float:
-        """Inertia of the soil over the strength that is left, rho V^2 over it."""
+        """Inertia: rho V^2 over the strength in the last passage."""
         return self.rigidity_index * self.speed_ratio**2 / self.strength_left
 
     @property
     def brittle(self) -> str:
-        """Why a push is likely to fail in clay that loses its strength in little strain; or ""."""
+        """Why a push in brittle clay is likely to fail; "" where the clay is not brittle."""
         strain = math.inf if self.ductility is None else self.ductility
         if self.remoulded_strength_ratio >= BRITTLE_STRENGTH or strain >= BRITTLE_STRAIN:
             return ""
@@ -205,7 +206,7 @@ class FullFlowPenetrometer(FieldClayScene):
         )
 
     def thrown_off(self, limit: float) -> str:
-        """Why a body is too fast beyond a limit of its inertia, and the speed to take instead."""
+        """Message for an inertia above `limit`: why the run fails, and the speed to take."""
         speed_ratio = math.sqrt(SANE_INERTIA * self.strength_left / self.rigidity_index)
         return (
             f"rho V^2 is {self.inertia:.3g} of the strength that is left in the end, and above "
@@ -214,7 +215,7 @@ class FullFlowPenetrometer(FieldClayScene):
 
     @property
     def clay(self) -> Material:
-        """The soil, its strain rates those of the real speed."""
+        """The soil, with strain rates as at the real speed."""
         shear_modulus = self.rigidity_index * self.undrained_shear_strength
         speed = self.speed_ratio * math.sqrt(shear_modulus / self.density)
         return self.clay_with(density=self.density, speed_up=speed / self.penetration_speed)
@@ -231,8 +232,8 @@ class FullFlowPenetrometer(FieldClayScene):
         )
         clay, around = self.clay, list[SurroundingGround]()
         if self.body.shaft_radius > 0.0:
-            # Without a shaft as much soil closes behind the body as it pushes aside, and the ground
-            # around the window rests. From afar the shaft that follows is a travelling source.
+            # Without a shaft as much soil closes behind the body as it pushes aside, so the ground
+            # around the window rests. Seen from afar a growing shaft is a travelling source.
             shaft, stiffness = self.body.shaft_radius, clay.ground_shear_modulus
             source = TravellingSource(radius=shaft, height=0.0, shear_modulus=stiffness)
             around = [SurroundingGround(grid=grid, material=clay, source=source, strength=su)]
@@ -267,7 +268,7 @@ class Ball(FullFlowPenetrometer):
 
     @property
     def body(self) -> RoundBody:
-        """The ball, and its shaft where there is one."""
+        """The ball and its shaft."""
         shaft_radius = self.shaft_radius_ratio * self.ball_radius
         return RoundBody(radius=self.ball_radius, shaft_radius=shaft_radius)
 
@@ -285,10 +286,10 @@ class TBar(FullFlowPenetrometer):
 
 
 class ResistanceSamples:
-    """Samples the resistance of a body at every `SAMPLE_SPACING` radii, means between samples.
+    """Samples the resistance every `SAMPLE_SPACING` radii, each the mean since the sample before.
 
-    `forces` of the soil on the body are upward positive [N], on half a cylinder of unit length or
-    on a radian of a ball; one a sample.
+    `forces` are those of the soil on half a cylinder of unit length or on a radian of a ball,
+    upward positive [N], shape [sample_count].
     """
 
     def __init__(self, simulation: Simulation, body: RoundBody) -> None:
@@ -299,7 +300,7 @@ class ResistanceSamples:
         self.forces: list[float] = []
 
     def sample(self) -> None:
-        """Record the mean force since the sample before."""
+        """Append the mean force since the sample before."""
         self.forces.append(upward_force(self._contact, self._contact_forces.take()))
 
     @property
@@ -309,11 +310,11 @@ class ResistanceSamples:
 
     @property
     def work(self) -> float:
-        """Of the body so far [J], per radian or per unit length of half of it."""
+        """Work of the body so far [J], per radian or of half a cylinder of unit length."""
         return math.fsum(self.forces) * SAMPLE_SPACING * self._radius
 
     def dataset(self) -> xr.Dataset:
-        """The resistance over penetration."""
+        """The curve of resistance over penetration."""
         what = "resistance over projected area"
         return curves(
             "penetration",

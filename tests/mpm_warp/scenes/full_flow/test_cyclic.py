@@ -178,7 +178,7 @@ def test_noise_of_clay_that_hardly_softens_is_no_degradation() -> None:
     cycle = [0.25, 0.75, 1.25, 1.75]
     factor = xr.DataArray([13.85, 13.93, 13.93, 13.93], {"cycle": cycle}, "cycle")
     recorded = xr.Dataset({"cyclic_resistance_factor": factor, "built_law": "EinavRandolph"})
-    results = SENSITIVE._ratio(recorded)
+    results = SENSITIVE._degradation(recorded)
     fitted = [name for name in results if name.startswith("fit")]
     assert len(fitted) == 5
     assert all(np.isnan(results[name].values) for name in fitted)
