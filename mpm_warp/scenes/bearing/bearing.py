@@ -1,4 +1,4 @@
-"""A rigid body pressed slowly into soil, to the load that it cannot exceed."""
+"""A rigid body pressed slowly into soil, up to its limit load."""
 
 import math
 from abc import abstractmethod
@@ -27,35 +27,35 @@ DENSITY = 1700.0
 POISSONS_RATIO = 0.45
 """The limit load does not depend on it."""
 NO_PARTING = 100.0 * STRENGTH
-"""In-situ stress above any that the soil can pull with: the body and the soil do not part."""
+"""In-situ stress above any tension of the soil, so that body and soil do not part."""
 SAMPLE_COUNT = 60
 PLATEAU_SHARE = 0.25
-"""The share of the displacement, at its end, over which the load has to stand still."""
+"""Last part of the displacement, over which the load must be constant."""
 PLATEAU_CHANGE = 0.01
-"""What its linear fit may change there by, over its mean."""
+"""Largest change of a linear fit to the load there, over the mean load."""
 LEAST_SAMPLES = 3
-"""Samples that make a plateau, at least."""
+"""Fewest samples of a plateau."""
 LARGEST_MOTION = 1.0
-"""Of the body, in its narrowest cells: up to 0.96 of them footings, cones and cylinders complete,
-from 1.2 on they lose contact or have no plateau, but for one."""
+"""Largest displacement in widths of the narrowest cells. Up to 0.96 footings, cones and cylinders
+complete; from 1.2 on all but one lost contact or had no plateau."""
 
 Exact = tuple[float, str]
-"""A limit load over area and su, where it comes from, and how exact it is."""
+"""A limit load over area and su; its source, and how exact it is."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bearing(CatalogueScene):
     """A rigid body in weightless Tresca soil, pressed by a small part of its radius.
 
-    What a limit load does not depend on is chosen such that it comes soon: displacements stay far
-    below a cell, where the free surface is as sharp as the grid.
+    The limit load does not depend on stiffness and density. They are chosen so that it is reached
+    at displacements far below a cell, while the free surface is as sharp as the grid.
     """
 
     method = ("cells_per_radius", "rigidity_index", "displacement", "speed_ratio")
     material = "tresca"
-    """Where the soil yields."""
+    """Yield criterion of the soil."""
     planar: ClassVar[bool] = False
-    """Whether strain is plane; otherwise the body is round."""
+    """True: plane strain; False: axisymmetry."""
 
     cells_per_radius: int = parameter(8, "cells per radius of the body", minimum=1, maximum=40)
     rigidity_index: float = parameter(10_000.0, "rigidity index G/su", minimum=100, maximum=1e6)
@@ -69,19 +69,19 @@ class Bearing(CatalogueScene):
     @property
     @abstractmethod
     def exact(self) -> Exact | None:
-        """The exact limit load; None where none is known."""
+        """The exact limit load; None where it is not known."""
 
     @abstractmethod
     def grid(self) -> Grid:
-        """The grid of the soil, its top the surface of the ground."""
+        """The grid; its top is the surface of the ground."""
 
     @abstractmethod
     def contact(self, grid: Grid) -> SurfaceContact:
-        """Contact of the soil with the body, which sinks at `speed`."""
+        """Contact of the soil with the body, which moves down at `speed`."""
 
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """Load over area and su, of normal and tangential forces at the contact's nodes, [n, 2]."""
-        # Forces are those on half a body in plane strain, or on a radian.
+        """Load over area and su, from normal and tangential forces at the contact nodes [n, 2]."""
+        # Forces act on half a body in plane strain, or on a radian of a round one.
         area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
         return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
 
@@ -92,21 +92,21 @@ class Bearing(CatalogueScene):
 
     @property
     def likely_failure(self) -> str:
-        """See `CatalogueScene`: soil leaves the cells at the body, which stay where they are."""
+        """See `CatalogueScene`: the grid is at rest, and soil leaves the cells beside the body."""
         cells = self.final_displacement / self.cell_size
         if cells <= LARGEST_MOTION:
             return ""
         index = self.rigidity_index * cells / LARGEST_MOTION
-        way = self.displacement * LARGEST_MOTION / cells
+        displacement = self.displacement * LARGEST_MOTION / cells
         return (
             f"the body moves by {cells:.2g} cells, and soil leaves those beside it; try "
             f"rigidity_index = {math.ceil(index):g} or more, or displacement = "
-            f"{math.floor(10.0 * way) / 10.0:g} or less"
+            f"{math.floor(10.0 * displacement) / 10.0:g} or less"
         )
 
     @property
     def final_displacement(self) -> float:
-        """How far the body is pressed [m]."""
+        """Displacement of the body at the end [m]."""
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
@@ -125,7 +125,7 @@ class Bearing(CatalogueScene):
         return self.speed_ratio / self.rigidity_index * self.clay.shear_wave_speed
 
     def fixed(self, grid: Grid) -> Fixed:
-        """Nodes on the axis, on the side of the soil and below it."""
+        """Nodes on the axis, the side and the bottom."""
         return Fixed.on(grid, radial=["axis", "side", "bottom"], vertical=["bottom"])
 
     @property
@@ -144,7 +144,7 @@ class Bearing(CatalogueScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Press the body into the ground, and compare the limit of its load with the exact one.
+        """Press the body into the ground, and compare its limit load with the exact one.
 
         Raises:
             UnfinishedRun: the load still changes at the end of the displacement.
@@ -156,7 +156,7 @@ class Bearing(CatalogueScene):
             return simulation.step_count * per_step, self.load(scene, forces.take())
 
         def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
-            # A mean over the steps since the sample before stands in their middle.
+            # Each load is a mean over the steps since the sample before.
             middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
             axis = (middles / RADIUS, "1", "displacement over radius")
             return curves("displacement", axis, resistance=(load, "1", "load over area and su"))
@@ -193,17 +193,16 @@ class Bearing(CatalogueScene):
 
 
 def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
-    """The force of the soil on a body along the line of travel, upward positive [N].
+    """Force of the soil on half a body of unit length or on a radian of one, upward positive [N].
 
-    It is that on half a body of unit length, or on a radian of one, of normal and tangential forces
-    from the soil at the nodes [N], shape [node_count, 2].
+    `nodal` has the normal and tangential forces at the nodes [N], shape [node_count, 2].
     """
     normals = contact.normals
     return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))
 
 
 def plateau(displacement: Floats, load: Floats) -> float:
-    """Mean load of the plateau that a curve ends in; not a number where there is none."""
+    """Mean load of the plateau at the end of a curve; not a number without a plateau."""
     last = displacement >= (1.0 - PLATEAU_SHARE) * displacement[-1]
     displacement, load = displacement[last], load[last]
     if len(load) < LEAST_SAMPLES:

@@ -1,4 +1,4 @@
-"""Rigid footings and cones at the surface of the ground, whose strength may grow with depth."""
+"""Rigid footings and cones at the surface of soil whose strength may grow with depth."""
 
 import math
 from abc import abstractmethod
@@ -20,7 +20,7 @@ from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 LARGEST_DEPTH = 100.0 * RADIUS
-"""Depth below which there is no soil in any grid [m]."""
+"""Depth down to which the strength is given, below that of any grid [m]."""
 SLIP_LINE_SOURCE = (
     "slip lines with the hypothesis of Haar and von Karman, integrated for this project to 0.2 %"
 )
@@ -28,15 +28,15 @@ SLIP_LINE_SOURCE = (
 
 @dataclass(frozen=True, kw_only=True)
 class OnGround(Bearing):
-    """A rigid body at the surface of soil of strength su0 + k z, su0 that of the surface.
+    """A rigid body at the surface of soil of strength su0 + k z, with the depth z.
 
-    Adhesion is in proportion to the strength of the soil beside it. The shear modulus is the same
-    at all depths, on which no limit load depends.
+    Adhesion is in proportion to the strength of the adjacent soil. The shear modulus is the same at
+    all depths; no limit load depends on it.
     """
 
     strength_gradient_ratio: float = parameter(
         0.0,
-        "growth of strength with depth, k R / su0, su0 the strength su at the surface",
+        "growth of strength with depth, k R / su0, where su0 is the strength at the surface",
         minimum=0,
         maximum=10,
     )
@@ -44,7 +44,7 @@ class OnGround(Bearing):
     @property
     @abstractmethod
     def slip_lines(self) -> SlipLines | None:
-        """The slip lines of the problem; none where theirs is not the exact load."""
+        """The slip lines of the problem; None where they do not give the exact load."""
 
     @property
     def surface_height(self) -> float:
@@ -58,7 +58,7 @@ class OnGround(Bearing):
 
     @property
     def final_displacement(self) -> float:
-        """How far the body is pressed [m]: in proportion to the strength half a radius deep."""
+        """See `Bearing`; in proportion to the strength half a radius deep."""
         return (1.0 + 0.5 * self.strength_gradient_ratio) * super().final_displacement
 
     @property
@@ -82,7 +82,7 @@ class Footing(OnGround):
     """A rigid footing; in plane strain the radius is half the width."""
 
     source: ClassVar[str]
-    """Where they are from."""
+    """Source of `smooth_and_rough`."""
     verifications = compared(
         "cells_per_radius",
         (8, 16, 32),
@@ -108,7 +108,7 @@ class Footing(OnGround):
 
     @property
     def slip_lines(self) -> SlipLines | None:
-        """Those of a smooth footing; below a rough one soil is stuck."""
+        """Those of a smooth footing; soil sticks to a rough one."""
         if self.adhesion_factor > 0.0:
             return None
         return SlipLines(
@@ -118,7 +118,7 @@ class Footing(OnGround):
         )
 
     def grid(self) -> Grid:
-        """Cells of one size below the footing, growing beside it and with depth."""
+        """Columns of one width below the footing; cells grow beside it and with depth."""
         size = RADIUS / self.cells_per_radius
         outer_radius, depth = 5.0 * RADIUS, 3.0 * RADIUS
         below = np.linspace(0.0, RADIUS, self.cells_per_radius + 1)
@@ -134,7 +134,7 @@ class Footing(OnGround):
         )
 
     def contact(self, grid: Grid) -> SurfaceContact:
-        """Contact of the nodes on the surface from the axis to the rim, both included."""
+        """Contact of the surface nodes from the axis to the rim, inclusive."""
         column = np.arange(self.cells_per_radius + 1)
         radius = RADIUS * column / self.cells_per_radius
         areas = nodal_areas(grid.weight(radius), np.diff(radius))
@@ -163,7 +163,7 @@ class CircularFooting(Footing):
 
 @dataclass(frozen=True, kw_only=True)
 class StripFooting(Footing):
-    """A rigid strip on weightless Tresca soil, half of it: r is the distance from its middle."""
+    """Half of a rigid strip on weightless Tresca soil; r is the distance from its middle."""
 
     summary = "limit load of a strip footing in plane strain, smooth and rough"
     version = 3
@@ -172,19 +172,20 @@ class StripFooting(Footing):
     source = "2 + pi, smooth or rough: Prandtl 1921, Z. angew. Math. Mech. 1:15-20"
 
 
-RIM, GROWTH = 0.25, 3.0
-"""Width of the cells at the rim of a cone over that one radius away, and their growth with the
-distance from it: from one to the other."""
-UPWARD = 1e-12
-"""Rounding of the angle of the greatest stress at the face [rad]."""
+RIM_CELL, RIM_GROWTH = 0.25, 3.0
+"""Width of the cells at the rim of a cone over that one radius away; increase of the width with the
+distance from the rim, which joins the two."""
+PSI_ROUNDING = 1e-12
+"""Rounding of the angle psi at the face [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConeBearing(OnGround):
-    """A cone that is pressed on from where its shoulder is at the surface.
+    """A cone that starts with its shoulder at the surface.
 
-    The face is R / sin long, sin that of half the apex angle, and moves into the soil by sin times
-    the displacement: at the same ratio of the two cones of any angle are as near their limit loads.
+    With the half angle a, the face is R / sin(a) long and moves into the soil by sin(a) times the
+    displacement. At the same ratio of these lengths, cones of all angles are equally near to their
+    limit loads.
     """
 
     summary = "limit load of a cone with its shoulder at the surface"
@@ -211,27 +212,27 @@ class ConeBearing(OnGround):
         OnGround,
         "displacement",
         meaning="displacement over radius times G/su, of a cone of 60 degrees; that of others "
-        "goes with 1 / sin^2 of half the apex angle",
+        "is in proportion to 1 / sin^2 of half the apex angle",
     )
 
     @property
     def slip_lines(self) -> SlipLines | None:
-        """Those of the cone, unless it is so blunt and rough that soil is stuck below it."""
+        """Those of the cone; None where it is so blunt and rough that soil sticks to it."""
         lines = SlipLines(
             half_angle=math.radians(0.5 * self.apex_angle),
             adhesion_factor=self.adhesion_factor,
             strength_gradient_ratio=self.strength_gradient_ratio,
         )
-        return lines if lines.face_psi >= -UPWARD else None
+        return lines if lines.face_psi >= -PSI_ROUNDING else None
 
     @property
     def cell_size(self) -> float:
-        """See `Bearing`: those at the rim."""
-        return RIM * super().cell_size
+        """See `Bearing`: cells at the rim."""
+        return RIM_CELL * super().cell_size
 
     @property
     def final_displacement(self) -> float:
-        """How far the cone is pressed [m]."""
+        """See `Bearing`."""
         ratio = math.sin(math.radians(30.0)) / math.sin(0.5 * self._penetrometer.apex_angle)
         return ratio**2 * super().final_displacement
 
@@ -241,13 +242,13 @@ class ConeBearing(OnGround):
         return self._penetrometer.cone_height
 
     def grid(self) -> Grid:
-        """A grid fitted to the cone, that ends at its shoulder: fine at the rim.
+        """A grid that is fitted to the cone, ends at its shoulder and is finest at the rim.
 
-        Rows beside a blunt face are flat, so that its nodes are as near to each other as columns.
+        Rows beside a blunt face are low, so that nodes along it are as close as columns.
         """
         size, height = RADIUS / self.cells_per_radius, self.surface_height
         edge = self.cell_size
-        growth = 1.0 + GROWTH * edge / RADIUS
+        growth = 1.0 + RIM_GROWTH * edge / RADIUS
         face = graded(edge * min(1.0, height / RADIUS), height, growth)
         below = graded(min(size, face[-1] - face[-2]), 2.0 * RADIUS, growth)
         rows = np.append(height - face, -below[1:])[::-1]
@@ -270,7 +271,7 @@ class ConeBearing(OnGround):
         )
 
     def load(self, scene: Scene, nodal: Floats) -> float:
-        """The upward force on the face, over base area and su0."""
+        """Upward force on the face over base area and su0."""
         on_face = scene[PenetrometerContact].forces(nodal).on_face
         return on_face / (0.5 * RADIUS**2 * STRENGTH)
 

@@ -1,12 +1,12 @@
 """Exact limit load of a cone or disc at the surface of clay whose strength grows with depth.
 
-Slip lines in plane strain, or axisymmetric with the hypothesis of Haar and von Karman: the hoop
-stress is the least principal one. Lengths are over the radius R of the body, stresses over the
-strength su0 at the surface, compression positive, z downward from the surface.
+The method of slip lines is used in plane strain, and in axisymmetry with the hypothesis of Haar and
+von Karman: the hoop stress equals the least principal stress. Lengths are over the radius R of the
+body, stresses over the strength su0 at the surface. Compression is positive; z is the depth.
 
-Symbols: c = 1 + kappa z strength, kappa = k R / su0, s mean of the greatest and the least principal
+Symbols: strength c = 1 + kappa z, kappa = k R / su0, s mean of the greatest and the least principal
 stress, psi angle of the greatest from the vertical. Along the two families of slip lines, e = 1 and
-e = -1 (Sokolovskii 1965, Statics of Granular Media; the last term where c grows with depth),
+e = -1 (Sokolovskii 1965, Statics of Granular Media; with the last term if c grows with depth),
 
     dr/dz = tan(psi + e pi/4)
     ds + 2 e c dpsi + (c / r) (dr - e dz) + e kappa dr = 0        without c / r in plane strain
@@ -22,14 +22,14 @@ from typing import NamedTuple
 
 FREE_SURFACE = 0.5 * math.pi
 """Angle psi at the free surface, where the greatest stress is horizontal."""
-CLOSEST = 0.01
-"""Radius up to which the field goes: nearer the axis 1 / r grows without bound, and the rest of the
-face, a ten-thousandth of it, has the traction that is there."""
-ROUNDING = 1e-11
-"""Change of a point of the net from one iteration to the next that ends them."""
+INNER_RADIUS = 0.01
+"""Inner radius of the field; at the axis 1 / r is infinite. The rest of the face, a ten-thousandth
+of its area, has the traction found there."""
+ITERATION_CHANGE = 1e-11
+"""Change of a point of the net that ends its iteration."""
 MOST_ITERATIONS = 60
-HALVINGS = 20
-"""Of the distance between two lines, to find the one that ends beside the axis."""
+BISECTIONS = 20
+"""Bisections between two lines to find the one that ends beside the axis."""
 
 
 class Point(NamedTuple):
@@ -43,21 +43,17 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class SlipLines:
-    """The net of slip lines below a cone with its shoulder at the surface, or below a footing."""
+    """The net of slip lines below a smooth footing, or a cone with its shoulder at the surface."""
 
     half_angle: float  # between axis and face [rad], pi/2 for a disc or a strip
-    # adhesion of the face over the strength beside it, 0 to 1. The net of a footing is that of a
-    # smooth one: a rough one has a rigid wedge below it
-    adhesion_factor: float = 0.0
+    adhesion_factor: float = 0.0  # adhesion over the adjacent strength, 0 to 1; 0 for a footing
     strength_gradient_ratio: float = 0.0  # kappa = k R / su0, >= 0
-    # whether strain is plane; the body is then a wedge or a strip of width 2 R
-    planar: bool = False
-    # of slip lines at the surface, over R. The error of the load falls with its square
-    spacing: float = 0.03
+    planar: bool = False  # True: a wedge or a strip of width 2 R in plane strain
+    spacing: float = 0.03  # of lines at the surface, over R; the error falls with its square
 
     @property
     def limit_load(self) -> float:
-        """Limit load over area and su0, with the adhesion's vertical part."""
+        """Limit load over area and su0; the vertical part of the adhesion is included."""
         face = self._face_points
         load = 0.0
         for outer, next_in in itertools.pairwise(face):
@@ -73,11 +69,11 @@ class SlipLines:
 
     @property
     def _face_points(self) -> list[Point]:
-        """Where the lines of the family e = 1 end on the face, from the rim to the axis."""
+        """Ends of the lines e = 1 on the face, from the rim to the axis."""
         turn = FREE_SURFACE - self.face_psi
         count = max(1, math.ceil(turn / self.spacing))
         fan = [FREE_SURFACE - turn * number / count for number in range(count + 1)]
-        # In the fan, at the rim, c = 1 and nothing but s and psi changes.
+        # In the fan at the rim c = 1; only s and psi change.
         line = [Point(1.0, 0.0, 1.0 + 2.0 * (FREE_SURFACE - psi), psi) for psi in fan]
         face = [line[-1]]
         start = 1.0
@@ -89,27 +85,27 @@ class SlipLines:
             face.append(line[-1])
         # The outermost line is the one that ends beside the axis.
         inside, outside = start, start + self.spacing
-        for _ in range(HALVINGS):
+        for _ in range(BISECTIONS):
             middle = 0.5 * (inside + outside)
             ends_inside = self._ends_inside(self._next_line(line, middle), face[-1])
             inside, outside = (middle, outside) if ends_inside else (inside, middle)
         return [*face, self._next_line(line, inside)[-1]]
 
     def _ends_inside(self, line: list[Point], outer: Point) -> bool:
-        """Whether a line ends on the face between a point of it and the axis."""
-        return CLOSEST < line[-1].r < outer.r
+        """Whether a line ends on the face between the inner radius and a point."""
+        return INNER_RADIUS < line[-1].r < outer.r
 
     def _next_line(self, line: list[Point], start: float) -> list[Point]:
-        """The line e = 1 from a radius at the surface to the face, from the one inside of it."""
+        """The line e = 1 from radius `start` at the surface to the face; `line` is inside it."""
         first = Point(start, 0.0, 1.0, FREE_SURFACE)
         points = list(itertools.accumulate(line, self._crossing, initial=first))
         return [*points, self._end_on_face(points[-1])]
 
     def _crossing(self, a: Point, b: Point) -> Point:
-        """Where the line e = 1 through one point meets the line e = -1 through another."""
+        """Intersection of the line e = 1 through a with the line e = -1 through b."""
         found = Point(b.r, b.z, b.s, 0.5 * (a.psi + b.psi))
         for _ in range(MOST_ITERATIONS):
-            # Along a chord the direction and the coefficients are those of its middle.
+            # A chord has the direction and the coefficients of its midpoint.
             one = 0.5 * (a.psi + found.psi) + 0.25 * math.pi
             other = 0.5 * (b.psi + found.psi) - 0.25 * math.pi
             along = (b.r - a.r) * math.cos(other) - (b.z - a.z) * math.sin(other)
@@ -119,12 +115,12 @@ class SlipLines:
             psi = (a.s - b.s + 2.0 * (c_a * a.psi + c_b * b.psi) - of_a + of_b) / (c_a + c_b) / 2.0
             change = abs(psi - found.psi) + abs(r - found.r)
             found = Point(r, z, a.s - 2.0 * c_a * (psi - a.psi) - of_a, psi)
-            if change < ROUNDING:
+            if change < ITERATION_CHANGE:
                 break
         return found
 
     def _end_on_face(self, a: Point) -> Point:
-        """Where the line e = 1 through a point ends on the face, z = (1 - r) cot(half angle)."""
+        """End of the line e = 1 through a point on the face, z = (1 - r) cot(half angle)."""
         slope, psi = self._slope, self.face_psi
         direction = 0.5 * (a.psi + psi) + 0.25 * math.pi
         along = (1.0 - a.r) * slope - a.z
@@ -135,23 +131,23 @@ class SlipLines:
 
     @property
     def _slope(self) -> float:
-        """Depth of the face over the distance from the rim."""
+        """Depth of the face over the radial distance from the rim."""
         return 1.0 / math.tan(self.half_angle)
 
     @property
     def face_psi(self) -> float:
-        """Angle psi at the face: the shear stress there is the adhesion."""
+        """Angle psi at which the shear stress on the face equals the adhesion."""
         return 0.5 * math.pi - self.half_angle - 0.5 * math.asin(self.adhesion_factor)
 
     def _terms(self, a: Point, r: float, z: float, e: float) -> tuple[float, float]:
         """(c, (c / r) (dr - e dz) + e kappa dr) from a point to (r, z) along a line."""
         kappa, dr, dz = self.strength_gradient_ratio, r - a.r, z - a.z
         c = 1.0 + kappa * 0.5 * (a.z + z)
-        hoop = 0.0 if self.planar else c / max(0.5 * (a.r + r), 0.5 * CLOSEST)
+        hoop = 0.0 if self.planar else c / max(0.5 * (a.r + r), 0.5 * INNER_RADIUS)
         return c, hoop * (dr - e * dz) + e * kappa * dr
 
     def _upward_traction(self, point: Point) -> float:
-        """Upward force on the face over the area that it has in plan."""
+        """Upward force on the face over its horizontal projection."""
         c = 1.0 + self.strength_gradient_ratio * point.z
         normal = point.s + c * math.cos(math.asin(self.adhesion_factor))
         return normal + self.adhesion_factor * c * self._slope

@@ -1,4 +1,4 @@
-"""Cavities that expand in undrained clay: walls that move, pressures beside the exact ones."""
+"""Cylindrical and spherical cavities that expand in undrained clay, against exact pressures."""
 
 import dataclasses
 import math
@@ -41,26 +41,27 @@ SAMPLE_COUNT = 150
 
 @dataclass(frozen=True, kw_only=True)
 class Cavity(ClayScene):
-    """A cavity in clay whose wall moves, the grid following it.
+    """A cavity in clay. Its wall moves outward, and the grid follows it.
 
-    The exact pressures are those of incompressible clay with strains of any size (`ExactCavity`).
-    Soil of von Mises, with sqrt(J2) = su, yields like that of Tresca in the plane strain around a
-    cylinder, and around a sphere like one with sqrt(3)/2 su. The soil here is slightly compressible
-    (Poisson's ratio 0.495), which lowers the limit by ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 and
-    4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 (Hill 1950); nothing is corrected for that.
+    The exact pressures are those of incompressible clay at strains of any size (`ExactCavity`). Von
+    Mises soil, with sqrt(J2) = su, yields like Tresca soil in the plane strain around a cylinder,
+    and around a sphere like Tresca soil of strength sqrt(3)/2 su. The simulated soil is slightly
+    compressible (Poisson's ratio 0.495). This changes the limit pressure over su by
+    ln(2 (1 + nu) / (5 - 4 nu)) = -0.0100 for the cylinder and by
+    4/3 ln((1 + nu) / (3 (1 - nu))) = -0.0177 for the sphere (Hill 1950), without a correction.
     """
 
     method = ("cells_per_radius", "particles_per_cell", "speed_ratio")
     exponent: ClassVar[int]
     """m: 2 for the cylinder, 3 for the sphere."""
     von_mises_strength: ClassVar[float]
-    """Strength of soil of von Mises over su where the cavity takes it to yield."""
+    """Shear stress (s1 - s3) / 2 at which von Mises soil around the cavity yields, over su."""
 
     rigidity_index: float = redefined(ClayScene, "rigidity_index", minimum=10, maximum=2000)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.495, minimum=0.4)
     expansion_rate: float = parameter(
         1.0,
-        "real speed of the wall over the radius at the start, which strain rates are of",
+        "real speed of the wall over the initial radius, for the rate effect",
         **STRAIN_RATE,
     )
     expansion: float = parameter(
@@ -80,7 +81,7 @@ class Cavity(ClayScene):
 
     @abstractmethod
     def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
-        """Planes and axes of symmetry, and the medium around the grid."""
+        """Symmetry planes and axes, and the edge of the grid."""
 
     @property
     def cell_size(self) -> float:
@@ -89,41 +90,41 @@ class Cavity(ClayScene):
 
     @property
     def plastic_radius(self) -> float:
-        """Radius of the plastic zone at the end [m], about."""
+        """Approximate radius of the plastic zone at the end [m]."""
         return float(self.expansion * self.rigidity_index ** (1.0 / self.exponent) * RADIUS)
 
     def columns(self, outer_radius: float) -> Floats:
-        """Columns of the grid, dense at the wall."""
+        """Columns of the grid, closest together at the wall."""
         span = outer_radius - RADIUS
         columns: Floats = graded(self.cell_size, span, 1.0 + 0.5 * self.cell_size / RADIUS)
         return columns / span
 
     @property
     def undrained_shear_strength(self) -> float:
-        """Strength su of the clay [Pa]: that of the law where it has its own."""
+        """Strength su of the clay [Pa]; a law may have its own."""
         return STRENGTH if self.own_strength is None else self.own_strength
 
     @property
     def clay(self) -> Material:
-        """The clay around the cavity; strain rates are those of the real expansion."""
+        """The clay around the cavity, with strain rates as in the real expansion."""
         return self.clay_with(
             density=DENSITY, speed_up=self.wall.speed / (self.expansion_rate * RADIUS)
         )
 
     @property
     def wall(self) -> MovingWall:
-        """The wall, which reaches its speed after 0.3 of the radius at the start."""
+        """The wall, which reaches its speed after 0.3 of the initial radius."""
         speed = self.speed_ratio * math.sqrt(self.undrained_shear_strength / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
     @property
     def end_time(self) -> float:
-        """Time in which the wall gets to the final radius [s]."""
+        """Time at which the wall reaches the final radius [s]."""
         wall = self.wall
         return ((self.expansion - 1.0) * RADIUS + wall.ramp_travel) / wall.speed
 
     def build(self) -> Scene:
-        """The soil around the cavity, and the wall that moves."""
+        """The soil around the cavity and the moving wall."""
         grid, material = self.grid(), self.clay
         return Scene(
             grid=grid,
@@ -136,7 +137,7 @@ class Cavity(ClayScene):
 
     @property
     def exact(self) -> ExactCavity | None:
-        """Closed form or integral of the pressures around it; None in a law of another package."""
+        """The exact pressures; None for a law of another package."""
         clay = self.clay
         if not isinstance(clay, UndrainedClay) or self.law is not None:
             return None
@@ -149,24 +150,25 @@ class Cavity(ClayScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Expand the cavity, and compare its pressure with the exact one, where that is known."""
+        """Expand the cavity, and compare its pressure with the exact one where this is known."""
         grid, exact = soil_scene(simulation).grid, self.exact
-        # Of the wall's nodes, per radian; of a sphere together r^2 less 0.6 % at 4 cells.
+        # Areas of the wall at its nodes, per radian. For a sphere their sum is r^2 less 0.6 % at 4
+        # cells per radius.
         areas = (grid.wall_vectors * grid.surface_normals).sum(axis=1)
         area = float(areas.sum())
-        times, radii, on_rows = [simulation.time], [RADIUS], list[Floats]()
+        times, radii, nodal_forces = [simulation.time], [RADIUS], list[Floats]()
 
         def sample() -> tuple[float, float] | None:
-            """Expansion and pressure over su, means since the sample before; none in no time."""
+            """Mean expansion and pressure over su since the sample before."""
             if simulation.time == times[-1]:
                 return None  # one step may go past several samples
-            on_rows.append(simulation.array("wall.impulse") / (simulation.time - times[-1]))
+            nodal_forces.append(simulation.array("wall.impulse") / (simulation.time - times[-1]))
             simulation.assign("wall.impulse", 0.0)
             times.append(simulation.time)
             radii.append(float(simulation.array("wall.motion")[0, 2]))
             middle = 0.5 * (radii[-2] + radii[-1]) / RADIUS
             unit_force = area * middle ** (self.exponent - 1) * self.undrained_shear_strength
-            return middle, on_rows[-1].sum() / unit_force
+            return middle, nodal_forces[-1].sum() / unit_force
 
         def curve(expansion: Floats, pressure: Floats) -> xr.Dataset:
             meaning = "excess pressure over su"
@@ -174,13 +176,14 @@ class Cavity(ClayScene):
             if exact is not None:
                 of_exact = (exact.pressure(expansion), "1", f"{meaning}, exact")
                 found["cavity_pressure_exact"] = of_exact
-            axis = (expansion, "1", "radius of the cavity over that at the start")
+            axis = (expansion, "1", "radius of the cavity over the initial radius")
             return curves("expansion", axis, **found)
 
         moments, samples = evenly(self.end_time, SAMPLE_COUNT), Samples(sample, curve)
         recorded = follow(simulation, moments, simulation.advance_to, [samples], progress)
         if isinstance(grid, PolarGrid):
-            departure = float(np.ptp(on_rows[-1] / areas) / (on_rows[-1] / areas).mean())
+            pressure = nodal_forces[-1] / areas
+            departure = float(np.ptp(pressure) / pressure.mean())
             is_range = "range of the pressure over the wall at the end, over its mean"
             of_shape = (departure, "1", "departure from a sphere", is_range)
             recorded = recorded.assign(labelled(departure=of_shape))
@@ -200,7 +203,7 @@ class Cavity(ClayScene):
 
 
 def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> xr.Dataset:
-    """Excess pore pressure at the end over the distance from the middle, beside the exact one."""
+    """Excess pore pressure at the end by distance from the centre, and the exact one if known."""
     grid = soil_scene(simulation).grid
     radius = float(simulation.array("wall.motion")[0, 2])
     middles = 0.5 * (grid.columns[:-1] + grid.columns[1:])
@@ -226,34 +229,33 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
 
 
 MOST_ANISOTROPY = 0.5
-"""Of Tresca soil around a cylinder: the vertical stress then stays between the others."""
-SOILS: tuple[dict[str, Value], ...] = (
-    {"rigidity_index": 50.0, "material": "tresca"},
-    {"rigidity_index": 500.0, "material": "tresca"},
-    {"rigidity_index": 50.0, "material": "von_mises"},
-)
-"""Soft and stiff soil, and soil of von Mises."""
-CHANGING: tuple[dict[str, Value], ...] = (
-    {"rate_factor": 0.1, "reference_strain_rate": 0.01},
-    {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
-    {"remoulded_strength_ratio": 0.2, "ductility": 1.0},
-)
-"""Clay with a rate effect, and clay that softens, later and sooner."""
+"""Largest |Delta| of Tresca soil around a cylinder. Up to it the vertical stress stays between the
+radial and the hoop stress."""
 
 
 def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
-    """Perfectly plastic soils, and clays whose strength changes, at two resolutions."""
+    """Perfectly plastic soils, and clays with a rate effect or softening, at two resolutions."""
+    perfectly_plastic: tuple[dict[str, Value], ...] = (
+        {"rigidity_index": 50.0, "material": "tresca"},
+        {"rigidity_index": 500.0, "material": "tresca"},
+        {"rigidity_index": 50.0, "material": "von_mises"},
+    )
+    changing: tuple[dict[str, Value], ...] = (
+        {"rate_factor": 0.1, "reference_strain_rate": 0.01},
+        {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
+        {"remoulded_strength_ratio": 0.2, "ductility": 1.0},
+    )
     at = partial(compared, "cells_per_radius", resolutions, pore_pressure_error=0.02)
-    return at(*SOILS, error=largest_error) + at(*CHANGING, error=0.01)
+    return at(*perfectly_plastic, error=largest_error) + at(*changing, error=0.01)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CavityCylinder(Cavity):
-    """One row of cells between smooth ends, around a cylinder whose wall moves outward.
+    """A cylinder with a vertical axis, in one row of cells between smooth ends.
 
-    The axis is vertical. The pressure is that over the horizontal stress before. While the vertical
-    stress stays between the others it does not matter to soil of Tresca, which is so for any stress
-    anisotropy that is allowed there.
+    The pressure is in excess of the initial horizontal stress. The vertical stress does not affect
+    Tresca soil while it is the intermediate principal stress; the limits of the stress anisotropy
+    ensure this.
     """
 
     summary = "pressure of an expanding cylindrical cavity in undrained clay"
@@ -265,8 +267,8 @@ class CavityCylinder(Cavity):
     stress_anisotropy: float = redefined(
         ConeInGround,
         "stress_anisotropy",
-        meaning="stress anisotropy Delta in the ground before: vertical less horizontal stress "
-        "over 2 su; not of von Mises soil, of Tresca -0.5 to 0.5",
+        meaning="stress anisotropy Delta of the ground at rest: vertical less horizontal stress "
+        "over 2 su; 0 in von Mises soil, -0.5 to 0.5 in Tresca soil",
     )
 
     def __post_init__(self) -> None:
@@ -285,13 +287,12 @@ class CavityCylinder(Cavity):
 
     @property
     def stress_at_rest(self) -> Floats:
-        """See `ClayScene`; over the horizontal stress, which the vertical one differs from."""
+        """See `ClayScene`; in excess of the horizontal stress."""
         over_horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
         return np.array([0.0, -over_horizontal, 0.0, 0.0])
 
     def grid(self) -> Grid:
-        """One row of cells, to twice the radius of the plastic zone."""
-        # Beyond the plastic zone, so that the far field is elastic as it takes it to be.
+        """One row of cells, to twice the plastic radius: `FarField` assumes elastic soil."""
         outer = 2.0 * self.plastic_radius
         return Grid(
             columns=self.columns(outer),
@@ -301,25 +302,25 @@ class CavityCylinder(Cavity):
         )
 
     def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
-        """Nothing moves along the axis; around the grid is the elastic medium, as springs."""
+        """Nothing moves along the axis; springs stand for the elastic ground around the grid."""
         fixed = Fixed.on(grid, vertical=["everywhere"])
         far_field = FarField.around(grid, material)
-        # Dashpots would push against the flow of soil that never stops: no waves, no dashpots.
+        # Dashpots would resist the steady outward flow, and there are no waves to absorb.
         return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CavitySphere(Cavity):
-    """A quarter of the half plane, from the axis to the equator, on rays.
+    """A sphere in a polar grid of the quarter plane from the axis to the equator.
 
-    The grid ends, without traction, at six times the radius of the plastic zone: what is missing
-    beyond lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
+    The grid ends without traction at six times the radius of the plastic zone. The missing ground
+    lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
 
-    The stress before is the same in all directions, so there is no stress anisotropy: with it soil
-    does not move along the rays, and neither the strain path of a point nor any pressure is known.
+    The initial stress is isotropic. With stress anisotropy soil would not move along the rays, and
+    no exact pressure is known.
 
-    Where the clay softens, soil moves along the rays alone, as the exact pressure takes it to: a
-    free flow of Tresca soil parts from that and bears less.
+    Where the clay softens, soil is guided along the rays, as the exact pressure assumes. Softening
+    Tresca soil that is free to flow leaves them and resists less.
     """
 
     summary = "pressure of an expanding spherical cavity in clay under equal stress"
@@ -329,7 +330,7 @@ class CavitySphere(Cavity):
     von_mises_strength = math.sqrt(0.75)
 
     def grid(self) -> PolarGrid:
-        """Rays from the axis to the equator, to six times the radius of the plastic zone."""
+        """Rays from the axis to the equator, to six times the plastic radius."""
         outer = 6.0 * self.plastic_radius
         row_count = max(2, round(0.5 * math.pi * self.cells_per_radius))
         return PolarGrid(
