@@ -1,4 +1,4 @@
-"""A block that is pressed on a base and driven along it: parameters, forces, exact motion."""
+"""A block pressed on a base and driven along it: parameters, forces and exact motion."""
 
 import math
 from collections.abc import Mapping
@@ -11,38 +11,38 @@ from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 BASE_CELLS = 3
-"""Cells of the base: its thickness, and its length beside the way of the block on each side."""
+"""Thickness of the base, and its length beyond the path of the block at each end, in cells."""
 SAMPLE_COUNT = 100
-"""Samples of the curves, after the moment when the driving force begins."""
-
+"""Samples of the curves after the start of the drive."""
 SETTLING = 40.0
-"""Duration of the start over the time in which a shear wave crosses the height of the block: the
-normal load rises, and the block comes to rest."""
+"""Time in which the normal load rises and the block comes to rest, over the time in which a shear
+wave crosses the height of the block."""
 DRIVE_RISE = 10.0
-"""Time in which a constant driving force rises, in the same unit."""
+"""Rise time of a constant driving force, over the same time."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingMotion:
-    """A block sticks while its driving force F <= R = a A + mu N; then M dv/dt = F - R.
+    """Motion of a rigid block, which sticks while F <= R = a A + mu N; then M dv/dt = F - R.
 
-    A is the area of its base, N the normal force, a the adhesion, mu the friction coefficient.
+    F is the driving force, A the area of the base, N the normal force, a the adhesion and mu the
+    friction coefficient.
     """
 
     mass: float  # M [kg], > 0
     driving_force: float  # final value of F, which rises linearly from zero [N], > 0
     resistance: float  # R [N], >= 0
-    rise_time: float | None  # time in which F rises [s], > 0; None: F rises until the motion ends
+    rise_time: float | None  # of F [s], > 0; None: F rises until the motion ends
 
     @property
     def slides(self) -> bool:
-        """Whether the driving force comes to exceed the resistance."""
+        """Whether the final driving force exceeds the resistance."""
         return self.driving_force > self.resistance
 
     def duration(self, travel: float) -> float:
-        """Time [s] from the beginning of the drive until a sliding block has gone so far [m].
+        """Time [s] from the start of the drive in which a sliding block covers `travel` [m].
 
-        Where there is a `rise_time`, the distance covered while the force rises is left out.
+        Where there is a `rise_time`, the distance covered during it is not counted.
         """
         excess = 1.0 - self.resistance / self.driving_force
         unit = travel * self.mass / self.driving_force
@@ -53,11 +53,11 @@ class SlidingMotion:
     def at(self, since: Floats) -> tuple[Floats, Floats, Floats]:
         """Velocity [m/s], displacement [m] and base shear [N] at times since the drive began [s].
 
-        Where there is no `rise_time`, the last time is the end of the rise.
+        Without a `rise_time` the force rises until the last of these times.
         """
         rise = float(since[-1]) if self.rise_time is None else self.rise_time
         onset = min(self.resistance / self.driving_force, 1.0) * rise
-        # While the force rises v is quadratic in time, afterwards linear.
+        # Velocity is quadratic in time while the force rises, and linear afterwards.
         rising = np.clip(since, onset, rise) - onset
         steady = np.maximum(since - rise, 0.0) if self.slides else np.zeros_like(since)
         growth = self.driving_force / rise / self.mass
@@ -71,9 +71,9 @@ class SlidingMotion:
 
 @dataclass(frozen=True, kw_only=True)
 class BlockOnBase(CatalogueScene):
-    """A block that is pressed on a base, and driven along it when it has come to rest.
+    """A block that is pressed on a base, comes to rest and is then driven along the base.
 
-    The coordinates follow the interface: gravity is inclined by the slope, and the grid has any
+    The coordinates follow the interface. Gravity is inclined by the slope. The grid may have any
     angle and offset to the interface.
     """
 
@@ -82,15 +82,15 @@ class BlockOnBase(CatalogueScene):
     slope: float = parameter(30.0, "slope of the interface", unit="degree", minimum=0, below=90)
     gravity: float = parameter(9.81, "gravity", unit="m s-2", minimum=0)
     normal_pressure: float = parameter(
-        0.0, "normal pressure on the block beside gravity", unit="Pa", minimum=0
+        0.0, "normal pressure on the block in addition to gravity", unit="Pa", minimum=0
     )
     drive: float = parameter(
-        0.0, "driving force beside gravity per area of the interface", unit="Pa", minimum=0
+        0.0, "driving force per area of the interface, beside gravity", unit="Pa", minimum=0
     )
     driving: str = parameter(
         "constant",
-        "how the driving forces, gravity's included, rise: to a constant value in ten "
-        "crossing times of a wave, or, where the block slides, ramped until the end",
+        "rise of the driving forces, gravity's included: to a constant value in ten crossing times "
+        "of a shear wave, or, where the block slides, ramped until the end",
         choices=("constant", "ramped"),
     )
     grid_angle: float = parameter(
@@ -124,7 +124,7 @@ class BlockOnBase(CatalogueScene):
     travel: float = parameter(0.4, "distance to slide over length", above=0, maximum=5)
     rest_time: float = parameter(
         None,
-        "time for which a block that sticks is watched, once at rest (default: that in "
+        "time for which a block that sticks is followed, once at rest (default: the time in "
         "which it would slide its own length without friction and adhesion)",
         unit="s",
         above=0,
@@ -138,7 +138,7 @@ class BlockOnBase(CatalogueScene):
     cells_per_length: int = parameter(10, "cells along the block", minimum=4, maximum=400)
     particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16))
     time_step_fraction: float = parameter(
-        0.6, "time step over that in which a wave crosses a cell", above=0, maximum=1
+        0.6, "time step over the time in which a wave crosses a cell", above=0, maximum=1
     )
 
     def __post_init__(self) -> None:
@@ -156,14 +156,13 @@ class BlockOnBase(CatalogueScene):
             self._check_ring(self.interface_radius)
 
     def derived(self) -> Mapping[str, float]:
-        """The time to watch a block that sticks: in it the block would slide its length freely."""
+        """The time in which the block would slide its length without resistance."""
         if self.driving_force <= 0.0:
             return {}  # such a block is refused
         return {"rest_time": math.sqrt(2.0 * self.length * self.mass / self.driving_force)}
 
     def _check_pressed(self) -> None:
-        # The base shear acts below the middle of the block. The base carries its moment as long as
-        # N acts in the middle third.
+        # The moment of the base shear shifts N, which must stay in the middle third of the base.
         shear = min(self.motion.resistance, self.driving_force)
         highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
         if self.height > highest:
@@ -188,12 +187,12 @@ class BlockOnBase(CatalogueScene):
 
     @property
     def spacing(self) -> float:
-        """Side of the square that a particle stands for [m]."""
+        """Distance of the material points [m]."""
         return self.cell_size / math.isqrt(self.particles_per_cell)
 
     @property
     def height(self) -> float:
-        """Height of the block, a whole number of particles [m]."""
+        """Height of the block, a whole number of spacings [m]."""
         return self.spacing * max(1, round(self.height_ratio * self.length / self.spacing))
 
     @property
@@ -214,7 +213,7 @@ class BlockOnBase(CatalogueScene):
 
     @property
     def weight(self) -> float:
-        """Weight of the block, which no mass scale changes [N]."""
+        """Weight of the block, without the mass scale [N]."""
         return self.density * self.volume * self.gravity
 
     @property
@@ -229,7 +228,7 @@ class BlockOnBase(CatalogueScene):
 
     @property
     def motion(self) -> SlidingMotion:
-        """The motion of a rigid block under the same forces, exact."""
+        """The exact motion of a rigid block under the same forces."""
         motion = SlidingMotion(
             mass=self.mass,
             driving_force=self.driving_force,
@@ -242,25 +241,22 @@ class BlockOnBase(CatalogueScene):
 
     @property
     def start(self) -> float:
-        """Time at which the driving force begins [s]."""
+        """Time of the start of the drive [s]."""
         return SETTLING * self._crossing
 
     @property
     def settled_time(self) -> float:
-        """Time from the beginning of the drive until a block that sticks is at rest again [s]."""
+        """Time from the start of the drive until a block that sticks is at rest again [s]."""
         return (DRIVE_RISE + SETTLING) * self._crossing
 
     @property
     def duration(self) -> float:
-        """Time from the beginning of the drive to the end of the run [s].
-
-        A block that slides covers its `travel`; one that sticks gets its `rest_time`, once at rest.
-        """
+        """Time from the start of the drive to the end of the run [s]."""
         if self.motion.slides:
             return self.motion.duration(self.travel * self.length)
         return self.settled_time + self.rest_time
 
     @property
     def _crossing(self) -> float:
-        """Time in which a shear wave crosses the height in the softer body [s]."""
+        """Time in which a shear wave of the softer body crosses the height of the block [s]."""
         return self.height / math.sqrt(self.shear_modulus / (self.mass_scale * self.density))

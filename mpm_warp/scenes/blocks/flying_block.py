@@ -1,4 +1,4 @@
-"""An elastic block in free flight, turning: what nothing acts on must not change."""
+"""An elastic block that flies and turns without forces; momentum, spin and shape must stay."""
 
 import math
 from dataclasses import dataclass
@@ -22,21 +22,18 @@ SHEAR_MODULUS = 1e6
 POISSONS_RATIO = 0.3
 DENSITY = 1000.0
 DIRECTION = (0.8, 0.6)
-"""Unit vector of the flight: along no line of the grid."""
+"""Direction of the flight, oblique to the grid."""
 TIME_STEP_FRACTION = 0.6
 SAMPLE_COUNT = 100
 SHAPE_SIDE = 8
-"""Material points along a side of the lattice whose distances from all points are the shape: all of
-the default block. Those of each from each would take longer than the flight of a large block."""
+"""Side of the lattice of reference points, in points. The distances of all points from these define
+the shape. The default block has as many points; in a large one all distances would take longer than
+the flight."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FlyingBlock(CatalogueScene):
-    """A square flies across the grid and turns about its middle; no force acts on it.
-
-    Its linear momentum, its angular momentum and its shape must stay as they were. The shape is
-    measured by the distances of all its material points from a lattice of them.
-    """
+    """A square that flies across the grid and turns about its centre; no force acts on it."""
 
     summary = "elastic block in free flight, turning; momentum, spin and shape stay"
     version = 3
@@ -54,19 +51,20 @@ class FlyingBlock(CatalogueScene):
     )
 
     def run_size(self) -> RunSize:
-        """Cells along the flight of the block, and its material points."""
+        """See `CatalogueScene`."""
         columns, rows = self.build().grid.cell_counts
         count = 4 * self.cells_per_side**2
         return size_of_body(
             cell_count=columns * rows,
             particle_count=count,
             step_count=self.step_count,
-            # Distances from the lattice: the first, and the present along both axes, thrice.
+            # Distances from the lattice: the initial ones, and three copies of the present along
+            # both axes.
             curve_bytes=7.0 * 8.0 * count * min(count, SHAPE_SIDE**2),
         )
 
     def build(self) -> BodyScene:
-        """The block, in a grid that holds the circle through its corners at both ends."""
+        """The block, in a grid that contains the circle around it at both ends of the flight."""
         half, cell = 0.5 * SIDE, SIDE / self.cells_per_side
         material = LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=POISSONS_RATIO, density=DENSITY
@@ -80,7 +78,7 @@ class FlyingBlock(CatalogueScene):
         return BodyScene(grid=grid, bodies=(block,), time_step_fraction=TIME_STEP_FRACTION)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Give the points the velocity of the flight and its gradient, and let the block fly."""
+        """Give the points their velocity and its gradient, and let the block fly."""
         flight = self.travel * SIDE / (self.step_count * simulation.plan.time_step)
         angular_velocity = self.rim_speed * math.sqrt(SHEAR_MODULUS / DENSITY) / SIDE
         turn = angular_velocity * np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -103,19 +101,19 @@ class FlyingBlock(CatalogueScene):
 
 
 def free_flight(simulation: Simulation, cell_size: float) -> Samples:
-    """Samples how shape, momentum and spin of one square body have changed since now."""
+    """Samples the changes of shape, momentum and spin of a square body since this call."""
     side = math.isqrt(simulation.plan.particle_count)
     step = math.ceil(side / SHAPE_SIDE)
     lattice = np.arange(side**2).reshape(side, side)[::step, ::step].ravel()
 
     def state() -> tuple[Floats, Floats, float]:
-        """Distances from the lattice, linear momentum, angular momentum about the middle."""
+        """Distances from the lattice, linear momentum, angular momentum about the centre."""
         array = simulation.array
         mass, affine = array("particle.mass"), array("particle.affine")
         position, velocity = array("particle.position"), array("particle.velocity")
         arm = position - mass @ position / mass.sum()
         orbital = arm[:, 0] * velocity[:, 1] - arm[:, 1] * velocity[:, 0]
-        # A point's own: that of its affine velocity, with the inertia m h^2 / 4 along each axis.
+        # The affine velocity of a point has the inertia m h^2 / 4 along each axis.
         own = 0.25 * cell_size**2 * (affine[:, 1, 0] - affine[:, 0, 1])
         distance = np.linalg.norm(position[:, None] - position[lattice], axis=-1)
         return distance, mass @ velocity, float(mass @ (orbital + own))

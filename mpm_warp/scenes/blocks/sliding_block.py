@@ -1,4 +1,4 @@
-"""An elastic block on a base, which sticks or slides under friction and adhesion; its curves."""
+"""An elastic block on a base, which sticks or slides under friction and adhesion."""
 
 import math
 from dataclasses import dataclass, replace
@@ -22,18 +22,16 @@ from mpm_warp.simulation import Simulation
 
 VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}
 LONG: dict[str, Value] = {"height_ratio": 0.5, "friction": 0.8, "rest_time": 860.0}
-"""Of checks on a coarse grid."""
-
-
+"""Settings of extreme checks, on a coarse grid."""
 _compared = partial(compared, "cells_per_length", (10, 20))
 _extreme = partial(compared, "cells_per_length", (6,), extreme=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingBlock(BlockOnBase):
-    """A block is pressed on a base and driven along it, and its motion compared with the exact one.
+    """A block pressed on a base and driven along it, against the exact motion of a rigid block.
 
-    The error is that of its acceleration, or the creep of a block that sticks.
+    The error is the relative error of its acceleration, or the creep of a block that sticks.
     """
 
     summary = "elastic block on a base, driven until it slides; exact solution"
@@ -48,9 +46,9 @@ class SlidingBlock(BlockOnBase):
     )
 
     def run_size(self) -> RunSize:
-        """Cells around the base and the block on its way, their material points, and steps."""
-        way = self.travel if self.motion.slides else 0.0
-        along = self.cells_per_length * (1.0 + way) + 2 * BASE_CELLS
+        """See `CatalogueScene`."""
+        travel = self.travel if self.motion.slides else 0.0
+        along = self.cells_per_length * (1.0 + travel) + 2 * BASE_CELLS
         height = self.cells_per_length * self.height_ratio
         cos, sin = (abs(turned(math.radians(self.grid_angle))) for turned in (math.cos, math.sin))
         across, margin = height + BASE_CELLS, 2 * MARGIN + 1
@@ -64,7 +62,7 @@ class SlidingBlock(BlockOnBase):
             cell_count=round(columns * rows),
             particle_count=round(block_count + along * BASE_CELLS * self.particles_per_cell),
             step_count=(self.start + self.duration) / time_step,
-            # Places of the points of the block: kept, stacked, and three arrays of that shape.
+            # Positions of the points of the block: samples, their stack, and three such arrays.
             curve_bytes=5.0 * 16.0 * (SAMPLE_COUNT + 1) * block_count,
         )
 
@@ -125,7 +123,7 @@ class SlidingBlock(BlockOnBase):
         return block, base
 
     def _loads(self, block: Body) -> tuple[Load, Load]:
-        """Weight and pressure, which rise first, and the driving force."""
+        """The normal load, from weight and pressure, and then the driving force."""
         frame = self._frame
         share = block.volume / block.volume.sum()
         on_top = share * (frame.height(block.position) > self.height - self.spacing)
@@ -142,16 +140,15 @@ class SlidingBlock(BlockOnBase):
         )
 
     def _retardation_time(self, material: LinearElastic) -> float | None:
-        # The slowest wave, a quarter of it over the height, has omega = pi / 2 / crossing time.
+        # The slowest wave has four times the height, and so omega = pi / 2 / crossing time.
         crossing = self.height / material.shear_wave_speed
         return 4.0 / math.pi * self.damping_ratio * crossing if self.damping_ratio else None
 
 
 class SlidingCurves:
-    """Samples of a block, which is body 0, from the beginning of the drive on.
+    """Samples the block, which is body 0, from the start of the drive, when this is constructed.
 
-    All loads act on the block, and the contact is that with its base. The first sample is taken at
-    once, at the start of the drive [s]; `along` is the unit vector along the interface.
+    All loads act on the block. `along` is the unit vector along the interface.
     """
 
     def __init__(self, simulation: Simulation, scene: BlockOnBase, along: Floats) -> None:
@@ -182,11 +179,12 @@ class SlidingCurves:
 
     @property
     def _recorded(self) -> dict[str, Floats]:
-        """What the block has done, by name, over the samples; energies are changes but the kinetic.
+        """Quantities by name, over the samples; all energies but the kinetic are changes.
 
-        The contact force is the mean one on the base between two samples. What a balance lacks: of
-        momentum [N s], in axisymmetry along the axis alone, because hoop stresses change the other;
-        of energy [J], dissipated in the transfers between particles and grid.
+        The shear force is that on the base, a mean between two samples. `momentum_lack` is what the
+        balance of momentum lacks [N s]; in axisymmetry only that along the axis, since hoop
+        stresses change the radial momentum. `energy_lack` is the energy that the transfers between
+        particles and grid dissipate [J].
         """
         mass = self._block.mass
         values = {
@@ -243,10 +241,10 @@ class SlidingCurves:
         )
 
     def comparison(self) -> dict[str, xr.Variable]:
-        """Of a whole run: exact curves, scalars over its second half, and what balances lack.
+        """Exact curves, scalars over the second half of the run, and errors of the balances.
 
-        That of momentum is over the loads' impulse at the end, that of energy over their greatest
-        work.
+        The error of momentum is over the impulse of the loads at the end, that of energy over their
+        greatest work.
         """
         run, motion = self._recorded, self._scene.motion
         since = run["since"]

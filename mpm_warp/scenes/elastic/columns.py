@@ -1,4 +1,4 @@
-"""Columns of soil that move along their height alone: one that settles, and waves along one."""
+"""Elastic columns of soil that move along their height only: settlement, and waves."""
 
 import math
 from dataclasses import dataclass, replace
@@ -22,15 +22,15 @@ from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0
-"""Of any column [m]."""
+"""Height of a column [m]."""
 GRAVITY = 9.81
 DENSITY = 1700.0
 PERIODS_TO_REST = 8.0
-"""Time to come to rest, in the column's periods: critically damped, e^-50 of the motion stays."""
+"""Time to come to rest, in periods of the column: e^-50 of the critically damped motion is left."""
 
 
 def column(cell_count: int) -> tuple[Grid, Fixed]:
-    """Square cells from z = 0 up to `HEIGHT`, which move along z alone, and at the base not."""
+    """Square cells from z = 0 to `HEIGHT`; nodes move along z only, and the base is fixed."""
     grid = Grid(
         columns=np.array([0.0, 1.0]),
         rows=np.linspace(0.0, HEIGHT, cell_count + 1),
@@ -41,12 +41,12 @@ def column(cell_count: int) -> tuple[Grid, Fixed]:
 
 
 def mean_over_sections(values: Floats, mass: Floats) -> Floats:
-    """Means by mass over the two particles at each height, as seeded, from the base up."""
+    """Means, weighted by mass, over the two points at each height, from the base up."""
     return np.average(values.reshape(-1, 2), axis=1, weights=mass.reshape(-1, 2))
 
 
 def confined(modulus: float, poissons_ratio: float, density: float) -> LinearElastic:
-    """An elastic material of a modulus in uniaxial strain [Pa], and a density [kg/m3]."""
+    """The elastic material with a given modulus of uniaxial strain [Pa]."""
     return LinearElastic(
         shear_modulus=modulus * (1 - 2 * poissons_ratio) / (2 * (1 - poissons_ratio)),
         poissons_ratio=poissons_ratio,
@@ -56,10 +56,10 @@ def confined(modulus: float, poissons_ratio: float, density: float) -> LinearEla
 
 @dataclass(frozen=True, kw_only=True)
 class GravityColumn(CatalogueScene):
-    """Elastic soil, at first without weight and stress, critically damped until it is at rest.
+    """A column, initially without stress, that settles under its weight with critical damping.
 
-    From the base up, with M the constrained modulus: sigma = -rho g (H - z), and the displacement
-    u = -rho g (H z - z^2/2) / M.
+    The vertical stress is sigma = -rho g (H - z), and the displacement u = -rho g (H z - z^2/2) / M
+    with the height H and the constrained modulus M.
     """
 
     summary = "column under its own weight, stress and settlement"
@@ -72,7 +72,7 @@ class GravityColumn(CatalogueScene):
 
     @property
     def material(self) -> LinearElastic:
-        """Elastic soil that settles by `settlement_ratio` of the height under its weight."""
+        """Elastic soil that settles by `settlement_ratio` under its weight."""
         modulus = DENSITY * GRAVITY * HEIGHT / (2 * self.settlement_ratio)
         return confined(modulus, self.poissons_ratio, DENSITY)
 
@@ -82,9 +82,9 @@ class GravityColumn(CatalogueScene):
         return PERIODS_TO_REST * 4 * HEIGHT / self.material.pressure_wave_speed
 
     def build(self) -> Scene:
-        """The column, its weight, and the damping that brings it to rest."""
+        """The column, its weight and damping."""
         (grid, fixed), material = column(self.cell_count), self.material
-        # Twice the angular frequency of the first mode, pi c / 2 H.
+        # Twice the angular frequency pi c / 2 H of the first mode.
         rate = math.pi * material.pressure_wave_speed / HEIGHT
         return Scene(grid=grid, material=material, parts=(Gravity(GRAVITY), Damping(rate), fixed))
 
@@ -97,7 +97,7 @@ class GravityColumn(CatalogueScene):
         change = simulation.array("particle.position")[:, 1] - position[:, 1]
         displacement = mean_over_sections(change, mass)
         height = mean_over_sections(position[:, 1], mass)
-        # The settlement of the top lies on the line through the two sections of the last cell.
+        # The settlement of the top is extrapolated from the two sections of the last cell.
         slope = (displacement[-1] - displacement[-2]) / (height[-1] - height[-2])
         settlement = -(displacement[-1] + slope * (HEIGHT - height[-1]))
         exact_settlement = self.settlement_ratio * HEIGHT
@@ -132,7 +132,7 @@ class GravityColumn(CatalogueScene):
 CONSTRAINED_MODULUS = 1e7
 POISSONS_RATIO = 0.3
 STRAIN = 1e-5
-"""Greatest strain: small, since the exact solutions are those of small strain."""
+"""Greatest strain: small, as the exact solutions assume."""
 PRESSURE = CONSTRAINED_MODULUS * STRAIN
 """Pressure of the sudden load [Pa]."""
 WAVE_SPEED = math.sqrt(CONSTRAINED_MODULUS / DENSITY)
@@ -140,21 +140,21 @@ PERIOD = 4 * HEIGHT / WAVE_SPEED
 SAMPLE_BYTES = 700.0
 """Memory of a sample, from peaks of runs of 300 and 1000 cells [byte]."""
 MOST_SAMPLED_PERIODS = 10
-"""Periods of which curves are kept, the first and the last among them."""
+"""Most periods that are sampled; the first and the last always are."""
 _checks = partial(compared, "cell_count")
 
 
 @dataclass(frozen=True, kw_only=True)
 class ElasticColumnWave(CatalogueScene):
-    """A column on a fixed base, its top free or under a pressure that is there at once.
+    """A column on a fixed base. Its top is free, or under a pressure that acts suddenly.
 
-    With c the wave speed, H the height, M the constrained modulus, s the pressure: behind the
-    front the velocity is s/(rho c); the stress at the base is 2 s from H/c to 3 H/c, else none.
+    Symbols: wave speed c, height H, pressure s. Under a sudden load the velocity behind the front
+    is s/(rho c); the stress at the base is 2 s from H/c to 3 H/c, and 0 otherwise.
 
-    The standing wave is u = U sin(k z) sin(c k t), k = pi/(2 H). Its energy does not change; the
-    transfers between particles and grid take a part of it in every period. By the modal analysis of
-    `mpm_warp.scenes.elastic.wave_decay`, with nothing fitted, it is 1.8e-3 of the energy at 10
-    cells, 1.9e-4 at 20 and 2.1e-5 at 40.
+    The standing wave is u = U sin(k z) sin(c k t), k = pi/(2 H). Its exact energy is constant. In a
+    run the transfers between particles and grid take a part of it in every period: by the modal
+    analysis of `mpm_warp.scenes.elastic.wave_decay`, with nothing fitted, 1.8e-3 at 10 cells,
+    1.9e-4 at 20 and 2.1e-5 at 40.
     """
 
     summary = "pressure waves along a column: sudden load, standing wave"
@@ -164,9 +164,9 @@ class ElasticColumnWave(CatalogueScene):
         *_checks(
             (10, 20, 40),
             {"excitation": "standing_wave"},
-            # At 40 cells the frequency derived is low by 1.09e-4: an error of 2 pi times that at
-            # most. Of the energy nine periods take 1.89e-4. The mean over a period may lack one
-            # step of 273 in a swing by 2 pi / 273.
+            # At 40 cells the analysis gives a frequency too low by 1.09e-4, and so an error of up
+            # to 2 pi times that. Nine periods take 1.89e-4 of the energy. The mean over a period
+            # may lack one of 273 steps, in an oscillation by 2 pi / 273.
             error=7e-4,
             energy_drift=2e-4,
             energy_departure=1e-4,
@@ -183,11 +183,11 @@ class ElasticColumnWave(CatalogueScene):
 
     @property
     def _followed_periods(self) -> int:
-        """The front of a sudden load is followed through one period."""
+        """Number of periods of the run; one under a sudden load."""
         return 1 if self.excitation == "sudden_load" else self.period_count
 
     def run_size(self) -> RunSize:
-        """Cells of the column, and the steps of all periods."""
+        """See `CatalogueScene`."""
         size = size_in_grid(self.build(), self._followed_periods * PERIOD)
         sampled = size.step_count * min(1.0, MOST_SAMPLED_PERIODS / self._followed_periods)
         return replace(size, curve_bytes=SAMPLE_BYTES * sampled)
@@ -198,9 +198,9 @@ class ElasticColumnWave(CatalogueScene):
         return self.excitation == "standing_wave"
 
     def build(self) -> Scene:
-        """The column, and the pressure on its top where there is one."""
+        """The column, and the pressure on its top under a sudden load."""
         grid, fixed = column(self.cell_count)
-        # Integrals of N r over the top, for the node on the axis and the one outside.
+        # Integrals of N r over the top, for the node on the axis and the outer node.
         areas = grid.outer_radius**2 * np.array([1.0 / 6.0, 1.0 / 3.0])
         top = grid.node(np.arange(2), np.full(2, self.cell_count))
         load = NodalLoad(nodes=top, forces=np.outer(areas, [0.0, -PRESSURE]))
@@ -223,7 +223,7 @@ class ElasticColumnWave(CatalogueScene):
             position, velocity, stress, mass = (
                 array(f"particle.{name}") for name in ("position", "velocity", "stress", "mass")
             )
-            # Particles stand at a quarter of a cell below the top; strain vanishes there.
+            # The highest points are a quarter of a cell below the top, where strain vanishes.
             height = mean_over_sections(position[:, 1], mass)[-1]
             strain_energy = np.sum(mass * stress[:, 1] ** 2) / (2 * CONSTRAINED_MODULUS * DENSITY)
             energy = 0.5 * np.sum(mass * velocity[:, 1] ** 2) + strain_energy
@@ -244,9 +244,10 @@ class ElasticColumnWave(CatalogueScene):
 
 
 def front_curves(phase: Floats, stress: Floats, velocity: Floats) -> xr.Dataset:
-    """Stress at the base and velocity at half height under a sudden load, and exact."""
+    """Stress at the base and velocity at half height under a sudden load, and the exact ones."""
     speed = STRAIN * WAVE_SPEED
-    # Down, back from the base with the soil behind it at rest, back from the top rising.
+    # The front moves down, returns from the base (soil behind it is at rest) and from the top
+    # (soil behind it rises).
     edges = np.array([0.125, 0.375, 0.625, 0.875])
     exact_velocity = np.array([0.0, -speed, 0.0, speed, 0.0])[np.searchsorted(edges, phase)]
     exact_stress = np.where((phase > 0.25) & (phase < 0.75), -2 * PRESSURE, 0.0)
@@ -273,7 +274,7 @@ def standing_wave_curves(phase: Floats, displacement: Floats, energy: Floats) ->
 
 
 def _sampled_steps(time_step: float, period_count: int) -> list[int]:
-    """All steps of the periods that are sampled: some of them all, the first and the last too."""
+    """Numbers of all steps in the sampled periods, up to `MOST_SAMPLED_PERIODS` of them."""
     per_period = PERIOD / time_step
     last = round(period_count * per_period)
     sampled: list[int] = []
@@ -285,12 +286,12 @@ def _sampled_steps(time_step: float, period_count: int) -> list[int]:
 
 
 def period_of(phase: Floats, period_count: int) -> Floats:
-    """Number of the period that a time over period is in; its end is still in the last."""
+    """Number of the period that a phase is in; the end of the run belongs to the last period."""
     return np.minimum(np.floor(phase), period_count - 1)
 
 
 def front_error(curves: xr.Dataset) -> xr.Variable:
-    """Plateaus, arrival and reflection beside the exact ones."""
+    """Greatest relative error of plateaus and arrival times."""
     speed = STRAIN * WAVE_SPEED
     phase = curves["phase"].values
     stress, velocity = curves["base_stress"].values, curves["velocity"].values
@@ -317,12 +318,12 @@ def front_error(curves: xr.Dataset) -> xr.Variable:
 
 
 def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str, xr.Variable]:
-    """Of the displacement over a period, and of the energy, of which a derived share is kept."""
+    """Errors of displacement and energy; `kept_per_second` of the energy is left by analysis."""
     phase, energy = curves["phase"].values, curves["energy"].values
     exact = curves["displacement_exact"].values
     first = phase <= 1.0
     difference = np.linalg.norm((curves["displacement"].values - exact)[first])
-    # Over whole periods: kinetic and strain energy are those of times half a step apart.
+    # Means over whole periods, because kinetic and strain energy are half a step apart in time.
     period = period_of(phase, round(phase[-1]))
     numbers = np.unique(period)
     energies = np.array([energy[period == number].mean() for number in numbers])

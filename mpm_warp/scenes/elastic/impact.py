@@ -1,4 +1,4 @@
-"""A bar and a column that strike a rigid wall: the exact shock, and runs compared with it."""
+"""A bar and a column that strike a rigid wall, against the exact shock."""
 
 import math
 from abc import abstractmethod
@@ -27,26 +27,25 @@ from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
 """Length before the impact [m]."""
-TRAVEL = 0.75
-"""Part of the bar that the shock has passed at the end; its speed is that over the second half."""
-DAMPING = 0.5
-"""Of the bar: retardation time over the time in which a wave crosses a cell, which makes a shock
-some cells wide."""
+SHOCK_TRAVEL = 0.75
+"""Part of the length that the shock passes in the run; its speed is measured in the second half."""
+BAR_DAMPING = 0.5
+"""Retardation time of the bar over the time in which a wave crosses a cell. It spreads the shock
+over some cells."""
 POINTS_PER_CELL = 2
 """Material points of the bar along and across a cell."""
-POISSONS_RATIO = 0.3
-"""Of the column."""
-BULK_VISCOSITY = 1.0
-"""Of the column: it spreads a shock over some cells."""
+COLUMN_POISSONS_RATIO = 0.3
+COLUMN_BULK_VISCOSITY = 1.0
+"""It spreads the shock in the column over some cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Impact(CatalogueScene):
     """A bar along the second axis that moves down on a wall and comes to rest behind a shock.
 
-    The bar has the speed V, its stress is M ln l at the stretch l. With c^2 = M / rho, a shock that
-    passes the length U of the unstrained bar in a unit of time leaves, by mass and momentum
-    (Rankine and Hugoniot; the law of energy is not needed where stress does not depend on heat),
+    The bar has the speed V; its stress at the stretch l is M ln l. The shock travels through the
+    unstrained bar at the speed U. With c^2 = M / rho the balances of mass and momentum (Rankine and
+    Hugoniot; the stress does not depend on heat, so that of energy is not needed) give
 
         l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
     """
@@ -59,8 +58,8 @@ class Impact(CatalogueScene):
     density: ClassVar[float]
     """Density before the impact [kg/m3]."""
     time_step_fraction: ClassVar[float]
-    """Time step over the critical one, small: a shock strains what it passes by half, and each step
-    is accurate for small strain."""
+    """Time step over the critical one. It is small, because a step is accurate for small strain and
+    the shock strains the bar by half."""
 
     speed_ratio: float = parameter(
         0.5, "speed of the impact over that of waves", minimum=1e-6, maximum=0.9
@@ -84,7 +83,7 @@ class Impact(CatalogueScene):
 
     @cached_property
     def shortening(self) -> float:
-        """V / U: the share of the length that is lost behind the shock."""
+        """V / U: the relative shortening behind the shock."""
         square = self.speed**2 * self.density / self.modulus
         found = scipy.optimize.brentq(lambda it: -it * math.log1p(-it) - square, 0.0, 1.0 - 1e-12)
         return float(found)
@@ -101,19 +100,19 @@ class Impact(CatalogueScene):
 
     @property
     def end_time(self) -> float:
-        """Time until the shock has passed the bar, up to a section's height [s]."""
-        return TRAVEL * LENGTH / self.front_speed
+        """Time of the run [s], up to the height of a section."""
+        return SHOCK_TRAVEL * LENGTH / self.front_speed
 
     @abstractmethod
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
-        """Heights of the bar's sections from the wall up, and weights of the points in each.
+        """Initial heights [m] of the sections of the bar, from the wall up, and weights of points.
 
-        The bar's points are the first of the simulation, at its start. Shapes [section_count] [m],
-        and [section_count, points of a section].
+        The points of the bar are the first of the simulation. Shapes [section_count] and
+        [section_count, points of a section].
         """
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Give the bar its speed, and follow the shock until it has passed most of the bar."""
+        """Give the bar its speed, and follow the shock through most of the bar."""
         heights, weights = self.sections(simulation)
         velocity = simulation.array("particle.velocity").copy()
         velocity[: weights.size, 1] = -self.speed
@@ -124,7 +123,7 @@ class Impact(CatalogueScene):
             return np.average(rows, axis=1, weights=weights)
 
         def front() -> tuple[float, float]:
-            """Time, and height in the unstrained bar at which half of the velocity is gone."""
+            """Time, and height in the unstrained bar where the velocity is half of the initial."""
             velocity, half = along_bar("velocity"), -0.5 * self.speed
             first = int(np.flatnonzero(velocity < half)[0])
             around = [first, first - 1]
@@ -141,48 +140,43 @@ class Impact(CatalogueScene):
                 velocity=(velocity, "m s-1", "velocity at the end"),
                 velocity_exact=(np.where(passed, 0.0, -self.speed), "m s-1", "velocity, exact"),
             )
-            # Between what the first touch has left at the wall and the width of the shock.
+            # Away from the wall, where the first contact leaves traces, and from the shock.
             behind = (heights > 0.25 * front[-1]) & (heights < 0.75 * front[-1])
             if time.size < 2:  # the run has ended before
                 return recorded
             speed = (front[1] - front[0]) / (time[1] - time[0])
             return recorded.assign(self._errors(speed, stress[behind], velocity[behind]))
 
-        moments = [share * TRAVEL * heights[-1] / self.front_speed for share in (0.5, 1.0)]
+        end = SHOCK_TRAVEL * heights[-1] / self.front_speed
         samples = Samples(front, at_end)
-        return follow(simulation, moments, simulation.advance_to, [samples], progress)
+        return follow(simulation, [0.5 * end, end], simulation.advance_to, [samples], progress)
 
     def _errors(
         self, front_speed: float, stress: Floats, velocity: Floats
     ) -> dict[str, xr.Variable]:
-        """Errors of the speed of the shock [m/s], and of stress and velocity behind it."""
+        """Errors of the speed of the shock, and of stress and velocity behind it."""
         of_speed = abs(front_speed / self.front_speed - 1.0)
         of_stress = abs(stress.mean() / self.shock_stress - 1.0)
         of_velocity = abs(velocity.mean()) / self.speed
         greatest = max(of_speed, of_stress, of_velocity)
-        in_words = "standard deviation of the stress behind the shock over its mean"
+        meaning = "greatest error of the shock's speed, stress and velocity"
+        residual = "mean velocity behind the shock over that of the impact"
+        scatter = "standard deviation of the stress behind the shock over its mean"
         return (
             labelled(
                 role="error",
-                front_speed_error=(of_speed, "1", "error of its speed"),
-                stress_error=(of_stress, "1", "error of the mean stress behind it"),
-                velocity_error=(
-                    of_velocity,
-                    "1",
-                    "mean velocity behind it over that of the impact",
-                ),
+                front_speed_error=(of_speed, "1", "error of the speed of the shock"),
+                stress_error=(of_stress, "1", "error of the mean stress behind the shock"),
+                velocity_error=(of_velocity, "1", residual),
             )
-            | labelled(
-                role="headline",
-                error=(greatest, "1", "greatest error of the shock's speed, stress and velocity"),
-            )
-            | labelled(stress_scatter=(stress.std() / abs(self.shock_stress), "1", in_words))
+            | labelled(role="headline", error=(greatest, "1", meaning))
+            | labelled(stress_scatter=(stress.std() / abs(self.shock_stress), "1", scatter))
         )
 
 
 @dataclass(frozen=True, kw_only=True)
 class StruckBar(Impact):
-    """A body, a bar of Poisson's ratio 0 and a cell thick, comes to rest on another, rigid one."""
+    """A bar of Poisson's ratio 0, one cell thick, that strikes a rigid body."""
 
     summary = "bar that strikes a wall at half its wave speed; shock relations"
     version = 2
@@ -191,7 +185,7 @@ class StruckBar(Impact):
     time_step_fraction = 0.1
 
     def run_size(self) -> RunSize:
-        """Cells around bar and wall, their points, and the steps until the shock has passed."""
+        """See `CatalogueScene`."""
         return size_of_bodies(
             cell_count=10 * (self.cell_count + 10),
             particle_count=POINTS_PER_CELL**2 * (self.cell_count + 15),
@@ -209,7 +203,7 @@ class StruckBar(Impact):
         bar = frame.body((0.0, cell), (0.0, LENGTH), spacing, material)
         wall = frame.body((-2.0 * cell, 3.0 * cell), (-3.0 * cell, 0.0), spacing, material)
         bodies = (
-            replace(bar, retardation_time=DAMPING * cell / self.wave_speed),
+            replace(bar, retardation_time=BAR_DAMPING * cell / self.wave_speed),
             replace(wall, held=np.ones(wall.particle_count, dtype=bool)),
         )
         return BodyScene(
@@ -220,14 +214,14 @@ class StruckBar(Impact):
         )
 
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
-        """Rows of points across the bar, of one weight."""
+        """Rows of points across the bar, with equal weights."""
         count = POINTS_PER_CELL * self.cell_count
         return LENGTH * (np.arange(count) + 0.5) / count, np.ones((count, POINTS_PER_CELL))
 
 
 @dataclass(frozen=True, kw_only=True)
 class StruckColumn(Impact):
-    """Soil that falls on its base all at once; its top leaves cells behind as it comes down."""
+    """A column of soil that strikes its base; as its top comes down, cells above it are empty."""
 
     summary = "column that strikes its base at half its wave speed; shock relations"
     version = 3
@@ -236,17 +230,17 @@ class StruckColumn(Impact):
     time_step_fraction = 0.2
 
     def build(self) -> Scene:
-        """Soil in the column, which can move along its height alone."""
+        """The column, which moves along its height only."""
         grid, fixed = column(self.cell_count)
         return Scene(
             grid=grid,
-            material=confined(self.modulus, POISSONS_RATIO, self.density),
+            material=confined(self.modulus, COLUMN_POISSONS_RATIO, self.density),
             time_step_fraction=self.time_step_fraction,
-            bulk_viscosity=BULK_VISCOSITY,
+            bulk_viscosity=COLUMN_BULK_VISCOSITY,
             parts=(fixed, FreeSurface()),
         )
 
     def sections(self, simulation: Simulation) -> tuple[Floats, Floats]:
-        """Points at each height, two rows of them in a cell, weighted by mass."""
+        """Pairs of points at each height, weighted by mass."""
         mass, position = simulation.array("particle.mass"), simulation.array("particle.position")
         return mean_over_sections(position[:, 1], mass), mass.copy().reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""A bar drawn out to many times its length, at a stress that has a closed form."""
+"""A bar stretched to many times its length, against a closed form."""
 
 import math
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from mpm_warp.scenes.run_size import RunSize, size_of_body
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0
-"""Length of the bar before it is drawn [m]; it is one cell thick."""
+"""Initial length of the bar [m]; it is one cell thick."""
 YOUNGS_MODULUS = 2e6
 DENSITY = 1000.0
 POINTS_PER_CELL = 2
-"""Material points per cell along and across at the end: further apart they would lose contact."""
+"""Material points per cell along and across at the end; with wider spacing the bar would part."""
 SLOWNESS = 6.0
-"""Retardation time over the time in which a wave runs along the bar once it is drawn out."""
+"""Retardation time over the time in which a wave travels along the stretched bar."""
 DURATION = 2.0
 """Duration over retardation time."""
 SAMPLE_COUNT = 100
@@ -33,17 +33,17 @@ TIME_STEP_FRACTION = 0.8
 
 @dataclass(frozen=True, kw_only=True)
 class StretchedBar(CatalogueScene):
-    """A bar of Poisson's ratio 0 is drawn by forces F on its ends, which rise steadily to F_1.
+    """A bar of Poisson's ratio 0, stretched by end forces F that rise linearly to F_1.
 
-    With the stretch l the rate of strain is the rate of ln l. Nothing turns, so the Jaumann rate of
-    the elastic stress s is its rate, s = E ln l. The section A stays. With the retardation time tau
-    F / A = s + tau ds/dt. At the time t of the duration T then
+    The rate of strain is the rate of ln l, with the stretch l. Without rotation the Jaumann rate of
+    the elastic stress s is its time derivative, so s = E ln l. The section A is constant. With the
+    retardation time tau F / A = s + tau ds/dt. At the time t, for the duration T,
 
         ln l = F_1 / (E A T) (t - tau (1 - exp(-t / tau))).
 
-    The bar must be slow because of its elastic law: beyond the tension 2 G, where l = e, an elastic
-    stress by the Jaumann rate has no stiffness left against shear along the bar. A disturbance then
-    grows by the factor e in the time tau / (ln l - 1) at the fastest.
+    The test must be slow because of the elastic law. Beyond the tension 2 G, where l = e, a stress
+    by the Jaumann rate has no stiffness against shear along the bar. A disturbance then grows by
+    the factor e in the time tau / (ln l - 1) or longer.
     """
 
     summary = "viscoelastic bar drawn out many times its length; closed form"
@@ -64,7 +64,7 @@ class StretchedBar(CatalogueScene):
     @property
     def retardation_time(self) -> float:
         """Retardation time tau, in proportion to the final stretch [s]."""
-        # The modulus stays as the density falls: the wave becomes faster.
+        # The modulus is constant and the density falls, so waves become faster.
         wave_speed = math.sqrt(YOUNGS_MODULUS * self.stretch / DENSITY)
         return SLOWNESS * self.stretch * LENGTH / wave_speed
 
@@ -79,7 +79,7 @@ class StretchedBar(CatalogueScene):
         return math.ceil(0.5 * self.stretch * self.cell_count) + 2
 
     def run_size(self) -> RunSize:
-        """Cells along the bar as it is drawn out, its points, and steps as they are at the end."""
+        """See `CatalogueScene`; with the time step of the end."""
         (bar,) = self.build().bodies
         at_end = critical_time_step(
             self.cell_size, bar.material, self.retardation_time, thinning=self.stretch
@@ -91,7 +91,7 @@ class StretchedBar(CatalogueScene):
         )
 
     def build(self) -> BodyScene:
-        """The bar in its grid, with the forces on its ends."""
+        """The bar with the forces on its ends."""
         cell = self.cell_size
         along, across = np.meshgrid(self.lattice, cell * _middles(POINTS_PER_CELL))
         position = np.stack([along.ravel(), across.ravel()], axis=-1)
@@ -164,5 +164,5 @@ class StretchedBar(CatalogueScene):
 
 
 def _middles(count: int) -> Floats:
-    """Middles of `count` equal parts of a length 1 about the origin."""
+    """Midpoints of `count` equal parts of the interval from -1/2 to 1/2."""
     return (np.arange(count) + 0.5) / count - 0.5

@@ -23,20 +23,20 @@ INNER_RADIUS = 1.0
 SHEAR_MODULUS = 1e6
 DENSITY = 1700.0
 PRESSURE = 2 * SHEAR_MODULUS * 1e-5
-"""On the inner wall [Pa]; that of an infinite body would move by 1e-5 of its radius."""
+"""Pressure on the inner wall [Pa]; in an infinite body it moves the wall by 1e-5 of its radius."""
 REST_TIME = 60.0
-"""Time to come to rest, in inner radii over the shear wave speed."""
+"""Time to come to rest over the time in which a shear wave travels the outer radius."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ThickCylinder(CatalogueScene):
-    """A ring between smooth ends, the pressure there from the first step on.
+    """A ring between smooth ends; the pressure acts from the first step on.
 
-    In axisymmetry one row of cells, in plane strain a quarter of the ring's section, on rays.
+    It is one row of cells in axisymmetry, or a quarter of the section in plane strain.
 
-    With p the pressure on the inner radius a, b the outer radius and q = p a^2 / (b^2 - a^2)
-    (Lame): sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2), sigma_z = 2 nu q, and
-    u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
+    The solution of Lame for the pressure p on the inner radius a, with the outer radius b and
+    q = p a^2 / (b^2 - a^2), is sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2),
+    sigma_z = 2 nu q and u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
     """
 
     summary = "elastic thick-walled cylinder, stresses and wall displacement"
@@ -56,7 +56,7 @@ class ThickCylinder(CatalogueScene):
 
     @property
     def material(self) -> LinearElastic:
-        """Linear elastic material of the ring."""
+        """The material of the ring."""
         return LinearElastic(
             shear_modulus=SHEAR_MODULUS, poissons_ratio=self.poissons_ratio, density=DENSITY
         )
@@ -138,9 +138,9 @@ class ThickCylinder(CatalogueScene):
 
 
 def _wall_displacement(grid: Grid, before: Floats, after: Floats) -> float:
-    """Mean displacement of the inner wall [m], by positions of the particles before and after [m].
+    """Mean displacement of the inner wall [m], from positions of the particles before and after.
 
-    It lies on the line through the two rings of particles next to the wall.
+    It is extrapolated from the two rings of particles next to the wall.
     """
     distance, now = (
         np.hypot(*position.T) if grid.polar else position[:, 0] for position in (before, after)

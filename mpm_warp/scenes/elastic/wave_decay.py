@@ -1,7 +1,7 @@
-"""What a step does to a wave along a column: its decay and its frequency, by modal analysis.
+"""Decay and frequency that a time step gives a wave along a column, by modal analysis.
 
-For small strain a step is linear, and particles stay where they are in their cells. Its unknowns
-are the vertical velocities v_p of the particles and v_i of the nodes after the step before, and the
+For small strain a step is linear, and particles keep their places in the cells. The unknowns are
+the vertical velocities v_p of the particles and v_i of the nodes after the previous step, and the
 stresses s = (sigma_zz, sigma_rz) of the cells:
 
     u_i <- sum m_p N_ip v_p / m_i + (S v)_i / max(m_i, 2 M_i)
@@ -9,9 +9,9 @@ stresses s = (sigma_zz, sigma_rz) of the cells:
     v_p <- v_p + sum N_ip (v_i - u_i)
     s   <- s + dt E sum G_i v_i
 
-with the symbols of `mpm_warp.step.momentum`, G_i the velocity gradient that a velocity of the node
-makes, E the elastic moduli. These are the rows of a matrix. The eigenvalue that belongs to a wave
-is a = |a| exp(i w dt): each step multiplies its amplitude by |a|, its energy by |a|^2, and w is its
+Symbols are those of `mpm_warp.step.momentum`; G_i is the velocity gradient by a unit velocity of a
+node, E the elastic moduli. The four lines are the rows of a matrix. The eigenvalue of a wave is
+a = |a| exp(i w dt): each step multiplies its amplitude by |a| and its energy by |a|^2, and w is its
 angular frequency.
 """
 
@@ -28,14 +28,14 @@ from mpm_warp.step.points import seed_rows
 
 
 def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> complex:
-    """By what a step [s] multiplies the wave whose angular frequency [1/s] is nearest.
+    """Eigenvalue a of the wave that is nearest to an exact angular frequency [1/s].
 
-    That frequency is w where steps are exact. The soil is on a grid with horizontal rows, moves
-    along z alone, and has a mass-matrix correction; nothing acts on it but held nodes.
+    The scene has a grid with horizontal rows, soil that moves along z only, a mass-matrix
+    correction, and no forces but those of fixed nodes.
     """
     near = np.exp(1j * angular_frequency * time_step)
     matrix = step_matrix(scene, time_step)
-    # From a given vector, so that the last bit is always the same.
+    # A given start vector makes the result the same to the last bit.
     start = np.ones(matrix.shape[0], dtype=complex)
     (factor,) = scipy.sparse.linalg.eigs(
         matrix, k=1, sigma=near, v0=start, return_eigenvectors=False
@@ -56,7 +56,7 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     if fixed is not None:
         free[fixed.nodes] = fixed.free[:, 1]
 
-    # At the right and at the upper nodes of a cell +, else -: X and Y of the correction.
+    # X and Y of the correction: +1 at the right and at the upper nodes of a cell, else -1.
     across, up = np.array([-1.0, 1.0, -1.0, 1.0]), np.array([-1.0, -1.0, 1.0, 1.0])
     part = (1.0 - scene.particles_per_side**-2.0) / 24.0 * material.density * grid.cell_volumes
     in_cells = partial(_from_nodes, grid, grid.cell_nodes)
@@ -91,7 +91,7 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
 
 
 def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_array:
-    """Shape functions of the nodes at particles, of shape [node_count, particle_count]."""
+    """Shape functions of the nodes at particles, shape [node_count, particle_count]."""
     column, row = cell.T
     along = position[:, 0] / grid.fitted_radius - grid.columns[column]
     xi = along / np.diff(grid.columns)[column]
@@ -101,7 +101,7 @@ def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_ar
 
 
 def _from_nodes(grid: Grid, nodes: Integers, values: Floats) -> scipy.sparse.csc_array:
-    """Sums over four nodes, each times its value of [n, 4], as a matrix [n, node_count]."""
+    """Matrix [n, node_count] of sums over four nodes with the weights `values` [n, 4]."""
     row = np.repeat(np.arange(len(nodes)), 4)
     shape = (len(nodes), grid.node_count)
     return scipy.sparse.csc_array((values.ravel(), (row, nodes.ravel())), shape=shape)

@@ -8,7 +8,7 @@ import pytest
 from mpm_warp.bodies.body import critical_time_step
 from mpm_warp.plan.plan import SLACK
 from mpm_warp.scenes.elastic import stretched_bar
-from mpm_warp.scenes.elastic.impact import TRAVEL, Impact, StruckBar, StruckColumn
+from mpm_warp.scenes.elastic.impact import SHOCK_TRAVEL, Impact, StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 
 pytestmark = pytest.mark.slow
@@ -20,7 +20,7 @@ def test_shock(struck: type[Impact], speed_ratio: float) -> None:
     """It is as sharp as a cell, over the half of its way in which its speed is taken."""
     cells = 40
     result = struck(speed_ratio=speed_ratio, cell_count=cells).run()
-    assert float(result.error) <= 1.0 / (0.5 * TRAVEL * cells)
+    assert float(result.error) <= 1.0 / (0.5 * SHOCK_TRAVEL * cells)
 
 
 def test_shock_relations_hold_and_become_those_of_waves() -> None:
