@@ -1,1 +1,1 @@
-"""Single material points on strain paths."""
+"""Single material points on strain paths and in element tests."""

@@ -1,14 +1,14 @@
 """Single material points: on strain paths whose stress is known exactly, and in element tests.
 
-In an element test soil in one state of stress and strain is sheared undrained in a given mode.
-Symbols, compression positive: s1 and s3 greatest and least total principal stress, gamma difference
-of the extreme principal strains, e deviator of the strain so far, t = (s1 - s3) / 2.
+An element test shears soil of uniform stress and strain, undrained, in a given mode. Symbols,
+compression positive: s1 and s3 greatest and least total principal stress, gamma difference of the
+extreme principal strains, e deviator of the strain since the start, t = (s1 - s3) / 2.
 
-    G = (change of stress : e) / (2 e : e)            shear modulus, by the secant from the start
+    G = (change of stress : e) / (2 e : e)            secant shear modulus from the start
     strength = t at the end,   t = G gamma in elastic soil from an isotropic start
 
-Strains are small: directions are those of the ground at the start. The volume stays. The pore
-pressure is that at constant mean total stress: what shear alone makes of it.
+Strains are taken as small, so directions do not turn. The volume is constant. The pore pressure is
+that at constant mean total stress, so it is the part due to shear.
 """
 
 from collections.abc import Mapping
@@ -39,14 +39,14 @@ from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
 RANDOM_PATHS = 200
-"""Paths in random directions, on which the stress must stay within the yield surface."""
+"""Number of paths in random directions, on which the stress must not leave the yield surface."""
 CHANGING: dict[str, Value] = {
     "rate_factor": 0.1,
     "reference_strain_rate": 1e-3,
     "remoulded_strength_ratio": 0.2,
     "ductility": 0.2,
 }
-"""Clay that softens within the paths, at rates of one to four log cycles."""
+"""Clay that softens along the paths, at rates one to four log cycles above the reference."""
 TESTS: Mapping[str, tuple[float, ...]] = {
     "triaxial_compression": (1 / 3, 0.0, 0.0, -2 / 3, 1 / 3),
     "triaxial_extension": (-1 / 3, 0.0, 0.0, 2 / 3, -1 / 3),
@@ -54,14 +54,14 @@ TESTS: Mapping[str, tuple[float, ...]] = {
     "plane_strain": (0.5, 0.0, 0.0, -0.5, 0.0),
     "pressuremeter": (-0.5, 0.0, 0.0, 0.0, 0.5),
 }
-"""Velocity gradient (rr, rz, zr, zz, tt) of each mode, with gamma growing by 1; z is vertical."""
+"""Velocity gradient (rr, rz, zr, zz, tt) of each mode at a rate of 1 of gamma; z is vertical."""
 SAMPLE_COUNT = 200
-"""Samples along a test, at steps in geometric proportion; fewer where steps are few."""
+"""Samples of a test, at geometrically spaced steps; fewer in a test of few steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PointScene(ClayScene):
-    """Points of clay strained at a constant rate for a second each, without a grid."""
+    """Points of clay without a grid, each strained at a constant rate for one second."""
 
     undrained_shear_strength: float = redefined(
         FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
@@ -69,20 +69,19 @@ class PointScene(ClayScene):
     step_count: int = parameter(10_000, "strain steps of each path", minimum=1, maximum=1_000_000)
 
     def step_count_bound(self, plan: Plan) -> int:
-        """The strain steps of a path."""
+        """See `CatalogueScene`: the steps of a path."""
         return self.step_count
 
 
 @dataclass(frozen=True, kw_only=True)
 class MaterialPoint(PointScene):
-    """Clay strained and turned through the stress update of the simulator, without a grid.
+    """Clay strained and rotated by the stress update of the simulator, without a grid.
 
-    In a law of another package no stress is known: it goes the same paths.
+    A law of another package follows the same paths, but no exact stress is known.
 
-    Simple shear far beyond yield has the steady state of the Jaumann rate with perfect plasticity:
-    half difference of the stresses and shear stress stand at the angle asin(su / G), at which the
-    spin turns it as fast as the strain turns it back. In clay that softens, the angle follows the
-    strength.
+    Simple shear far beyond yield of perfectly plastic clay has a steady state: the stress is turned
+    by asin(su / G), where rotation by the spin and by the strain (Jaumann rate) balance. In clay
+    that softens the angle follows the strength.
     """
 
     summary = "one material point on strain paths, against exact stresses"
@@ -99,11 +98,11 @@ class MaterialPoint(PointScene):
 
     @property
     def clay(self) -> Material:
-        """The material of the points: a path takes a second, in reality too."""
+        """The material of the points; strain rates are those of the run."""
         return self.clay_with(density=1.0, speed_up=1.0)
 
     def run_size(self) -> RunSize:
-        """A point on each path."""
+        """See `CatalogueScene`."""
         return RunSize(
             cell_count=0, particle_count=PATH_COUNT + RANDOM_PATHS, step_count=self.step_count
         )
@@ -114,7 +113,7 @@ class MaterialPoint(PointScene):
         return isinstance(self.clay, EinavRandolph)
 
     def build(self) -> StrainPaths:
-        """The paths whose stress is known, then random ones that start without stress."""
+        """The paths of known stress, and then random ones that start without stress."""
         paths, strength = self._paths, self.undrained_shear_strength
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         rates = np.concatenate([[path.gradient for path in paths], random])
@@ -127,9 +126,9 @@ class MaterialPoint(PointScene):
 
     @property
     def _paths(self) -> tuple[StrainPath, ...]:
-        """The paths; those of a law of another package are for clay of Tresca as stiff and strong.
+        """The paths of known stress.
 
-        Such a law starts without stress: no other may be allowed by it.
+        A law of another package follows those of Tresca clay of the same stiffness and strength.
         """
         clay = self.clay
         if self.law is not None:
@@ -141,7 +140,7 @@ class MaterialPoint(PointScene):
         return known_paths(clay)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Follow the paths to their ends, and compare the stress there with the exact one."""
+        """Strain the points, and compare the final stresses with the exact ones."""
         steps = even_steps(self.step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         paths = self._paths
@@ -166,7 +165,7 @@ class MaterialPoint(PointScene):
 
 @dataclass(frozen=True, kw_only=True)
 class ElementTest(PointScene):
-    """A test of one material point in the laboratory, strain-controlled, of any law."""
+    """A strain-controlled laboratory test of one material point of any law."""
 
     summary = "undrained element test: strength and stiffness of a law, by mode"
     method = ("step_count",)
@@ -189,7 +188,7 @@ class ElementTest(PointScene):
         1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
     )
     strain_rate: float = parameter(
-        3e-6, "shear strain rate of the real test; usual: 1 % an hour", **STRAIN_RATE
+        3e-6, "shear strain rate of the real test; usual: 1 % per hour", **STRAIN_RATE
     )
     step_count: int = redefined(
         PointScene, "step_count", meaning="equal strain steps of the test", minimum=2
@@ -197,11 +196,11 @@ class ElementTest(PointScene):
 
     @property
     def clay(self) -> Material:
-        """The soil; a test takes a second, in which strain rates count as in reality."""
+        """The soil, with strain rates as in the real test; a run takes one second."""
         return self.clay_with(density=1.0, speed_up=self.greatest_shear_strain / self.strain_rate)
 
     def run_size(self) -> RunSize:
-        """One point."""
+        """See `CatalogueScene`."""
         return RunSize(cell_count=0, particle_count=1, step_count=self.step_count)
 
     def build(self) -> StrainPaths:
@@ -214,7 +213,7 @@ class ElementTest(PointScene):
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Shear the point, and read strength and stiffness off its curves."""
+        """Shear the point, and take strength and stiffness from its curves."""
         names = self.clay.state
 
         def take() -> list[float]:
@@ -230,15 +229,15 @@ class ElementTest(PointScene):
         steps = np.unique(marks).tolist()
         samples = Samples(take, labelled_curves)
         recorded = follow(simulation, steps, simulation.advance_to_step, [samples], progress)
-        return recorded.assign(self._read_off(recorded))
+        return recorded.assign(self._strength_and_stiffness(recorded))
 
     def _curves(self, strain: Floats, stress: Floats, state: Mapping[str, Floats]) -> xr.Dataset:
-        """Curves over the shear strain, of stresses [n, 4] and of what the law remembers."""
+        """Curves over the shear strain, from stresses [n, 4] and the state of the law."""
         principal = principal_stresses(stress)
         mean = principal.mean(axis=1, keepdims=True)
         deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=1))
         change = stress - self.stress_at_rest
-        # Strain where the shear strain is 1; the sum over components counts the shear stress twice.
+        # Strain at gamma = 1; the double contraction counts the shear stress twice.
         of_rr, of_rz, of_zr, of_zz, of_tt = TESTS[self.test]
         direction = np.array([of_rr, of_zz, 0.5 * (of_rz + of_zr), of_tt])
         twice = np.array([1.0, 1.0, 2.0, 1.0])
@@ -246,7 +245,7 @@ class ElementTest(PointScene):
         along /= 2.0 * float(direction @ (direction * twice))
         shown: dict[str, Quantity] = {
             "shear_stress": (0.5 * np.ptp(principal, axis=1), "Pa", "half of s1 - s3"),
-            "mobilised_stress": (along, "Pa", "growth of the shear stress along the strain"),
+            "mobilised_stress": (along, "Pa", "change of the shear stress along the strain"),
             "deviator_stress": (deviator, "Pa", "deviator stress q"),
         }
         if EFFECTIVE_STRESS in state:
@@ -256,8 +255,8 @@ class ElementTest(PointScene):
             shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure, of shear alone")
         return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
 
-    def _read_off(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
-        """Strength and stiffness, and the exact strength where there is one."""
+    def _strength_and_stiffness(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:
+        """Strength and stiffness, and the exact strength where it is known."""
         strain = np.append(0.0, recorded.shear_strain.values)
         mobilised = np.append(0.0, recorded.mobilised_stress.values)
         stress = recorded.shear_stress.values

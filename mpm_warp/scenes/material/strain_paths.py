@@ -1,13 +1,13 @@
 """Material points on given strain paths, without a grid, and paths on which the stress is known.
 
-Rotation and law are those of any other run. Symbols: sigma stress, e strain
-and R rotation in a step, (f, k) measure of the stress and strength of the yield function.
+Rotation and law are those of any run. Symbols: stress sigma; strain e and rotation R of a step; f
+and k are the measure of the stress and the strength that the yield function gives.
 
     sigma  <- law(R sigma R', e, dt)
     excess <- max(excess, f / k - 1)
 
-The stress of clay that is sheared in one direction is exact. Symbols: gamma shear strain, its
-elastic part tau / G; xi its plastic part; k strength.
+In shear of one direction the stress tau is exact: with the shear strain gamma, its plastic part xi
+and the strength k
 
     tau = min(G gamma, k(xi)),   xi = gamma - tau / G
 """
@@ -35,24 +35,21 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.watch import ParticleWatch, make_watch
 
-NOWHERE = np.full(2, np.nan)
-"""Of material points that have no position."""
 PATH_COUNT = 12
-SHEAR_STRAIN = 10.0
-"""Of the path of simple shear."""
-ELASTIC, YIELDING = 0.5, 5.0
-"""Strains of paths over su/G."""
+SIMPLE_SHEAR_STRAIN = 10.0
+ELASTIC_STRAIN, PLASTIC_STRAIN = 0.5, 5.0
+"""Strains of elastic and of yielding paths over su/G."""
 NEWTON_STEPS = 8
-"""More than it takes: the strength falls by less than half as steeply as the stress rises."""
+"""More than needed: the slope of the falling strength is less than half that of the stress."""
 RELATIVE_ERROR, ABSOLUTE_ERROR = 1e-11, 1e-13
-"""Of integrations."""
+"""Tolerances of the integration of simple shear."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StrainPaths(Checked):
     """Material points, each strained and turned at a constant velocity gradient for one second."""
 
-    material: Material  # of all points, with or without memory
+    material: Material
     # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]
     gradient: Floats = field(metadata=array_of(None, 5))
     stress: Floats  # stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4]
@@ -69,15 +66,15 @@ class StrainPaths(Checked):
 def plan_strain_paths(
     paths: StrainPaths, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
-    """The plan of a run along strain paths, see `make_plan`; a step is a part of the second."""
+    """The plan of a run along strain paths; see `make_plan`."""
     material, law = paths.material, paths.material.law()
-    count = len(paths.gradient)
+    count, no_position = len(paths.gradient), np.full(2, np.nan)
     plan = Plan(
         share_count=share_count,
         time_step=1.0 / paths.step_count if time_step is None else time_step,
         longest_time_step=math.inf,
         speed_limit=math.inf,
-        particle_bounds=(NOWHERE, NOWHERE),
+        particle_bounds=(no_position, no_position),
         remedy="try more steps",
         particle_count=count,
     )
@@ -95,7 +92,7 @@ def plan_strain_paths(
 
 
 class StressWatch(ParticleWatch):
-    """Looks whether stresses are finite."""
+    """Ends a run where a stress is not finite."""
 
     def __init__(self, paths: StrainPaths, run: Run) -> None:
         super().__init__(run)
@@ -113,11 +110,7 @@ make_watch.register(StrainPaths, StressWatch)
 
 @functools.cache
 def _make_strain_path(law: Law) -> Any:
-    """The kernel, launched over paths.
-
-    `particle_yield_excess` is how far the stress has been beyond the yield surface at most, over
-    the strength.
-    """
+    """The kernel, launched over paths; `particle_yield_excess` is the greatest so far."""
     stress_update = make_stress_update(law)
 
     @kernel
@@ -146,19 +139,19 @@ def _make_strain_path(law: Law) -> Any:
 
 
 class StrainPath(NamedTuple):
-    """A constant velocity gradient over a unit of time, and what the stress is at its end."""
+    """A constant velocity gradient for one second, and the exact stress at its end."""
 
-    name: str  # what the point goes through
+    name: str
     gradient: tuple[float, ...]  # velocity gradient (rr, rz, zr, zz, tt) [1/s]
-    start: tuple[float, ...]  # stress (rr, zz, rz, tt) at the start, over the strength
-    exact: tuple[float, ...]  # stress at the end, over the strength
+    start: tuple[float, ...]  # stress (rr, zz, rz, tt) at the start over the strength
+    exact: tuple[float, ...]  # stress at the end over the strength
 
 
 @functools.cache
 def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
-    """Paths of a second each: proportional, turned back, turned, and in simple shear."""
+    """Proportional strain, reversed strain, rotation and simple shear."""
     yield_strain = clay.strength / clay.shear_modulus
-    small, large = ELASTIC * yield_strain, YIELDING * yield_strain
+    small, large = ELASTIC_STRAIN * yield_strain, PLASTIC_STRAIN * yield_strain
     proportional = {
         "uniaxial strain, elastic": (0, 0, 0, small, 0),
         "uniaxial strain, yielding at a corner": (0, 0, 0, -large, 0),
@@ -172,30 +165,29 @@ def known_paths(clay: UndrainedClay) -> tuple[StrainPath, ...]:
     back = (large, 0, 0, -large, 0)
     half, full = 0.25 * math.pi, 2 * math.pi
     rest, held = (0.0, 0.0, 0.0, 0.0), (0.9, 0.1, 0.3, 0.4)
-    # After a turn by 45 degrees from r towards z, rr' = mean - rz, zz' = mean + rz.
+    # After a rotation by 45 degrees from r towards z, rr' = mean - rz, zz' = mean + rz.
     at_half = (0.5 - 0.3, 0.5 + 0.3, 0.5 * (0.9 - 0.1), 0.4)
-    along, across = (
-        stress / clay.strength for stress in simple_shear(clay, SHEAR_STRAIN, SHEAR_STRAIN)
-    )
+    strain = SIMPLE_SHEAR_STRAIN
+    along, across = (stress / clay.strength for stress in simple_shear(clay, strain, strain))
     parts = (
         *((name, value, rest, _proportional(clay, value)) for name, value in proportional.items()),
-        # The strain that takes the stress back to nothing leaves the clay intact.
+        # The strain that takes the stress back to 0 is elastic and leaves the clay intact.
         ("pure shear, turned back", back, (-1, 1, 0, 0), _proportional(clay, back, yield_strain)),
         ("turn by 45 degrees", (0, -half, half, 0, 0), held, at_half),
         ("turn by 360 degrees", (0, -full, full, 0, 0), held, held),
-        ("simple shear to strain 10", (0, SHEAR_STRAIN, 0, 0, 0), rest, (along, -along, across, 0)),
+        ("simple shear to strain 10", (0, strain, 0, 0, 0), rest, (along, -along, across, 0)),
     )
     return tuple(itertools.starmap(StrainPath, parts))
 
 
 def _proportional(
-    clay: UndrainedClay, gradient: tuple[float, ...], turned_back: float = 0.0
+    clay: UndrainedClay, gradient: tuple[float, ...], unloading: float = 0.0
 ) -> tuple[float, ...]:
-    """Stress over strength at the end of a second of strain without spin.
+    """Stress over strength after one second of strain without spin.
 
-    The deviator of the stress is along that of the strain: at a corner of the hexagon, in the
-    middle of a side, or anywhere on the cylinder of von Mises. `turned_back` is the shear strain
-    that takes the stress at the start back to nothing.
+    The deviators of stress and strain are parallel: at a corner of Tresca's hexagon, in the middle
+    of its side, or anywhere on the cylinder of von Mises. `unloading` is the shear strain that
+    takes the initial stress back to 0.
     """
     rr, rz, zr, zz, tt = gradient
     volume = rr + zz + tt
@@ -203,13 +195,13 @@ def _proportional(
     deviator = strain - volume / 3.0 * np.array([1.0, 1.0, 0.0, 1.0])
     measure = _measure(clay, deviator)
     shear_strain = np.array([2.0 * measure])
-    (shear,) = shear_stress(clay, shear_strain - turned_back, shear_strain)
+    (shear,) = shear_stress(clay, shear_strain - unloading, shear_strain)
     mean = clay.bulk_modulus * volume * np.array([1.0, 1.0, 0.0, 1.0])
     return tuple(((mean + shear * deviator / measure) / clay.strength).tolist())
 
 
 def _measure(clay: UndrainedClay, deviator: Floats) -> float:
-    """What the yield criterion measures of a deviator (rr, zz, rz, tt)."""
+    """The measure of the yield criterion for a deviator (rr, zz, rz, tt)."""
     criterion = clay.criterion if isinstance(clay, EinavRandolph) else type(clay)
     if criterion is Tresca:
         return 0.5 * float(np.ptp(principal_stresses(deviator)))
@@ -217,8 +209,10 @@ def _measure(clay: UndrainedClay, deviator: Floats) -> float:
     return math.sqrt(0.5 * (rr * rr + zz * zz + tt * tt) + rz * rz)
 
 
-def strength(clay: UndrainedClay, plastic_strain: Floats, rate: Floats) -> tuple[Floats, Floats]:
-    """Shear strength k [Pa] and its slope dk/dxi [Pa], at plastic shear strains and rates [1/s]."""
+def _strength_and_slope(
+    clay: UndrainedClay, plastic_strain: Floats, rate: Floats
+) -> tuple[Floats, Floats]:
+    """Shear strength k and its slope dk/dxi [Pa], at plastic shear strains and rates [1/s]."""
     shape = np.zeros(np.broadcast(plastic_strain, rate).shape)
     if not isinstance(clay, EinavRandolph):
         return clay.strength + shape, shape
@@ -230,29 +224,26 @@ def strength(clay: UndrainedClay, plastic_strain: Floats, rate: Floats) -> tuple
 
 
 def shear_stress(clay: UndrainedClay, strain: Floats, rate: Floats) -> Floats:
-    """Shear stress at the end of proportional shear [Pa], by strain gamma, and rate there [1/s]."""
+    """Shear stress [Pa] at shear strains gamma of one direction, with the rates there [1/s]."""
     stiffness = clay.shear_modulus
-    plastic = np.maximum(strain - strength(clay, 0.0 * strain, rate)[0] / stiffness, 0.0)
+    intact, _ = _strength_and_slope(clay, 0.0 * strain, rate)
+    plastic = np.maximum(strain - intact / stiffness, 0.0)
     for _ in range(NEWTON_STEPS):
-        k, slope = strength(clay, plastic, rate)
+        k, slope = _strength_and_slope(clay, plastic, rate)
         missing = stiffness * (strain - plastic) - k
         plastic = np.maximum(plastic + missing / (stiffness + slope), 0.0)
-    return np.minimum(stiffness * strain, strength(clay, plastic, rate)[0])
+    return np.minimum(stiffness * strain, _strength_and_slope(clay, plastic, rate)[0])
 
 
 def simple_shear(clay: UndrainedClay, strain: float, rate: float) -> tuple[float, float]:
-    """Stress at the end of simple shear, which the spin turns as the strain makes it (Jaumann).
+    """Half difference of the normal stresses, and shear stress, at the end of simple shear [Pa].
 
-    With tau the half diameter of the circle of stress and phi its turn,
+    By the Jaumann rate the radius tau of the circle of stress and its rotation phi follow
 
         dtau/dgamma = G cos(phi) - G dxi/dgamma,   dphi/dgamma = 1 - G sin(phi) / tau
 
-    so that tau = 2 G sin(gamma / 2), phi = gamma / 2 until it yields, and tau = k(xi) from then on.
-    With perfect plasticity phi comes to rest at asin(k / G). The strain is far beyond that of
-    yield, its rate in 1/s.
-
-    Returns:
-        Half difference of the normal stresses, and shear stress [Pa].
+    So tau = 2 G sin(gamma / 2) and phi = gamma / 2 up to yield, and tau = k(xi) from then on. With
+    perfect plasticity phi ends at asin(k / G). The strain must be far beyond yield; rate in 1/s.
     """
     stiffness = clay.shear_modulus
     if not isinstance(clay, EinavRandolph):
@@ -260,7 +251,7 @@ def simple_shear(clay: UndrainedClay, strain: float, rate: float) -> tuple[float
         return clay.strength * math.sin(phi), clay.strength * math.cos(phi)
 
     def law(plastic: float) -> tuple[float, float]:
-        k, slope = strength(clay, np.array(plastic), np.array(rate))
+        k, slope = _strength_and_slope(clay, np.array(plastic), np.array(rate))
         return float(k), float(slope)
 
     def change(_gamma: float, state: Floats) -> list[float]:
