@@ -1,4 +1,4 @@
-"""The parameters of a sounding, and what follows from them: the ground, the way of the cone."""
+"""The parameters of a sounding, and the ground and the path of the cone that follow from them."""
 
 import math
 from collections.abc import Collection, Mapping
@@ -23,23 +23,23 @@ from mpm_warp.scenes.sounding.table import (
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LEAD = 2.5
-"""Way before the first depth of the curves, beyond the extent of the window above the shoulder, in
-cone radii: the cone has then passed all soil beside the shaft."""
+"""Penetration before the curves begin, less the extent of the window above the shoulder, in cone
+radii. The cone has then passed all soil beside the shaft."""
 LAST_DEPTH = 1e4
-"""Greatest depth that a sounding may have [m]."""
-WAY = 30.0
-"""Way from the first to the last depth of the curves by default, in cone radii."""
+"""Greatest depth of a sounding [m]."""
+DEFAULT_LENGTH = 30.0
+"""Default length of the curves in cone radii."""
 ROUNDING = 1e-6
-"""Share of a sample that counts as rounding of a depth."""
+"""Rounding of a depth, over the distance of two samples."""
 LIMITED_AS = {
     "strength": "undrained_shear_strength",
     "rigidity_index": "rigidity_index",
     "unit_weight": "unit_weight",
 }
-"""Columns of a profile, and the parameters whose limits hold for them."""
+"""Columns of a profile, and the parameters whose limits they have."""
 LAYER = 1.0
-"""Thickness of the layer of soil that counts as near the surface, over the cone's radius; when it
-has left the window above, nothing of the surface is in it."""
+"""Thickness of the layer below the surface of the ground, over the radius of the cone. When it has
+left the window at the top, no part of the surface is in the window."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +68,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
         None, "thickness of the layer (default: it has no end)", unit="m", above=0
     )
     layer_strength_ratio: float = parameter(
-        1.0, "strength in the layer over what it would be without", minimum=0.01, maximum=100
+        1.0, "strength in the layer over that without a layer", minimum=0.01, maximum=100
     )
     unit_weight: float = parameter(
         17e3, "total unit weight of the clay", unit="N m-3", minimum=0, maximum=1e6
@@ -82,7 +82,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
     )
     to_depth: float = parameter(
         None,
-        "depth of the tip where they end (default: 30 radii deeper)",
+        "depth of the tip where the curves end (default: 30 radii deeper)",
         unit="m",
         above=0,
         maximum=LAST_DEPTH,
@@ -95,7 +95,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
     )
     overlap: float = parameter(
         10.0,
-        "way that a stretch has in common with the one above, over cone radius",
+        "overlap of a stretch with the one above it, over cone radius",
         minimum=2,
         maximum=1000,
     )
@@ -116,14 +116,14 @@ class SoundingTest(FittedToCone, FieldClayScene):
     uncertainty: str = parameter(
         "known",
         "how the error of the resistance is found: known from other cases, or measured by further "
-        "runs of cone tests in clay as at both ends of the stretch and beside each border, which "
-        "take some ten times as long as a cone test each",
+        "runs of cone tests, in the clay of both ends of the stretch and of both sides of each "
+        "border; each takes some ten times as long as a cone test",
         choices=("known", "measured"),
     )
 
     @classmethod
     def replaced(cls, parameters: Mapping[str, Value | None]) -> Collection[str]:
-        """See `CatalogueScene`: those whose place a profile takes."""
+        """See `CatalogueScene`: those that a profile gives."""
         text = parameters[PROFILE]
         return replaced_by(str(text)) if text else ()
 
@@ -131,7 +131,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
         """The shaft is as rough as the face; the window follows the greatest rigidity index."""
         return self.default_extents | {
             "shaft_adhesion_factor": self.ground.greatest_adhesion_factor(self.adhesion_factor),
-            "to_depth": self.from_depth + WAY * self.cone_radius,
+            "to_depth": self.from_depth + DEFAULT_LENGTH * self.cone_radius,
         }
 
     @property
@@ -142,7 +142,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
     @property
     def ground(self) -> Profile:
-        """The ground by depth: the profile, or linear strength with a layer in it or without."""
+        """The ground by depth: the profile, or linear strength with or without a layer."""
         if self.profile is not None:
             return Profile.of(with_strength(self, columns_of(self.profile)))
         top, thickness = self.layer_top, self.layer_thickness or math.inf
@@ -174,7 +174,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
     @property
     def ground_passed(self) -> Profile:
-        """The ground that the window of the stretch passes: it sets speed and time step."""
+        """The ground that the window passes in the stretch; it sets speed and time step."""
         below = self.travel + self.domain_below * self.cone_radius
         begin = max(float(self.ground.depth[0]), self.start_depth - self._extent_above_tip)
         return self.ground.between(begin, self.start_depth + below)
@@ -186,7 +186,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
     @property
     def sample_count(self) -> int:
-        """Samples of the whole sounding."""
+        """Number of samples of the whole sounding."""
         return max(1, round((self.to_depth - self.from_depth) / self.spacing))
 
     @property
@@ -199,29 +199,29 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
     @property
     def starts_at_surface(self) -> bool:
-        """Whether the cone of the stretch starts at the surface, and not in place.
+        """Whether the cone of the stretch starts at the surface.
 
-        It does where its curves begin so high that the window would not be below the first depth of
-        the ground when the cone starts in place.
+        It does where the curves begin so high that the window around a cone in place would extend
+        above the first depth of the ground.
         """
         return self._first_depth < self.highest_in_place
 
     @property
     def surface_passed(self) -> float:
-        """Way of a cone from the surface until the layer below it has left the window [m]."""
+        """Penetration from the surface until the layer below it has left the window [m]."""
         return self._extent_above_tip + LAYER * self.cone_radius
 
     @property
     def lead_count(self) -> int:
-        """Samples on the way before the curves begin."""
+        """Number of samples before the curves begin."""
         if self.starts_at_surface:
-            # Not below the surface, and less than a sample above it.
+            # The start is at the surface, or less than the distance of two samples above it.
             return math.ceil(self._first_depth / self.spacing - ROUNDING)
         return math.ceil((self.domain_above + LEAD) / SAMPLE_SPACING)
 
     @property
     def spacing(self) -> float:
-        """Way between two samples [m]."""
+        """Distance of two samples [m]."""
         return SAMPLE_SPACING * self.cone_radius
 
     @property
@@ -230,14 +230,14 @@ class SoundingTest(FittedToCone, FieldClayScene):
         return self.from_depth + (self.samples[0] - self.lead_count) * self.spacing
 
     def shaft_adhesion(self, of_face: float) -> float:
-        """Adhesion factor of the shaft where the face has another: the same share in all ground."""
+        """Adhesion factor of the shaft where that of the face is `of_face`, in proportion to it."""
         greatest = self.ground.greatest_adhesion_factor(self.adhesion_factor)
         share = of_face / greatest if greatest > 0.0 else 1.0
         return share * self.shaft_adhesion_factor
 
     @property
     def travel(self) -> float:
-        """Way of the cone to the end of the stretch [m]."""
+        """Penetration of the cone from its start to the end of the stretch [m]."""
         return (self.lead_count + len(self.samples)) * self.spacing
 
     @property
@@ -247,7 +247,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
     @property
     def highest_in_place(self) -> float:
-        """Depth where curves can begin at the highest with a cone that starts in place [m]."""
+        """Least depth at which the curves of a cone that starts in place can begin [m]."""
         lead = (self.domain_above + LEAD) * self.cone_radius
         return lead + self._extent_above_tip + float(self.ground.depth[0])
 
@@ -258,7 +258,7 @@ class SoundingTest(FittedToCone, FieldClayScene):
 
 
 def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
-    """Check that a profile keeps to the limits of the parameters whose place its columns take."""
+    """Check the columns of a profile by the limits of the parameters of the same meaning."""
     rows = {parameter: columns[name] for name, parameter in LIMITED_AS.items() if name in columns}
     if "shear_modulus" in columns and "strength" in columns:
         rows["rigidity_index"] = columns["shear_modulus"] / columns["strength"]
@@ -272,7 +272,7 @@ def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
 
 
 def check_sounding(test: SoundingTest) -> None:
-    """Raise `ParameterError` for the first depth, stretch, layer or property that does not fit."""
+    """Raise `ParameterError` for the first depth, stretch, layer or property not allowed."""
     if test.profile is not None:
         _check_limits(test, columns_of(test.profile))
     elif test.layer_top is None:
@@ -304,14 +304,14 @@ def check_sounding(test: SoundingTest) -> None:
             "layer_thickness" if test.profile is None else PROFILE,
             f"the thinnest layer is {thinnest:.4g} m thick, must be >= a cell, {cell:.4g} m",
         )
-    of_rows = ("adhesion_factor", "stress_anisotropy")
-    taken = [name for name in of_rows if getattr(ground, name) is not None]
+    optional = ("adhesion_factor", "stress_anisotropy")
+    taken = [name for name in optional if getattr(ground, name) is not None]
     where = "law has it by K0" if test.profile is None else "profile has it by depth"
     definitions = {**parameters_of(type(test)), **(test.law.parameters if test.law else {})}
     for name in taken if test.profile is None else [*taken, *REPLACED, *ground.of_law]:
         default = definitions[name].default
         value = getattr(test, name, default)
-        # A case that is run again gives what the law said.
+        # A case that is run again has the values that followed from its law.
         allowed = getattr(ground, name)[:1] if test.profile is None else [default]
         if not isinstance(value, Derived) and value not in allowed:
             test.refuse(name, f": the {where}; keep one of them")

@@ -1,7 +1,7 @@
 """The text of a profile, the ground by depth: a table of columns with units.
 
-The text has a header with names and units of the columns, and a row for each depth. Rows are
-separated by new lines or semicolons, values by commas:
+The text has a header with names and units of the columns, and a row for each depth. Lines or
+semicolons separate rows, commas separate values:
 
     depth [m], strength [kPa], rigidity_index [1], unit_weight [kN/m3]
     0, 40, 100, 18
@@ -10,19 +10,19 @@ separated by new lines or semicolons, values by commas:
     12, 80, 150, 19
     20, 90, 150, 19
 
-Two rows of one depth make the border of two layers. A row that begins with # is a comment. The
-parameters of a material law may be columns too, by their names.
+Two rows of the same depth are a border of layers. A row that begins with # is a comment. Parameters
+of a material law may be columns too, by their names.
 
-In place of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress,
-and ground_water [m], the depth of the water table. At each row they give
+Instead of stress_anisotropy a table may have K0 [1], effective horizontal over vertical stress, and
+ground_water [m], the depth of the water table. At each row they give
 
     Delta = (1 - K0) (sigma_v0 - u0) / (2 su),   u0 = 9.81 kN/m3 below the table
 
-and its effective stress is linear between rows; where the water table lies between two rows, a row
-is added there. A law of effective stress takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them too.
+The effective stress is linear between rows; a row is added at a water table between two rows. A law
+of effective stress also takes p0' = (1 + 2 K0) (sigma_v0 - u0) / 3 from them.
 
 Parameters of a law are linear between two rows. Strength and stiffness that follow from them need
-not be, so further rows are inserted between.
+not be linear, so rows are added in between.
 """
 
 import re
@@ -52,20 +52,20 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 }
 """Allowed units of each column, with their values in SI units."""
 OTHER_NAMES = {"overconsolidation_ratio": "isotropic_overconsolidation_ratio"}
-"""Other names of columns, with the names they stand for."""
+"""Aliases of columns."""
 OF_EFFECTIVE_STRESS = ("K0", "ground_water")
-"""Columns that give the stress anisotropy together."""
+"""Columns that together give the stress anisotropy."""
 MEAN_STRESS, EARTH_PRESSURE = "mean_effective_stress", "earth_pressure_at_rest"
-"""Parameters p0' and K0 of a law of effective stress; K0 and ground_water give them too."""
-OF_REST = ("K0", EARTH_PRESSURE, "vertical_overconsolidation_ratio")
-"""Columns by which there is a stress anisotropy."""
+"""Parameters p0' and K0 of a law of effective stress; K0 and ground_water also give them."""
+GIVING_ANISOTROPY = ("K0", EARTH_PRESSURE, "vertical_overconsolidation_ratio")
+"""Columns from which a stress anisotropy follows."""
 OWN = tuple(name for name in UNITS if name not in ("rigidity_index", *OF_EFFECTIVE_STRESS))
-"""Columns that all ground may have."""
+"""Fields of a profile that are columns."""
 STIFFNESS = ("rigidity_index", "shear_modulus")
 UNIT_WEIGHT, UNIT_WEIGHT_OF_WATER = 17e3, 9.81e3
-"""Of ground where no column has it, and of water [N/m3]."""
+"""Default unit weight of the ground, and that of water [N/m3]."""
 PROFILE = "profile"
-"""The parameter of a sounding that holds such a text, and the table of a study that gives it."""
+"""Name of the parameter of a sounding with such a text, and of the table in a study."""
 REPLACED = (
     "undrained_shear_strength",
     "rigidity_index",
@@ -75,12 +75,12 @@ REPLACED = (
     "layer_thickness",
     "layer_strength_ratio",
 )
-"""Parameters of a sounding whose place any table takes."""
-PARTS = 10
-"""Rows that one row becomes; strength and stiffness are then within a hundredth of how much they
-are curved between the rows of the table."""
+"""Parameters of a sounding that any table replaces."""
+SUBDIVISION = 10
+"""Parts of the distance of two rows, for linear interpolation of strength and stiffness. It divides
+the error by a hundred."""
 VERTICAL, HORIZONTAL = "vertical", "horizontal"
-"""Effective stresses of the ground [Pa], as columns on the way."""
+"""Temporary columns of effective stresses [Pa]."""
 ALLOWED = {
     "depth": NOT_NEGATIVE,
     "unit_weight": NOT_NEGATIVE,
@@ -88,16 +88,16 @@ ALLOWED = {
     "stress_anisotropy": Range(above=-1.0, below=1.0),
     "ground_water": NOT_NEGATIVE,
 }
-"""What the values of a column must be; the others are positive."""
+"""Allowed values by column; all others must be positive."""
 
 
 def refused(problem: str) -> ParameterError:
-    """The error of a profile, in one line."""
+    """The error for a problem of the profile, to be raised."""
     return ParameterError(PROFILE, f"{PROFILE}: {problem}")
 
 
 def check_rows(name: str, values: Floats, allowed: Range | None = None) -> None:
-    """Check that a column has no value that is not allowed; by default see `ALLOWED`."""
+    """Check the values of a column, by default as `ALLOWED` says."""
     allowed = allowed or ALLOWED.get(name, POSITIVE)
     for row, value in enumerate(values.tolist(), 1):
         if not allowed.holds(value, value):
@@ -128,12 +128,12 @@ def columns_of(text: str) -> dict[str, Floats]:
 
 
 def _with_row_at_water_table(columns: dict[str, Floats]) -> dict[str, Floats]:
-    """Columns with a row where the water begins, as the effective stress has a kink there."""
+    """Columns with a row at the water table, where the effective stress has a kink."""
     depth, water = columns["depth"], columns.get("ground_water", np.zeros(len(columns["depth"])))
-    if "rigidity_index" in columns and "strength" in columns:  # what is linear between rows is G
+    if "rigidity_index" in columns and "strength" in columns:  # G is linear between rows, not Ir
         columns["shear_modulus"] = columns.pop("rigidity_index") * columns["strength"]
     between = (depth[:-1] < water[:-1]) & (water[:-1] == water[1:]) & (water[1:] < depth[1:])
-    for row in np.flatnonzero(between)[:1]:  # a level table is at one depth
+    for row in np.flatnonzero(between)[:1]:  # a horizontal water table lies between two rows only
         ends = slice(row, row + 2)
         return {
             name: np.insert(column, row + 1, np.interp(water[row], depth[ends], column[ends]))
@@ -143,7 +143,7 @@ def _with_row_at_water_table(columns: dict[str, Floats]) -> dict[str, Floats]:
 
 
 def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:
-    """sigma_v0 - u0 at the rows [Pa], of columns that have K0 and ground water."""
+    """Effective vertical stress sigma_v0 - u0 [Pa] at the rows of a table with K0."""
     for name in OF_EFFECTIVE_STRESS:
         if name not in columns:
             raise refused(f"column {name} is missing; K0 and ground_water go together")
@@ -166,14 +166,14 @@ def effective_vertical_stress(columns: Mapping[str, Floats]) -> Floats:
 
 
 def without_effective_stress(columns: Mapping[str, Floats]) -> dict[str, Floats]:
-    """The columns beside K0 and ground water."""
+    """The columns other than K0 and ground water."""
     return {name: column for name, column in columns.items() if name not in OF_EFFECTIVE_STRESS}
 
 
 def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str, Floats]:
-    """Columns with the stress anisotropy in the place of K0 and ground water.
+    """Columns with the stress anisotropy instead of K0 and ground water.
 
-    `deviator` is vertical less horizontal stress at the rows [Pa]; the strength is among `columns`.
+    They have the strength; `deviator` is vertical less horizontal stress at the rows [Pa].
     """
     anisotropy = deviator / (2.0 * columns["strength"])
     check_rows("stress_anisotropy by K0", anisotropy, ALLOWED["stress_anisotropy"])
@@ -181,7 +181,7 @@ def with_anisotropy(columns: Mapping[str, Floats], deviator: Floats) -> dict[str
 
 
 def units_of(name: str) -> Mapping[str, float]:
-    """Units of a column: of the ground, or a parameter of a law; the first is that of SI."""
+    """Units of a column, which may be a parameter of a law; the first is the SI unit."""
     if name in UNITS:
         return UNITS[name]
     of_laws = {
@@ -195,21 +195,21 @@ def units_of(name: str) -> Mapping[str, float]:
 
 
 def text_of(columns: Mapping[str, Floats]) -> str:
-    """A table of one line of columns in SI units; `columns_of` gives the same columns."""
+    """The table of columns in SI units, in one line; the inverse of `columns_of`."""
     header = [f"{name} [{next(iter(units_of(name)))}]" for name in columns]
     rows = [", ".join(map(repr, row)) for row in np.stack(list(columns.values()), -1).tolist()]
     return "; ".join([", ".join(header), *rows])
 
 
 def replaced_by(text: str) -> set[str]:
-    """Parameters of a sounding whose place a table takes: `REPLACED`, and those of its columns."""
+    """Parameters of a sounding that a table replaces: `REPLACED` and those that are its columns."""
     columns = columns_of(text).keys()
-    by_rest = {"stress_anisotropy", MEAN_STRESS} if columns & {*OF_REST} else set()
-    return {*columns, *REPLACED} | by_rest
+    has_anisotropy = columns & {*GIVING_ANISOTROPY}
+    return {*columns, *REPLACED, *(("stress_anisotropy", MEAN_STRESS) if has_anisotropy else ())}
 
 
 def _header(line: str) -> dict[str, float]:
-    """The columns of a header, and what their units are in SI units."""
+    """The columns of a header, with the factors from their units to SI units."""
     factors: dict[str, float] = {}
     for cell in line.split(","):
         match = re.fullmatch(r"\s*([A-Za-z_]\w*)\s*(?:\[\s*([^\]]*?)\s*\])?\s*", cell)
@@ -243,13 +243,13 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
 
 
 def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mapping[str, Floats]:
-    """The columns of a ground, with strength and stiffness where these are of its law.
+    """The columns of a ground in SI units, with strength and stiffness where the law gives them.
 
-    They are in SI units, each of shape [row_count]. Where there is none the parameters of the
-    sounding hold.
+    Parameters of the law without a column are those of the sounding.
 
     Raises:
-        ParameterError: a column is of another law, or not beside this one, or a row is no clay.
+        ParameterError: a column is of another law or conflicts with this one, or the law does not
+            allow the values of a row.
     """
     law = test.law
     own = set() if law is None else law.parameters.keys()
@@ -282,7 +282,7 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
 
 
 def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[str, Floats]:
-    """Columns with the effective stresses of the ground in the place of K0 and ground water."""
+    """Columns with the effective stresses of the ground instead of K0 and ground water."""
     if MEAN_STRESS in columns:
         raise refused(f"has K0 with ground_water and {MEAN_STRESS}; keep one of them")
     vertical = effective_vertical_stress(columns)
@@ -297,10 +297,11 @@ def _with_stresses(columns: Mapping[str, Floats], own: Collection[str]) -> dict[
 
 
 def _finer(columns: Mapping[str, Floats]) -> dict[str, Floats]:
-    """The same ground in more rows; a border stays a border."""
+    """The same ground with more rows, but none between the two rows of a border."""
     numbers = np.arange(len(columns["depth"]))
     between = numbers[:-1][np.diff(columns["depth"]) > 0.0]
-    finer = np.unique(np.concatenate([numbers, *(between + k / PARTS for k in range(PARTS))]))
+    parts = (between + part / SUBDIVISION for part in range(SUBDIVISION))
+    finer = np.unique(np.concatenate([numbers, *parts]))
     return {name: np.interp(finer, numbers, values) for name, values in columns.items()}
 
 
