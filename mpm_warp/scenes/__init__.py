@@ -1,4 +1,4 @@
-"""The scenes of the catalogue, by family, and the catalogue itself."""
+"""The catalogue of scenes, and the scenes by family."""
 
 from mpm_warp.scenes.catalogue import (
     CatalogueScene,

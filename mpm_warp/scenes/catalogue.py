@@ -1,11 +1,10 @@
-"""What a scene of the catalogue is, and which scenes there are: those of this package, and others.
+"""The base class of all scenes, and the catalogue of scenes of this and of other packages.
 
-A scene can be named, parametrised, verified and run. It is a subclass of `CatalogueScene` without
-abstract methods, in any module below `mpm_warp.scenes`. Its name is that of the class in small
-letters, with underscores between the words: `ConePenetration` is "cone_penetration". A new scene is
-one new file and nothing else.
+A scene is a subclass of `CatalogueScene` without abstract methods, in any module below
+`mpm_warp.scenes`. Its name is that of the class in lower case with underscores: `ConePenetration`
+is "cone_penetration". A new scene is one new file and nothing else.
 
-Other packages offer scenes by the entry point group `mpm_warp.scenes`, in their pyproject.toml:
+Other packages offer scenes by the entry point group `mpm_warp.scenes` in their pyproject.toml:
 
     [project.entry-points."mpm_warp.scenes"]
     pile_driving = "their_package.pile_driving:PileDriving"
@@ -41,7 +40,7 @@ from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 
 Progress = Callable[[float], None]
-"""Called now and then during a run with the fraction done, 0 to 1."""
+"""Function that a run calls now and then with the fraction done, 0 to 1."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,13 +49,11 @@ class Verification:
 
     Attributes:
         resolution: name of the parameter that refines the solution.
-        resolutions: its values, rising; the bounds hold for the last.
-        bounds: scalars of the result and what they may reach at most.
-        least_order: least observed order of the variable `error` in the resolution; None where no
-            order is claimed.
+        resolutions: its values, rising.
+        bounds: scalars of the result, and their greatest allowed values at the last resolution.
+        least_order: least observed order of the variable `error`; None where no order is claimed.
         settings: parameters that differ from their defaults.
-        extreme: whether it shows how far the method holds, in a long run or a violent one; such a
-            check is made only on request.
+        extreme: whether it is a long or violent run, which is made only on request.
     """
 
     resolution: str
@@ -75,7 +72,7 @@ def compared(
     extreme: bool = False,
     **bounds: float,
 ) -> tuple[Verification, ...]:
-    """A `Verification` with each of the settings, or one with all by default; bounds by name."""
+    """A `Verification` for each of the settings, or one for all defaults; bounds by name."""
     by_default = Verification(
         resolution=resolution,
         resolutions=resolutions,
@@ -88,9 +85,9 @@ def compared(
 
 @dataclass(frozen=True, kw_only=True)
 class CatalogueScene(ABC):
-    """A scene that can be named, parametrised and run; its fields are its parameters.
+    """A scene, which has a name and parameters and can be run.
 
-    A subclass is a frozen dataclass with keyword-only fields, each made by
+    A subclass is a frozen dataclass with keyword-only fields, its parameters, each made by
     `mpm_warp.parameters.parameter`. It builds a composition (`build`) and records its run
     (`record`).
 
@@ -100,24 +97,24 @@ class CatalogueScene(ABC):
     """
 
     summary: ClassVar[str]
-    """One line on what the scene simulates."""
+    """One line: what the scene simulates."""
     version: ClassVar[int] = 1
     """Raised whenever the same parameters no longer give the same numbers."""
     runs_alone: ClassVar[bool] = False
     """Whether its results measure the machine, so that no other case may run beside it."""
     method: ClassVar[tuple[str, ...]] = ()
-    """Parameters of the method alone: without its error, the headline would not depend on them."""
+    """Parameters of the method. They change the headline only by the numerical error."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
-    """Comparisons with the exact solution, where there is one: its results hold `error`."""
+    """Comparisons with the exact solution; the results then have a variable `error`."""
     comparable: ClassVar[str | None] = None
-    """Result that published values can be set beside, as ``cone_factor``; or none."""
+    """Result that is compared with published values, such as ``cone_factor``; or None."""
     of_other_laws: ClassVar[tuple[str, ...]] = ()
-    """Parameters of laws of other packages; None where `material` names another law."""
+    """Parameters of laws with their own; each is None where `material` names another law."""
     snapshots_over: ClassVar[str | None] = None
-    """Parameter that says how far a run goes at most, over which snapshots are taken; or none."""
+    """Parameter with the length of a run, over which snapshots are taken; or None."""
 
     def __new__(cls, **values: object) -> Self:
-        """Refuse an unknown name with what to give instead, which `__init__` would not say."""
+        """Refuse an unknown name and suggest another, which `__init__` would not do."""
         check_names(cls, values)
         return super().__new__(cls)
 
@@ -125,54 +122,54 @@ class CatalogueScene(ABC):
         check_parameters(self, self.derived)
 
     def refuse(self, name: str, why: str) -> NoReturn:
-        """Raise `ParameterError` for a parameter's value: "name = value is not allowed" and why."""
+        """Raise `ParameterError` with "name = value is not allowed", followed by `why`."""
         value = in_words(getattr(self, name))
         raise ParameterError(name, f"{name} = {value} is not allowed{why}")
 
     @classmethod
     def catalogue_name(cls) -> str:
-        """Name in the catalogue: that of the class as cone_penetration is of ConePenetration."""
+        """Name in the catalogue: cone_penetration for ConePenetration."""
         return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
 
     @classmethod
     def offered(cls) -> "type[CatalogueScene]":
-        """The class that the catalogue offers; a scene may add parameters to what it is itself."""
+        """The class that the catalogue offers, which may have more parameters."""
         return cls
 
     @property
     def likely_failure(self) -> str:
-        """Why a run is likely not to complete, and what to change; "" where no cause is known."""
+        """Why the run is likely to fail, and what to change; "" where no cause is known."""
         return ""
 
     @classmethod
     def replaced(cls, parameters: Mapping[str, Value | None]) -> Collection[str]:
-        """Parameters that say nothing beside the others: these take their place."""
+        """Parameters that have no effect beside the given ones, which replace them."""
         return ()
 
     def derived(self) -> Mapping[str, float]:
-        """Values of the parameters that are worked out from others where none is given."""
+        """Default values of parameters that depend on other parameters."""
         return {}
 
     @abstractmethod
     def build(self) -> Any:
-        """The composition that is simulated: of soil in a grid, of bodies, or of another kind."""
+        """The composition that is simulated: soil in a grid, bodies, or another kind."""
 
     @property
     def end_time(self) -> float | None:
-        """Simulated time from start to end of soil in a grid [s]; None where it is not known."""
+        """Simulated time of a run of soil in a grid [s]; None where it is not known."""
         return None
 
     def run_size(self) -> RunSize | None:
-        """How large a run is, worked out at once; None where any that is allowed is small.
+        """The size of the run, found without a simulation; None where all runs are small.
 
         Raises:
-            mpm_warp.errors.SceneError: it has more steps than can be counted.
+            mpm_warp.errors.SceneError: the run has more steps than can be counted.
         """
         return None if self.end_time is None else size_in_grid(self.build(), self.end_time)
 
     @property
     def loads_solvers(self) -> bool:
-        """Whether what it gives needs solvers of SciPy, which take memory once they are loaded."""
+        """Whether its results need solvers of SciPy, which take memory once they are loaded."""
         return False
 
     def plan(self) -> Plan:
@@ -180,7 +177,7 @@ class CatalogueScene(ABC):
         return make_plan(self.build())
 
     def step_count_bound(self, plan: Plan) -> int | None:
-        """Steps of a run of `plan` at most; None where that is not known beforehand."""
+        """Largest possible number of steps of a run of `plan`; None where it is not known."""
         if self.end_time is None or plan.control is not None:
             return None
         return math.ceil(self.end_time / plan.time_step)
@@ -195,22 +192,22 @@ class CatalogueScene(ABC):
 
         Args:
             progress: True for a progress bar on the terminal; or a function, which is called now
-                and then with the fraction done: with 0 when the first step is begun, at the end
-                with 1.
+                and then with the fraction done: with 0 before the first step, with 1 at the end.
             execution: device and threads; default: one thread of the processor.
-            snapshots: are taken on the way, whatever ends the run; they change no result by a bit.
+            snapshots: snapshots to take during the run; they do not change any result.
 
         Returns:
-            Curves, scalars, what they cost, and all parameters. Each variable has the attributes
-            `units` and `long_name`; `role` says what it is, where it is not an ordinary result:
-            one of `mpm_warp.results.ROLES`. A parameter whose name is that of a result is called
+            Curves, scalars, computing cost and all parameters. Each variable has the attributes
+            `units` and `long_name`. Variables other than ordinary results have the attribute
+            `role`, one of `mpm_warp.results.ROLES`. A parameter with the name of a result is called
             ``<name>_parameter``.
 
         Raises:
             mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
-                recorded up to there.
-            mpm_warp.errors.InaccurateRun: the run ended, but its result cannot be relied on.
-            mpm_warp.errors.UnfinishedRun: it ended before what it is for, a steady resistance say.
+                recorded until then.
+            mpm_warp.errors.InaccurateRun: the run ended, but its result is not reliable.
+            mpm_warp.errors.UnfinishedRun: the run ended too early, for example before a steady
+                resistance.
             mpm_warp.errors.SceneError: the scene takes no snapshots, or has more steps than can be
                 counted.
         """
@@ -231,20 +228,20 @@ class CatalogueScene(ABC):
         return results.assign(parameters)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """The results of a run, without the parameters; `run` says what the arguments are.
+        """The results of a run without the parameters; arguments as of `run`.
 
-        A scene overrides it where it does more than run one simulation. It is to call `progress`
-        with 0 once all is compiled.
+        A scene that does more than run one simulation overrides it, and calls `progress` with 0
+        once all is compiled.
         """
         simulation = Simulation(self.build(), execution)
         plan, instead = simulation.plan, self._instead_of_smaller_steps
         plan.remedy = plan.remedy.replace(SMALLER_STEP, instead)
-        progress(0.0)  # set up and compiled: from here on it computes
+        progress(0.0)  # all is set up and compiled
         return self.record(simulation, progress)
 
     @property
     def _instead_of_smaller_steps(self) -> str:
-        """What to try where a run diverges: smaller steps, or what the scene has in their place."""
+        """Remedy for a run that diverges: smaller steps, or else parameters of the method."""
         known = parameters_of(type(self))
         numbers = [name for name in self.method if known[name].kind is not str]
         if "time_step_fraction" in known or not numbers:
@@ -254,22 +251,22 @@ class CatalogueScene(ABC):
     def compute_with_snapshots(
         self, progress: Progress, execution: Execution | None, snapshots: Snapshots
     ) -> xr.Dataset:
-        """What `compute` gives, with snapshots on the way; of a scene with `snapshots_over`."""
+        """Results as of `compute`, with snapshots; only in a scene with `snapshots_over`."""
         raise SceneError(f"{self.catalogue_name()}: takes no snapshots")
 
     @abstractmethod
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """Run a simulation of what `build` gives, from its start on, and record its results."""
+        """Run a simulation of what `build` gives, and return its results."""
 
 
 @contextmanager
 def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]:
-    """What receives the progress of a run: the function given, a bar, or nothing."""
+    """The function that receives the progress of a run: the one given, a bar, or none."""
     if callable(progress):
         yield progress
         return
     check_known("progress", progress, (True, False, None))
-    if not progress:  # a bar, hidden too, has a semaphore, which a worker that is ended leaves
+    if not progress:  # a hidden bar would still have a semaphore, which a killed worker leaves
         yield lambda fraction: None
         return
     layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
@@ -285,9 +282,9 @@ GROUP = "mpm_warp.scenes"
 """Group of the entry points by which other packages offer scenes."""
 
 Offered = type[CatalogueScene] | EntryPoint
-"""A scene of this package, or where to find one of another.
+"""A scene of this package, or the entry point of one of another.
 
-Where the package importlib_metadata is loaded, as by Dask, an entry point is one of its own class.
+Where importlib_metadata is loaded, as by Dask, entry points are of its class instead.
 """
 
 
@@ -304,8 +301,8 @@ def scene_class(name: str) -> type[CatalogueScene]:
     """The class of the scene of that name.
 
     Raises:
-        UnknownSceneError: there is none, and the message names the nearest one; or two scenes have
-            the same name; or the entry point of the scene gives none.
+        UnknownSceneError: there is no such scene (the message names the nearest), two scenes have
+            the same name, or the entry point of the scene does not give a scene.
     """
     scenes = _all_scenes()
     if name not in scenes:
@@ -316,14 +313,14 @@ def scene_class(name: str) -> type[CatalogueScene]:
 
 @functools.cache
 def _all_scenes() -> Mapping[str, Offered]:
-    """All scenes, by name; looked for once, because that opens a file of each installed package."""
+    """All scenes by name, cached because the search opens a file of each installed package."""
     others = [(offered.name, offered) for offered in entry_points(group=GROUP)]
     return _by_name([*own_scenes().items(), *others])
 
 
 @functools.cache
 def own_scenes() -> Mapping[str, Offered]:
-    """The scenes of this package, by name."""
+    """The scenes of this package by name."""
     names = pkgutil.walk_packages([str(Path(__file__).parent)], f"{__package__}.")
     modules = [importlib.import_module(module.name) for module in names]
     return _by_name(
@@ -359,7 +356,7 @@ def _origin(scene: Offered) -> str:
 
 
 def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:
-    """The class of an entry point; one that cannot be loaded, or is no scene, is an error."""
+    """The class of an entry point; `UnknownSceneError` if it cannot be loaded or is no scene."""
     where = f"scene {entry_point.name!r}: {_origin(entry_point)}"
     try:
         scene: type[CatalogueScene] = entry_point.load()

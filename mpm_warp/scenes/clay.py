@@ -1,4 +1,4 @@
-"""Scenes in undrained clay: perfectly plastic, or of a strength that strain and its rate change."""
+"""Scenes in undrained clay: perfectly plastic, softening or with a rate effect, or of any law."""
 
 import functools
 import math
@@ -23,19 +23,19 @@ NEEDED = (
     ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),
     ("remoulded_strength_ratio", 1.0, "ductility", "the plastic shear strain of 95 % of the loss"),
 )
-"""Where the first is not the second, the third must be given, which is the fourth."""
+"""A parameter and its neutral value; a parameter needed for any other value, and its meaning."""
 STRAIN_RATE: dict[str, Any] = {"unit": "s-1", "minimum": 1e-12, "maximum": 1e6}
-"""What is said of any parameter that is one."""
+"""Unit and limits of all parameters that are strain rates."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClayScene(CatalogueScene):
-    """A scene in clay of one stiffness and one strength, or of a law of another package.
+    """A scene in clay of one stiffness and one strength, or of a law with parameters of its own.
 
     Raises:
         mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
             strain rate, a remoulded strength without a ductility, a strength that falls too
-            steeply, or a parameter of another law than that of `material`.
+            steeply, or a parameter of a law that `material` does not name.
     """
 
     rigidity_index: float = parameter(
@@ -50,8 +50,8 @@ class ClayScene(CatalogueScene):
     poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
     rate_factor: float = parameter(
         0.0,
-        "rate factor mu: what a log cycle of strain rate above the reference adds to su, "
-        "over it; usual: 0.05 to 0.2",
+        "rate factor mu: relative increase of su per log cycle of strain rate above the reference; "
+        "usual: 0.05 to 0.2",
         minimum=0,
         maximum=1,
     )
@@ -68,8 +68,8 @@ class ClayScene(CatalogueScene):
     )
     ductility: float | None = parameter(
         None,
-        "plastic shear strain xi_95 at which 95 % of the loss of strength is done, usual: "
-        "10 to 50; to be given with a remoulded_strength_ratio",
+        "plastic shear strain xi_95 to 95 % of the loss of strength, usual: 10 to 50; to be given "
+        "with a remoulded_strength_ratio",
         above=0,
         maximum=1e6,
     )
@@ -81,16 +81,16 @@ class ClayScene(CatalogueScene):
 
     @property
     def strength_changes(self) -> bool:
-        """Whether strain or its rate changes the strength of the clay."""
+        """Whether the clay softens or has a rate effect."""
         return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
 
     @classmethod
     def offered(cls) -> type[CatalogueScene]:
-        """This scene, with the parameters of all laws that other packages offer beside its own."""
+        """This scene with the parameters of all laws in addition to its own."""
         return _with_laws(cls, loaded_laws())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # What is offered is made where it is asked for, and so where a copy is unpacked.
+        # The offered class is made at run time, so unpickling makes it again.
         kind = type(self)
         own = kind.__mro__[1] if "of_other_laws" in vars(kind) else kind
         return _unpacked, (own, {field.name: getattr(self, field.name) for field in fields(self)})
@@ -107,7 +107,7 @@ class ClayScene(CatalogueScene):
         self.check_clay()
 
     def check_clay(self) -> None:
-        """Take from its law what is not given; `ParameterError` where there is no such clay."""
+        """Complete the parameters by the law; `ParameterError` where it does not allow them."""
         try:
             self._follow_law()
             _ = self.clay
@@ -117,9 +117,9 @@ class ClayScene(CatalogueScene):
 
     @property
     def own_strength(self) -> float | None:
-        """Strength [Pa] of a law that has its own; None where the scene gives it.
+        """Strength [Pa] in the `reference_test` of a law that has its own; None for other laws.
 
-        It is that in the law's `reference_test`, and su of the scene where none is given.
+        It is su of the scene where this is not given.
         """
         if self.law is None or "strength" in self.law.given:
             return None
@@ -127,12 +127,12 @@ class ClayScene(CatalogueScene):
 
     @property
     def has_own_stiffness(self) -> bool:
-        """Whether the law has a stiffness of its own, by which the rigidity index follows."""
+        """Whether the law has its own stiffness, from which the rigidity index follows."""
         return self.law is not None and "shear_modulus" not in self.law.given
 
     @property
     def own_clay(self) -> Material:
-        """The clay of a law that has its own strength or stiffness, before anything changes it."""
+        """The intact clay, for the strength, stiffness and stress that the law itself gives."""
         given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
         of_scene = self.law is not None and "strength" in self.law.given
         strength = self.undrained_shear_strength if of_scene else 1.0
@@ -142,7 +142,7 @@ class ClayScene(CatalogueScene):
             raise ParameterError("material", str(refusal)) from None
 
     def _follow_law(self) -> None:
-        """Let su, rigidity index and Delta be those of a law that has its own, and what follows."""
+        """Set su, rigidity index and Delta by a law that gives them, and what depends on them."""
         own_strength = self.own_strength
         if own_strength is None and not self.has_own_stiffness:
             return
@@ -166,7 +166,7 @@ class ClayScene(CatalogueScene):
         fill_in(self, self.derived())
 
     def _check_other_laws(self) -> None:
-        """Check the parameters of laws of other packages, and fill in their defaults."""
+        """Check the parameters of other laws, and fill in their defaults."""
         law = self.law
         if law is not None and self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
             raise ParameterError(
@@ -188,7 +188,7 @@ class ClayScene(CatalogueScene):
     @property
     @abstractmethod
     def undrained_shear_strength(self) -> float:
-        """Su of intact clay at the reference strain rate [Pa]: of a parameter, scene or law."""
+        """Su of intact clay at the reference strain rate [Pa]."""
 
     @property
     @abstractmethod
@@ -197,17 +197,16 @@ class ClayScene(CatalogueScene):
 
     @property
     def stress_at_rest(self) -> Floats:
-        """Stress (rr, zz, rz, tt) of the ground before, over the vertical one [Pa], shape [4]."""
+        """Initial stress (rr, zz, rz, tt) in excess of the vertical stress [Pa], shape [4]."""
         delta = getattr(self, "stress_anisotropy", 0.0)
         return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
 
     def clay_with(
         self, *, density: float, speed_up: float, greatest_poissons_ratio: float = 0.5
     ) -> Material:
-        """The clay; perfectly plastic where neither strain nor rate changes its strength.
+        """The clay, of a density [kg/m3]; `speed_up` is the speed of the run over the real one.
 
-        The density is in kg/m3. Strain rates count as in reality: `speed_up` is the speed of the
-        run over that there.
+        It scales the reference strain rate, so that the rate effect is that of the real test.
         """
         strength = self.undrained_shear_strength
         given: dict[str, Any] = {
@@ -234,7 +233,7 @@ class ClayScene(CatalogueScene):
         )
 
     def _intact(self, given: Mapping[str, Any]) -> Material:
-        """The clay as it is when neither strain nor its rate has changed it."""
+        """The clay without softening and rate effect."""
         if self.law is None:
             return CRITERIA[self.material](**given)
         own = {name: getattr(self, name, None) for name in self.law.parameters}
@@ -247,7 +246,7 @@ def _unpacked(scene: type[ClayScene], values: dict[str, Any]) -> CatalogueScene:
 
 @functools.cache
 def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]:
-    """A scene class with the parameters of laws of other packages beside its own."""
+    """A scene class with the parameters of laws in addition to its own."""
     own = {field.name for field in fields(scene)}
     found: dict[str, list[tuple[str, Parameter]]] = {}
     for name in laws:
@@ -271,7 +270,7 @@ def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]
 
 
 def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
-    """The field of a parameter that laws of these names have; bounds only where there is one."""
+    """The field for a parameter of the named laws; it has bounds only if one law has it."""
     laws = "; ".join(
         f"of material {name}"
         + ("" if definition.default is None else f", default {definition.default}")
@@ -284,7 +283,7 @@ def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class FieldClayScene(ClayScene):
-    """A scene in clay whose strength is given in pascals, penetrated at a real speed."""
+    """A scene in clay of a given strength, which something penetrates at a given real speed."""
 
     undrained_shear_strength: float = parameter(
         Derived(20e3),
@@ -298,8 +297,7 @@ class FieldClayScene(ClayScene):
     )
     penetration_speed: float = parameter(
         0.02,
-        "speed of the real penetration, which strain rates are of; the run has its own, "
-        "speed_ratio",
+        "speed of the real penetration, for the rate effect; the speed of the run is speed_ratio",
         unit="m s-1",
         minimum=1e-9,
         maximum=1e3,

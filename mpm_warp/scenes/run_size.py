@@ -1,4 +1,4 @@
-"""How large a run is, from its parameters alone, before anything large is allocated."""
+"""Size of a run, from its parameters, before anything large is allocated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,36 +14,27 @@ from mpm_warp.scene import Scene
 from mpm_warp.simulation import STEP_COUNTS
 
 CELL_BYTES, POLAR_BYTES = 664.0, 104.0
-"""Memory of a cell with its share of nodes, 40 numbers of it sums of the shares; and the integrals
-that a grid of rays keeps besides [byte]. The watch takes 48 of it."""
+"""Memory of a cell with its nodes [byte], including 40 numbers of partial sums and 48 bytes of the
+watch; memory of the further integrals of a polar grid."""
 POINT_BYTES, NUMBER_BYTES = 104.0, 8.0
-"""Memory of a slot of a point, of which the watch takes 24, and of a number that its law needs
-besides [byte]. Set-up has less at a time."""
+"""Memory of the slot of a point, with 24 bytes of the watch, and of each further number of its law
+[byte]. Set-up needs less at a time."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunSize:
-    """Cells, material points and steps of a run, about, and the memory that they take.
-
-    Attributes:
-        cell_count: cells of the grid.
-        particle_count: material points, slots for those that enter included.
-        step_count: steps to the end of the run; 0 where they are not known beforehand.
-        bytes_per_cell: memory of a cell with its share of nodes.
-        bytes_per_particle: memory of a material point.
-        curve_bytes: memory of what is sampled on the way, of curves made of it, and of what
-            compares them.
+    """Approximate cells, material points and steps of a run, and their memory.
 
     Raises:
         SceneError: the steps are more than can be counted.
     """
 
     cell_count: int
-    particle_count: int
-    step_count: float = 0.0
+    particle_count: int  # slots for points that enter included
+    step_count: float = 0.0  # 0 where it is not known beforehand
     bytes_per_cell: float = CELL_BYTES
     bytes_per_particle: float = POINT_BYTES
-    curve_bytes: float = 0.0
+    curve_bytes: float = 0.0  # memory of samples, curves and their comparison
 
     def __post_init__(self) -> None:
         if not STEP_COUNTS.holds(self.step_count, self.step_count):
@@ -54,9 +45,9 @@ class RunSize:
 
     @property
     def byte_count(self) -> float:
-        """Memory of a run beside that of any process that runs one [byte].
+        """Memory of a run [byte], beyond that of a process that has loaded the package.
 
-        `python -m tests.memory` compares it with that of random cases.
+        `python -m tests.memory` compares it with the memory of random cases.
         """
         in_grid = self.cell_count * self.bytes_per_cell
         return in_grid + self.particle_count * self.bytes_per_particle + self.curve_bytes
@@ -68,12 +59,7 @@ class RunSize:
 
 
 def size_in_grid(scene: Scene, duration: float) -> RunSize:
-    """The size of a run of soil in a grid, every cell of which may hold soil.
-
-    Args:
-        scene: what is run; its stiffest soil has its fastest waves.
-        duration: time to the end of the run [s].
-    """
+    """The size of a run of soil in a grid for a duration [s]; all cells may hold soil."""
     grid, window = scene.grid, scene.find(MovingGrid)
     slots, wave_speed = 1.0, scene.material.pressure_wave_speed
     if window is not None:
@@ -93,7 +79,7 @@ def size_in_grid(scene: Scene, duration: float) -> RunSize:
 
 
 def law_bytes(material: Material) -> float:
-    """Memory of what a point has of its law: what it remembers, what varies in ground [byte]."""
+    """Memory of the state of a point, and of properties that vary in the ground [byte]."""
     varying = 0 if material.variation is None else len(material.properties) + 1
     return NUMBER_BYTES * (len(material.state) + varying)
 
@@ -107,10 +93,7 @@ The memory is from peaks of up to 7 million cells and 114,000 points.
 
 
 def of_several(sizes: Sequence[RunSize]) -> RunSize:
-    """The size of runs that are made one after the other.
-
-    It has the memory of the largest, and the steps that this one would do in the time of all.
-    """
+    """The size of consecutive runs: the largest, with its steps increased to the work of all."""
     largest = max(sizes, key=lambda size: size.byte_count)
     updates = sum(size.particle_updates for size in sizes)
     return replace(largest, step_count=updates / largest.particle_count)
@@ -119,8 +102,8 @@ def of_several(sizes: Sequence[RunSize]) -> RunSize:
 def shortest_crossing(grid: Grid) -> float:
     """Length that a wave crosses in the critical time step [m].
 
-    It is that of the cells at the inner surface, which are the narrowest and the most oblique of
-    their rows; the others need not be built.
+    The cells at the inner surface determine it: they are the narrowest and the most oblique of
+    their rows. So the others need not be built.
     """
     if grid.column_count == 1:
         return float(grid.cell_lengths.min())

@@ -1,4 +1,4 @@
-"""What a step costs: the speed of the simulator itself, by size, physics and threads."""
+"""The speed of the simulator, by size, physics and threads."""
 
 import dataclasses
 import math
@@ -24,18 +24,18 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
 
-BLOCK = 10_000
-"""Material points after which the random stresses are the same again."""
+RANDOM_COUNT = 10_000
+"""Number of random stresses, which repeat over the material points."""
 LEAST_STEPS = 16
 """Least number of steps of a sample."""
 CLOCKED_STEPS = 51
 """Steps whose stages are timed."""
 WARM_FRACTION = 0.5
-"""Fraction of the time of a sample for which steps are taken before the first sample."""
+"""Least duration of the warm-up over that of a sample."""
 
 
 def sample(simulation: Simulation, step_count: int) -> tuple[float, float]:
-    """Take so many steps: wall-clock time [s], particle updates per second."""
+    """Take steps; return the wall-clock time [s] and the particle updates per second."""
     updates = simulation.particle_updates
     start = time.perf_counter()
     simulation.advance(step_count)
@@ -45,9 +45,9 @@ def sample(simulation: Simulation, step_count: int) -> tuple[float, float]:
 
 
 def steps_within(simulation: Simulation, seconds: float) -> int:
-    """Number of steps that take about so long [s]; the run is warm after it is found out."""
+    """Warm the run up; return the number of steps that take about `seconds`."""
     count, taken = LEAST_STEPS // 2, 0.0
-    # The first steps load kernels and record launches: only many tell how long one takes.
+    # The first steps load kernels and record launches, so only many give the time of one.
     while taken < WARM_FRACTION * seconds:
         count *= 2
         taken, _ = sample(simulation, count)
@@ -55,10 +55,10 @@ def steps_within(simulation: Simulation, seconds: float) -> int:
 
 
 def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
-    """Time of each launch of a step, by the name of its kernel [s]; the median over some steps.
+    """Median time of each launch of a step, by the name of its kernel [s].
 
-    The host waits for each launch. So the times are those of one thread, or of a whole GPU, and a
-    launch's own time is in each: some microseconds. The simulation does not count these steps.
+    The host waits for each launch, so each time is that of one thread or of a whole GPU, and has
+    some microseconds of the launch in it. The simulation does not count these steps.
     """
     step = simulation.plan.step
     seconds = np.zeros((step_count, len(step)))
@@ -73,10 +73,10 @@ def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
 
 @dataclass(frozen=True, kw_only=True)
 class StepCost(CatalogueScene):
-    """The scene of a cone penetration at a size, or less of its physics, timed warm.
+    """Timed steps of a cone penetration of any size, or of its soil only.
 
-    The soil starts with random stresses about its strength, so that much of it yields. All results
-    are measurements: they are never the same twice.
+    The soil starts with random stresses of the order of its strength, so that much of it yields.
+    All results are measurements and differ from run to run.
     """
 
     summary = "speed of the simulator: particle updates per second, by stage"
@@ -86,7 +86,7 @@ class StepCost(CatalogueScene):
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
     physics: str = parameter(
         "cone",
-        "all of a cone penetration, or soil alone: plastic (Tresca), or elastic",
+        "all of a cone penetration, or soil only: plastic (Tresca), or elastic",
         choices=("cone", "plastic", "elastic"),
     )
     threads: int = parameter(1, "threads of the processor", choices=THREAD_COUNTS)
@@ -94,7 +94,7 @@ class StepCost(CatalogueScene):
     sample_time: float = parameter(0.3, "time of a sample, about", unit="s", above=0, maximum=100)
 
     def cone(self) -> ConePenetration:
-        """The cone penetration of the size, or of the nearest found that grids can have."""
+        """A cone penetration of about the size."""
         cells_per_radius = 2.0
         for _ in range(4):
             cone = ConePenetration(cells_per_radius=cells_per_radius, approach=0.0)
@@ -103,13 +103,13 @@ class StepCost(CatalogueScene):
         return cone
 
     def run_size(self) -> RunSize:
-        """Of the case, and of the one that threads are compared with."""
+        """See `CatalogueScene`; several threads are compared with a second run on one thread."""
         one = self.cone().run_size()
         count = 2 if self.threads > 1 else 1
         return RunSize(cell_count=count * one.cell_count, particle_count=count * one.particle_count)
 
     def build(self) -> Scene:
-        """The scene of the cone penetration, or its soil alone."""
+        """The scene of the cone penetration, or its soil only."""
         scene = self.cone().build()
         if self.physics == "cone":
             return scene
@@ -121,16 +121,16 @@ class StepCost(CatalogueScene):
         return dataclasses.replace(soil, material=elastic)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """Time the steps of a case on the device of the execution; of a GPU on one thread alone."""
+        """Time the steps on the device of the execution, with the threads of the case."""
         device = "cpu" if execution is None else execution.device
         if device != "cpu" and self.threads > 1:
             raise SceneError(f"threads = {self.threads} must be 1 on a GPU")
         return self.record(self._stirred(Execution(device, self.threads)), progress)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
-        """The speed of the case, beside that of one on one thread where it has several."""
-        # The speed of a machine changes from second to second: so that two speeds can be compared,
-        # each sample is followed by one on one thread.
+        """Measure the speed, and with several threads the gain over one thread."""
+        # The speed of a machine changes from second to second. So each sample is followed by one on
+        # one thread, with which it is compared.
         alone = self._stirred(Execution()) if self.threads > 1 else None
         progress(0.0)
         step_count = steps_within(simulation, self.sample_time)
@@ -159,7 +159,7 @@ class StepCost(CatalogueScene):
         in_arrays = (per_point, "byte", "arrays on the device per material point")
         result |= labelled(array_bytes=in_arrays) | cost(simulation)
         if gains:
-            beside = "each sample beside one of one thread right after it; median"
+            beside = "median over the samples, each compared with one on one thread right after it"
             gain = float(np.median(gains)), "1", "times as fast as on one thread", beside
             result |= labelled(thread_gain=gain)
         else:
@@ -171,15 +171,15 @@ class StepCost(CatalogueScene):
         return xr.Dataset(result)
 
     def _stirred(self, execution: Execution) -> Simulation:
-        """A run whose soil has random stresses, and whose window has its speed."""
+        """A run that starts with random stresses in the soil and the window at its full speed."""
         simulation = Simulation(self.build(), execution)
         scene = soil_scene(simulation)
         strength = 0.01 * scene.material.ground_shear_modulus
-        block = np.random.default_rng(0).uniform(-strength, strength, (BLOCK, 4))
+        random = np.random.default_rng(0).uniform(-strength, strength, (RANDOM_COUNT, 4))
         stress = simulation.arrays["particle.stress"]
-        for first in range(0, len(stress), BLOCK):
-            part = stress[first : min(first + BLOCK, len(stress))]
-            part.assign(block[: len(part)])
+        for first in range(0, len(stress), RANDOM_COUNT):
+            part = stress[first : min(first + RANDOM_COUNT, len(stress))]
+            part.assign(random[: len(part)])
         if (window := scene.find(Window)) is not None:
             simulation.assign("window.motion", np.array([window.ramp_time, window.speed, 0.0]))
         return simulation

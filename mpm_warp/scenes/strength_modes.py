@@ -1,7 +1,7 @@
-"""Factors of penetrometers by the test that su is from, and the rigidity index beside them.
+"""Factors of penetrometers by the mode of the test that gives su, and rigidity indices of laws.
 
-The strength of a law that has its own depends on the mode of the test. A factor is a resistance or
-a pressure over one of these strengths; without its name it says nothing.
+The strength of a law with its own strength depends on the mode of the test. A factor is a
+resistance or pressure over one of these strengths, and has a meaning only together with its mode.
 """
 
 from typing import Any
@@ -20,15 +20,15 @@ MODES = {
     "simple_shear": "simple_shear",
     "extension": "triaxial_extension",
 }
-"""Element tests by the names of their modes in results."""
+"""Modes in the names of results, and their element tests."""
 STEP_COUNT = 2000
-"""Of an element test: G at half of the strength is within 1 % of that of 10,000 steps."""
+"""Steps of an element test; G at half of the strength is within 1 % of that with 10,000 steps."""
 
 
 def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variable]:
-    """Factors over each su, and over the mean of the three, of a law that has its own strength.
+    """Factors N_by_compression and so on, and N_by_average, of a law with its own strength.
 
-    Given over the su of the scene, N is also said as N_by_compression and so on.
+    The given factors N are over su of the scene; results are {} for other laws.
     """
     if test.own_strength is None:
         return {}
@@ -77,7 +77,7 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
 
 
 def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
-    """G over su in the element test of the law's su, of a law that has its own strength."""
+    """Rigidity indices of a law with its own strength, in the element test that gives its su."""
     if test.law is None or test.own_strength is None:
         return {}
     clay, mode = test.own_clay, test.own_clay.reference_test
