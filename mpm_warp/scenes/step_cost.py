@@ -125,23 +125,24 @@ class StepCost(CatalogueScene):
         device = "cpu" if execution is None else execution.device
         if device != "cpu" and self.threads > 1:
             raise SceneError(f"threads = {self.threads} must be 1 on a GPU")
-        return self.record(self._stirred(Execution(device, self.threads)), progress)
+        simulation = self._with_random_stress(Execution(device, self.threads))
+        return self.record(simulation, progress)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Measure the speed, and with several threads the gain over one thread."""
         # The speed of a machine changes from second to second. So each sample is followed by one on
         # one thread, with which it is compared.
-        alone = self._stirred(Execution()) if self.threads > 1 else None
+        single = self._with_random_stress(Execution()) if self.threads > 1 else None
         progress(0.0)
         step_count = steps_within(simulation, self.sample_time)
-        if alone is not None:
-            alone.advance(LEAST_STEPS)  # warm
+        if single is not None:
+            single.advance(LEAST_STEPS)  # warm
         rates, gains = [], []
         for number in range(self.samples):
             _, rate = sample(simulation, step_count)
             rates.append(rate)
-            if alone is not None:
-                gains.append(rate / sample(alone, step_count)[1])
+            if single is not None:
+                gains.append(rate / sample(single, step_count)[1])
             progress((number + 1) / self.samples)
         simulation.check()
         per_second = "particle updates per second"
@@ -159,8 +160,8 @@ class StepCost(CatalogueScene):
         in_arrays = (per_point, "byte", "arrays on the device per material point")
         result |= labelled(array_bytes=in_arrays) | cost(simulation)
         if gains:
-            beside = "median over the samples, each compared with one on one thread right after it"
-            gain = float(np.median(gains)), "1", "times as fast as on one thread", beside
+            how = "median over the samples, each compared with one on one thread right after it"
+            gain = float(np.median(gains)), "1", "times as fast as on one thread", how
             result |= labelled(thread_gain=gain)
         else:
             times = stage_times(simulation, CLOCKED_STEPS)
@@ -170,8 +171,8 @@ class StepCost(CatalogueScene):
             result |= labelled(dims=("stage",), stage_time=shown)
         return xr.Dataset(result)
 
-    def _stirred(self, execution: Execution) -> Simulation:
-        """A run that starts with random stresses in the soil and the window at its full speed."""
+    def _with_random_stress(self, execution: Execution) -> Simulation:
+        """A run that starts with random stresses in the soil, and the window at its full speed."""
         simulation = Simulation(self.build(), execution)
         scene = soil_scene(simulation)
         strength = 0.01 * scene.material.ground_shear_modulus

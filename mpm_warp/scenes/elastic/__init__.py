@@ -1,1 +1,1 @@
-"""States of rest of elastic soil."""
+"""Elastic bars, columns and rings: static loads, waves and impacts."""

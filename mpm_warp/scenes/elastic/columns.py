@@ -334,7 +334,7 @@ def standing_wave_errors(curves: xr.Dataset, kept_per_second: float) -> dict[str
     sampled = f"{mean} 1; the greatest of those sampled"
     drift = (np.abs(kept - 1.0).max(), "1", "change of energy", sampled)
     departed = np.abs(kept - kept_per_second ** (numbers * PERIOD)).max()
-    derived = f"{mean} what is left by modal analysis"
+    derived = f"{mean} the part that is left by modal analysis"
     departure = (departed, "1", "departure of the energy from its derived decay", derived)
     taken = "part of the energy that the transfers take in a period, by modal analysis of a step"
     decay = (1.0 - kept_per_second**PERIOD, "1", "energy that a period takes, derived", taken)

@@ -45,7 +45,7 @@ class Impact(CatalogueScene):
 
     The bar has the speed V; its stress at the stretch l is M ln l. The shock travels through the
     unstrained bar at the speed U. With c^2 = M / rho the balances of mass and momentum (Rankine and
-    Hugoniot; the stress does not depend on heat, so that of energy is not needed) give
+    Hugoniot; the balance of energy is not needed, as heat does not affect the stress) give
 
         l = 1 - V / U,    -M ln l = rho U V,    so that (V / c)^2 = -(V / U) ln(1 - V / U).
     """

@@ -1,1 +1,1 @@
-"""Bodies that soil flows around on all sides."""
+"""Ball and T-bar: soil flows around them on all sides."""

@@ -85,8 +85,8 @@ class CyclicPenetration(FullFlowPenetrometer):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.inertia > REFUSED_INERTIA:
-            beside = f"rigidity_index = {self.rigidity_index:g}"
-            self.refuse("speed_ratio", f" with {beside}: {self.thrown_off(REFUSED_INERTIA)}")
+            with_index = f" with rigidity_index = {self.rigidity_index:g}"
+            self.refuse("speed_ratio", f"{with_index}: {self.thrown_off(REFUSED_INERTIA)}")
 
     @property
     def last_cycle(self) -> float:

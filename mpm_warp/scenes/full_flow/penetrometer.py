@@ -73,9 +73,9 @@ class RoundBody:
         reaches `extent` radii above and below the centre, >= 2.
         """
         size = self.radius / cells_per_radius
-        beside = np.linspace(0.0, self.radius - POLE_ROW * size, cells_per_radius + 1)
+        at_body = np.linspace(0.0, self.radius - POLE_ROW * size, cells_per_radius + 1)
         beyond = self.radius + size * np.arange((extent - 1) * cells_per_radius + 1)
-        above = np.append(beside, beyond)
+        above = np.append(at_body, beyond)
         rows = np.append(-above[:0:-1], above)
         last_fitted = int(np.argmin(np.abs(columns - (FITTED_RADIUS - 1.0) * self.radius)))
         fitted, upright = np.split(columns, [last_fitted + 1])
@@ -96,9 +96,9 @@ class RoundBody:
         flow leaves few material points. The adhesion of ball or bar and the in-situ stress are in
         Pa, >= 0; the shaft is smooth.
         """
-        beside = np.flatnonzero(grid.surface_radius > 0.0)
-        upper_end = min(beside[-1] + 1, grid.row_count)
-        rows = np.arange(beside[0] - 1, upper_end + 1, dtype=np.int32)
+        off_axis = np.flatnonzero(grid.surface_radius > 0.0)
+        upper_end = min(off_axis[-1] + 1, grid.row_count)
+        rows = np.arange(off_axis[0] - 1, upper_end + 1, dtype=np.int32)
         radius, height = grid.surface_radius[rows], grid.rows[rows]
         weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)

@@ -252,7 +252,7 @@ class ElementTest(PointScene):
             shown[EFFECTIVE_STRESS] = (state[EFFECTIVE_STRESS], "Pa", "effective mean stress p'")
         if PORE_PRESSURE in state:
             of_shear = state[PORE_PRESSURE] + change[:, [0, 1, 3]].mean(axis=1)
-            shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure, of shear alone")
+            shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure due to shear")
         return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
 
     def _strength_and_stiffness(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:

@@ -1,1 +1,1 @@
-"""A sounding: a cone test through ground that changes with depth."""
+"""A cone penetration test through ground that changes with depth."""
