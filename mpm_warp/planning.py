@@ -49,6 +49,7 @@ def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
     """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
+    scene.material.law()  # refuses a wrong law before its wave speed is used
     grid, window = scene.grid, scene.find(MovingGrid)
     wave_speed = scene.material.pressure_wave_speed
     # Soil carries its waves along.

@@ -1,8 +1,8 @@
 """Clay whose strength depends on direction: more in compression than in shear or extension.
 
-The yield surface is an ellipsoid in the space of deviators. Compression positive: eta, zeta, tau
-from the stresses s_a along the axis of the ground (vertical at first), s_b and s_t across it in the
-plane and around; su_C, su_E, su_S, su_H the strengths; k strength su_C at the moment.
+The yield surface is an ellipsoid in the space of deviators. Compression is positive. Symbols: s_a
+stress along the axis of the ground, which is vertical at first, s_b and s_t stresses normal to it,
+in the plane and out of it, su_C, su_E, su_S, su_H the strengths, k the present value of su_C.
 
     eta = s_a - (s_b + s_t) / 2,   zeta = (s_b - s_t) / 2,   tau = s_ab
     (x, y, w) = (eta / sqrt(3), zeta, tau),   x^2 + y^2 + w^2 = J2
@@ -11,24 +11,24 @@ plane and around; su_C, su_E, su_S, su_H the strengths; k strength su_C at the m
     c = (su_C - su_E) / (sqrt(3) su_C),   a_x = (su_C + su_E) / (sqrt(3) su_C)
     a_y = su_H / su_C,   a_w^2 = (su_S / su_C)^2 - 3/4 c^2
 
-so that each strength is the greatest shear stress, half the difference of the extreme stresses, at
-the end of its test: in simple shear the flow is pure shear where eta = su_C - su_E, and the shear
-stress on the horizontal plane is a_w su_C. With su_C = su_E = sqrt(3)/2 k, su_S = su_H = k it is
-the cylinder of von Mises.
+With these, each strength is the greatest shear stress, half the difference of the extreme stresses,
+at the end of its test. In simple shear the flow is pure shear where eta = su_C - su_E, and the
+shear stress on the horizontal plane is a_w su_C. With su_C = su_E = sqrt(3)/2 k and su_S = su_H = k
+the ellipsoid is the cylinder of von Mises.
 
-Flow is associated; the metric is that of elastic shear energy, so the return is to the nearest
-point of the ellipsoid. With X_i the components from its centre and b_i = 1 / a_i^2 that is
-X_i / (1 + m b_i), where
+Flow is associated and the metric is that of elastic shear energy, so the stress returns to the
+nearest point of the ellipsoid. With X_i the components of the trial stress from the centre and
+b_i = 1 / a_i^2, this point is X_i / (1 + m b_i), where
 
     N(m) = sqrt(sum b_i (X_i / k)^2 / (1 + m b_i)^2) = 1
 
-1 / N is concave in m, so Newton's method rises from m = 0 to the root and never beyond it.
+1 / N is concave in m, so Newton's method from m = 0 rises to the root and never passes it.
 
-The axis of the ground turns with the soil. Its angle from the vertical, th, is remembered as
-cos(2 th) and sin(2 th), which the spin turns as it turns the stress. The hoop direction stays. The
-device functions take as shape (c, b_x, b_y, b_w, cos(2 th), sin(2 th)).
+The axis of the ground turns with the soil. The state holds cos(2 th) and sin(2 th) of its angle th
+from the vertical; the spin turns them as it turns the stress. The hoop direction does not turn. The
+argument `shape` of the device functions is (c, b_x, b_y, b_w, cos(2 th), sin(2 th)).
 
-After Davis & Christian (1971, J. Soil Mech. Found. Div. 97:753-773), here in all of (x, y, w).
+After Davis & Christian (1971, J. Soil Mech. Found. Div. 97:753-773), extended to (x, y, w).
 """
 
 import math
@@ -52,7 +52,6 @@ STRENGTHS = (
     "strength_simple_shear",
     "strength_horizontal",
 )
-"""The parameters that are strengths."""
 STRAINS: Mapping[str, tuple[float, float, float]] = {
     "triaxial_compression": (1.0, 0.0, 0.0),
     "triaxial_extension": (-1.0, 0.0, 0.0),
@@ -60,7 +59,7 @@ STRAINS: Mapping[str, tuple[float, float, float]] = {
     "plane_strain": (math.sqrt(0.75), -0.5, 0.0),
     "pressuremeter": (0.0, 1.0, 0.0),
 }
-"""Directions of the strain in (x, y, w) of element tests."""
+"""Direction of the strain in (x, y, w) by element test."""
 
 vec6 = vector(6)
 three = wp.constant(real(3.0))
@@ -68,14 +67,14 @@ tenth, eighth = wp.constant(real(0.1)), wp.constant(real(0.125))
 root_of_three = wp.constant(real(math.sqrt(3.0)))
 minus_half_over_root = wp.constant(real(-0.5 / math.sqrt(3.0)))
 NEWTON_STEPS = 40
-"""More than it takes: 2 to 5 where the semi-axes differ by 2."""
+"""Greatest number; 2 to 5 are needed where the semi-axes differ by a factor of 2."""
 converged = wp.constant(real(1e-10))
-"""N^2 - 1 at which the return ends; what is left is taken off along the radius."""
+"""N^2 - 1 at which the iteration ends; a last scaling removes the rest."""
 
 
 @wp.func
 def deviator_along_axes(stress: vec4, shape: vec6) -> vec3:
-    """(x, y, w), compression positive but for the signs of y and w, which do not count."""
+    """(x, y, w), compression positive; the signs of y and w are arbitrary."""
     along, around = half * (stress[0] + stress[1]), stress[3]
     difference, shear = half * (stress[1] - stress[0]), stress[2]
     d = difference * shape[4] + shear * shape[5]  # (s_a - s_b) / 2, tension positive
@@ -89,7 +88,7 @@ def deviator_along_axes(stress: vec4, shape: vec6) -> vec3:
 
 @wp.func
 def stress_of_deviator(x: vec3, mean: real, shape: vec6) -> vec4:
-    """The stress of that mean, the inverse of `deviator_along_axes`."""
+    """The stress with this mean, the inverse of `deviator_along_axes`."""
     eta = root_of_three * x[0]
     d = -half * (eta + x[1])
     u = two * x[1] + d
@@ -114,13 +113,13 @@ def weighted_square(X: vec3, shape: vec6) -> real:
 
 @wp.func
 def within_ellipsoid(stress: vec4, strength: real, shape: vec6) -> bool:
-    """Whether the stress is within the yield surface."""
+    """Whether the stress is within the ellipsoid."""
     return weighted_square(from_centre(stress, strength, shape), shape) <= strength * strength
 
 
 @wp.func
 def size_of_ellipsoid(stress: vec4, shape: vec6) -> real:
-    """The k of the ellipsoid that the stress is on."""
+    """The k of the ellipsoid through the stress."""
     # sum b_i x_i^2 - 2 b_x c x k - (1 - b_x c^2) k^2 = 0
     x = deviator_along_axes(stress, shape)
     square = weighted_square(x, shape)
@@ -136,10 +135,10 @@ def size_of_ellipsoid(stress: vec4, shape: vec6) -> real:
 
 @wp.func
 def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
-    """The point of the ellipsoid nearest to X outside of it, both from the centre."""
+    """The point of the ellipsoid nearest to X, which is outside; both relative to the centre."""
     m, share, nearest = real(0.0), vec3(one, one, one), vec3() + X
     square = strength * strength
-    inverse = one / square  # a division takes longer than all else here
+    inverse = one / square  # divisions are slow
     excess = weighted_square(nearest, shape) * inverse - one  # N^2 - 1
     for _step in range(wp.static(NEWTON_STEPS)):
         if excess <= converged:
@@ -156,7 +155,7 @@ def nearest_from_centre(X: vec3, strength: real, shape: vec6) -> vec3:
 
 @wp.func
 def root_less_one(x: real) -> real:
-    """sqrt(1 + x) - 1, and where x is small not more than that."""
+    """sqrt(1 + x) - 1; for small x a lower bound without a root."""
     if x < tenth:
         return x * (half - eighth * x)
     return wp.sqrt(one + x) - one
@@ -170,7 +169,7 @@ def normal_at(X: vec3, shape: vec6) -> vec3:
 
 @wp.func
 def nearest_of_ellipsoid(trial: vec4, strength: real, shape: vec6) -> vec4:
-    """The nearest stress of the yield surface, of the same mean."""
+    """The nearest stress on the ellipsoid, with the same mean."""
     nearest = nearest_from_centre(from_centre(trial, strength, shape), strength, shape)
     mean = third * (trial[0] + trial[1] + trial[3])
     x = vec3(nearest[0] + shape[0] * strength, nearest[1], nearest[2])
@@ -181,7 +180,7 @@ def nearest_of_ellipsoid(trial: vec4, strength: real, shape: vec6) -> vec4:
 def softened_ellipsoid(
     trial: vec4, strength: real, left: real, G: real, decay: real, shape: vec6
 ) -> real:
-    """What a return leaves of the strength that can be lost."""
+    """Share of the losable strength `left` that remains after a return."""
     # Newton's method for |trial - nearest| = G dxi. The distance falls by n x / k as k rises.
     plastic, kept = real(0.0), real(1.0)
     for _step in range(2):
@@ -198,10 +197,10 @@ def softened_ellipsoid(
 
 @wp.func
 def turned_axis(state: Any, motion: vec7):
-    """The state, whose last two numbers are the axis, after a turn by the spin."""
-    cos, sin = motion[6], motion[5]  # of twice the turn
+    """The state after a turn by the spin; its last two numbers are the axis."""
+    cos, sin = motion[6], motion[5]  # of twice the angle
     c, s = state[len(state) - 2], state[len(state) - 1]
-    scale = half * (three - c * c - s * s)  # keeps it of length 1, whatever the number of steps
+    scale = half * (three - c * c - s * s)  # keeps the length at 1 over any number of steps
     cos, sin = scale * cos, scale * sin
     state[len(state) - 2] = cos * c - sin * s
     state[len(state) - 1] = sin * c + cos * s
@@ -210,16 +209,16 @@ def turned_axis(state: Any, motion: vec7):
 
 @dataclass(frozen=True, kw_only=True)
 class Anisotropic(PerfectlyPlastic):
-    """Total stress; what is called strength and su elsewhere is that in triaxial compression.
+    """Clay in total stress with a strength by direction.
 
-    The strengths su_C, su_E, su_S, su_H, in the order of the fields [Pa], are > 0, and su_S is more
-    than half the difference of su_C and su_E.
+    The fields are su_C, su_E, su_S, su_H [Pa], > 0. su_S must be more than half the difference of
+    su_C and su_E. `strength`, elsewhere su, is su_C.
 
     Raises:
         SceneError: a strength is not allowed, or is not possible with the others.
     """
 
-    strength: float = field(init=False)  # that in compression
+    strength: float = field(init=False)
     strength_compression: float = parameter(
         None, "strength in triaxial compression, which results are over", unit="Pa"
     )
@@ -257,7 +256,7 @@ class Anisotropic(PerfectlyPlastic):
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """(c, b_x, b_y, b_w): centre, and 1 / a^2 of the semi-axes."""
+        """(c, b_x, b_y, b_w)."""
         C, E, S, H = (getattr(self, name) / self.strength_compression for name in STRENGTHS)
         centre = (C - E) / math.sqrt(3.0)
         across = S * S - 0.75 * centre * centre
@@ -265,14 +264,14 @@ class Anisotropic(PerfectlyPlastic):
 
     @property
     def limit_pressure(self) -> float:
-        """Of a spherical cavity in clay of von Mises that is as strong in all directions [Pa]."""
+        """Limit pressure of a spherical cavity [Pa], the greatest strength in all directions."""
         centre, *inverse_squares = self.shape
         greatest = abs(centre) + 1.0 / math.sqrt(min(inverse_squares))
         half_in_compression = math.sqrt(0.75) * greatest * self.strength
         return limit_pressure(self.shear_modulus, half_in_compression)
 
     def undrained_strength(self, test: str) -> float:
-        """Where the normal of the ellipsoid is along the strain of the test."""
+        """See `Material`; the ellipsoid's normal at the end of a test is along its strain."""
         centre, *inverse_squares = self.shape
         n, b = np.array(STRAINS[test]), np.array(inverse_squares)
         x, y, w = np.array([centre, 0.0, 0.0]) + n / b / math.sqrt(float(np.sum(n * n / b)))
@@ -288,5 +287,5 @@ class Anisotropic(PerfectlyPlastic):
     softened = softened_ellipsoid
 
     def turn(self) -> Any:
-        """By the spin."""
+        """See `Material`."""
         return turned_axis

@@ -8,13 +8,13 @@ step, e its strain, a = v / kappa, b = v / (lambda - kappa), k = 3 / M^2, so tha
     s   <- share (s + 2 G dev e),    share = N / D,  N = 2 p - p_c,  D = N + 2 G k x
     0    = k J2 N^2 + p (p - p_c) D^2
 
-x is where f = 0: between 0, where f > 0, and the x of the critical state, 2 p = p_c, where f < 0,
-on the wet side, on the dry side and at the tip. So the path of p over q at constant volume is exact
-in steps of any size. The strain along it has an error of first order: a long step is taken in
-parts. The flow is along s, whatever M follows.
+The root x of f lies between 0, where f > 0, and the x of the critical state, 2 p = p_c, where
+f < 0. This holds on the wet side, on the dry side and at the tip. The path of p over q at constant
+volume is exact in steps of any size. The strain along it has an error of first order, so a long
+step is divided into parts. The flow is along s, also where M depends on the Lode angle.
 
-Where M follows the Lode angle, w = q / M is the greatest root of a cubic equation; tension positive
-in J3, and M in it that in compression, 1 / M + 1 / 3 in extension its inverse:
+Where M follows the Lode angle, w = q / M is the greatest root of a cubic equation. Tension is
+positive in J3; M is that in compression, and 1 / (1 / M + 1 / 3) is that in extension:
 
     w^3 = (1 + T / 3) J2 w + (1 + T / 2) J3,    T = (3 - M) (3 + 2 M) / M^2
 """
@@ -30,23 +30,23 @@ from mpm_warp.materials.von_mises import j2
 from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
 
 PART, MOST_PARTS = 0.1, 40
-"""Elastic change of q in one part of a step, over M p_c, and most parts of a step."""
+"""Greatest elastic change of q in one part of a step, over M p_c; greatest number of parts."""
 ITERATIONS = 100
-"""Of Newton's method between bounds that each iteration narrows: as many halvings would do too."""
+"""Greatest number of Newton's iterations between bounds; as many bisections would converge too."""
 ROOTS = 40
-"""Iterations for w, more than it takes: 2 where it is near to the surface."""
+"""Greatest number of iterations for w; 2 are needed near the surface."""
 WATER = 5
-"""Place of K_w / n among the properties (M, a, b, r, G, K_w / n, least p)."""
+"""Position of K_w / n in the properties (M, a, b, r, G, K_w / n, least p)."""
 
 three = wp.constant(real(3.0))
-# Of p_c. At the tip twice that is beyond the surface, half of what the watch allows.
+# Over p_c. At the tip a stress is then beyond the surface by half of what the watch allows.
 rounding = wp.constant(real(0.25 * YIELD_ROUNDINGS * np.finfo(float).eps))
 tolerance = wp.constant(real(1e-10))
-tiny = wp.constant(real(1e-60))  # of J2 [Pa2]: it has no direction
+tiny = wp.constant(real(1e-60))  # J2 [Pa2] below which a deviator has no direction
 small = wp.constant(real(1e-3))
 longest, most_parts = wp.constant(real(PART)), wp.constant(real(MOST_PARTS))
-near = wp.constant(real(1e-10))  # to the critical state, over p_c
-last_change = wp.constant(real(1e-5))  # of w, over it; what is left is of the third order
+near = wp.constant(real(1e-10))  # distance from the critical state, over p_c
+last_change = wp.constant(real(1e-5))  # relative change of w; the error left is of third order
 
 
 @wp.func
@@ -59,27 +59,27 @@ def cubic(s: vec4, J2: real, M: real) -> vec2:
 
 @wp.func
 def k_in_compression(M: real) -> real:
-    """The least k."""
+    """The k of compression, the least k."""
     return three / (M * M)
 
 
 @wp.func
 def k_in_extension(M: real) -> real:
-    """The greatest k, where M follows the Lode angle."""
+    """The k of extension, the greatest k, where M follows the Lode angle."""
     root = one / M + third
     return three * root * root
 
 
 @wp.func
 def deviator(tensor: vec4) -> vec4:
-    """The tensor less its mean."""
+    """The deviator of a tensor."""
     mean = third * (tensor[0] + tensor[1] + tensor[3])
     return vec4(tensor[0] - mean, tensor[1] - mean, tensor[2], tensor[3] - mean)
 
 
 @wp.func
 def growth(x: real) -> real:
-    """exp(x), faster where x is small: by its series, to rounding."""
+    """exp(x), for small x by its series, which is faster and exact to rounding."""
     if wp.abs(x) < small:
         return one + x * (one + half * x * (one + third * x * (one + quarter * x)))
     return wp.exp(x)
@@ -87,7 +87,7 @@ def growth(x: real) -> real:
 
 @wp.func
 def shear_modulus(p: real, properties: vec7) -> real:
-    """G at an effective mean stress."""
+    """G at the effective mean stress p."""
     return properties[3] * properties[1] * p + properties[4]
 
 
@@ -100,7 +100,7 @@ def moduli(stress: vec4, properties: vec7, state: vec3) -> vec2:
 
 @wp.func
 def strength_at_critical_state(stress: vec4, properties: vec7, state: vec3) -> real:
-    """M p / sqrt(3) where shear has led to the critical state."""
+    """M p / sqrt(3), p at the critical state, which undrained shear does not change."""
     share = properties[1] / (properties[1] + properties[2])  # Lam = a / (a + b)
     last = state[0] * wp.pow(half * state[1] / state[0], share)
     return properties[0] * last / wp.sqrt(three)
@@ -108,14 +108,17 @@ def strength_at_critical_state(stress: vec4, properties: vec7, state: vec3) -> r
 
 @wp.func
 def to_surface(trial: real, size: real, square: real, rate: real, properties: vec7) -> vec3:
-    """(p, p_c, share of the deviator) at f = 0, by (p, p_c, w^2 of the trial, 2 G k)."""
+    """(p, p_c, share of the deviator) at f = 0.
+
+    Arguments are p, p_c, w^2 of the trial stress, 2 G k and the properties.
+    """
     a, b = properties[1], properties[2]
     p, pc, N = one * trial, one * size, two * trial - size
     if wp.abs(N) < near * size:
         return vec3(trial, two * trial, wp.min(one, trial / wp.sqrt(square)))
-    # f > 0 at x = low, f < 0 at x = high; Newton's method from low, halving where it fails.
+    # f > 0 at x = low, f < 0 at x = high; Newton's method from low, bisection where it fails.
     # At first high is at or beyond the critical state, since ln y is between 1 - 1 / y and y - 1.
-    # Beyond it f has another root, by which the deviator would change its sign.
+    # Beyond this state f has another root, at which the deviator would have changed its sign.
     is_wet = zero < N
     low, high, x = real(0.0), N / (wp.min(two * trial, size) * (a + b)), real(0.0)
     D = one * N
@@ -138,17 +141,17 @@ def to_surface(trial: real, size: real, square: real, rate: real, properties: ve
         if not (is_before and (x - low) * (x - high) < zero):
             x = half * (low + high)
     share = N / D
-    # What is left goes to the size of the surface.
+    # The error left goes into the size of the surface.
     return vec3(p, wp.max(pc, p + square * share * share / p), share)
 
 
 @functools.cache
 def make_functions(by_angle: bool) -> tuple[Any, Any]:
-    """The functions of `Law.update` and `Law.yield_function`; `by_angle`: M by the Lode angle."""
+    """The update and the yield function; `by_angle`: M follows the Lode angle."""
 
     @wp.func
     def is_outside(s: vec4, J2: real, p: real, pc: real, properties: vec7) -> bool:
-        # Whether f > 0, beyond rounding; finds no root.
+        # Whether f > 0 beyond rounding, without solving for w.
         M = properties[0]
         square = p * (pc - p + rounding * pc)  # w^2 on the surface
         if square < k_in_compression(M) * J2:
@@ -161,7 +164,7 @@ def make_functions(by_angle: bool) -> tuple[Any, Any]:
 
     @wp.func
     def k_along(s: vec4, J2: real, guess: real, properties: vec7) -> real:
-        # k in the direction of s, by a guess of w^2.
+        # k in the direction of s, from a guess of w^2.
         M = properties[0]
         k = k_in_compression(M)
         if wp.static(by_angle):
@@ -197,8 +200,8 @@ def make_functions(by_angle: bool) -> tuple[Any, Any]:
         J2 = j2(s)
         if is_outside(s, J2, p, pc, properties):
             parts, share, length = 1, real(1.0), longest * properties[0] * pc
-            change = two * two * three * G * G * j2(e)  # of q, elastic, its square
-            if change > length * length:  # once more, from the start
+            change = two * two * three * G * G * j2(e)  # square of the elastic change of q
+            if change > length * length:  # starts again, in parts
                 parts = 1 + int(wp.min(wp.sqrt(change) / length, most_parts - one))
                 share = one / real(parts)
                 s, p = one * before, one * state[0]

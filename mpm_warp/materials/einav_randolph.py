@@ -1,20 +1,20 @@
-"""Clay that softens as it is sheared, and is the stronger the faster it is sheared.
+"""Clay that softens with plastic shear strain and is stronger at a higher strain rate.
 
-After Einav & Randolph (2005, Int. J. Numer. Meth. Eng. 63:1991-2016). Symbols: f the measure of the
-yield criterion, of a stress and of a strain alike; k strength, su that of intact clay at the
-reference strain rate; xi plastic shear strain so far, S share of the loss of strength that is still
-to come; gd shear strain rate; G shear modulus.
+After Einav & Randolph (2005, Int. J. Numer. Meth. Eng. 63:1991-2016). Symbols: f measure of the
+yield criterion, of a stress or a strain, k strength, su strength of intact clay at the reference
+strain rate, xi accumulated plastic shear strain, S remaining share of the strength that can be
+lost, gd shear strain rate, G shear modulus.
 
     k  = su R [delta + (1 - delta) S]
     S  = exp(-3 xi / xi_95),   R = 1 + mu log10(max(gd / gd_ref, 1))
     gd = 2 f(e) / dt                           Tresca: e_1 - e_3, von Mises: sqrt(2 dev e : dev e)
     f(trial) - G dxi = k(xi + dxi, gd)         the return, implicit in the plastic shear strain
 
-A point remembers 1 - S, the share that is lost, not xi: a return multiplies S by exp(-3 dxi /
-xi_95), and no exponential is taken of a point that stays elastic.
+The state of a point is 1 - S, the lost share, not xi. A return multiplies S by exp(-3 dxi / xi_95),
+so a point that stays elastic needs no exponential.
 
-Both criteria take G dxi off their measure as they return, Tresca on sides and in corners alike. So
-in proportional shear f + G xi = G gamma to rounding, whatever the size of the steps.
+The return of both criteria reduces f by G dxi, in Tresca's corners too. So in proportional shear
+f + G xi = G gamma to rounding, in steps of any size.
 """
 
 import functools
@@ -38,26 +38,26 @@ from mpm_warp.materials.perfectly_plastic import (
 )
 
 STEEPEST = 0.5
-"""Greatest slope of the strength over G; at 1 the stress would fall without any strain."""
+"""Greatest slope of the strength over G; at 1 the stress would fall without strain."""
 LARGEST_RATE = 1e6
-"""Shear strain rate over that of reference which slope and limit pressure count with."""
+"""Shear strain rate over the reference rate, assumed in the slope and the limit pressure."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EinavRandolph(UndrainedClay):
-    """Softening by accumulated plastic shear strain, and a logarithmic effect of its rate.
+    """A yield criterion whose strength softens and depends on the strain rate.
 
     Attributes:
-        strength: su, that of intact clay at the reference strain rate [Pa], > 0.
-        criterion: the perfectly plastic material that it is at any moment: Tresca, VonMises.
-        rate_factor: mu, what a log cycle of strain rate adds to the strength, over it; >= 0.
+        strength: su of intact clay at the reference strain rate [Pa], > 0.
+        criterion: class of the yield criterion, as Tresca or VonMises.
+        rate_factor: mu, increase of the strength per log cycle of strain rate, over su; >= 0.
         reference_strain_rate: gd_ref, in the time of the run [1/s], > 0.
-        remoulded_strength_ratio: delta, strength when remoulded over that when intact, > 0, <= 1.
-        ductility: xi_95, plastic shear strain at which 95 % of the loss is done, > 0.
-        shape: that of the criterion, where it has one.
+        remoulded_strength_ratio: delta, remoulded over intact strength, > 0, <= 1.
+        ductility: xi_95, plastic shear strain at 95 % of the loss of strength, > 0.
+        shape: `shape` of the criterion.
 
     Raises:
-        SceneError: a value is not allowed, or the strength falls too steeply to be followed.
+        SceneError: a value is not allowed, or the strength falls too steeply.
     """
 
     criterion: type[PerfectlyPlastic]
@@ -89,7 +89,7 @@ class EinavRandolph(UndrainedClay):
 
     @property
     def slope(self) -> float:
-        """Greatest fall of the strength per plastic shear strain, over G: that of intact clay."""
+        """Greatest fall of the strength per plastic shear strain, that of intact clay, over G."""
         fall = 3.0 * (1.0 - self.remoulded_strength_ratio) / self.ductility
         ground, over_stiffness = self.variation, 1.0
         if ground is not None:
@@ -98,13 +98,13 @@ class EinavRandolph(UndrainedClay):
 
     @property
     def state(self) -> tuple[str, ...]:
-        """1 - S, and R - 1 when last near yield: what changes the strength."""
+        """1 - S, and R - 1 when the point last was near yield; then the axis."""
         softening = ("lost_share",) if self.softens else ()
         rate = ("rate_effect",) if self.depends_on_rate else ()
         return (*softening, *rate, *self.criterion.axis)
 
     def state_at(self, stress: Floats, place: Floats) -> Floats:
-        """See `Material`: intact, slow, its axis vertical."""
+        """See `Material`; intact, without rate effect, with a vertical axis."""
         state = super().state_at(stress, place)
         start = tuple(self.criterion.axis.values())
         state[..., state.shape[-1] - len(start) :] = start
@@ -124,19 +124,19 @@ class EinavRandolph(UndrainedClay):
 
     @property
     def limit_pressure(self) -> float:
-        """Of intact clay at the largest rate that counts [Pa]."""
+        """See `Material`; of intact clay at the largest rate [Pa]."""
         return limit_pressure(self.shear_modulus, self._greatest_strength)
 
     def update(self) -> Any:
-        """Return to the surface of the criterion, as large as strain and rate leave it."""
+        """See `Material`; return to the surface of the present size."""
         return self._functions[0]
 
     def yield_function(self) -> Any:
-        """The measure of the criterion, and the strength k."""
+        """(f, k)."""
         return self._functions[1]
 
     def turn(self) -> Any | None:
-        """That of the criterion."""
+        """See `Material`; the turn of the criterion."""
         return self.criterion.turn(self)
 
     @property
@@ -152,14 +152,13 @@ class EinavRandolph(UndrainedClay):
 def _make_functions(
     criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
 ) -> tuple[Any, Any]:
-    """The update and the yield function."""
     measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
     shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
     softened, nonlinear = criterion.softened, criterion.softened is not None
 
     @wp.func
     def strength(properties: Any, lost: real) -> vec2:
-        """(k / R, what of it strain can still take) [Pa]."""
+        """(k / R, its part that softening can still take) [Pa]."""
         k, left = properties[wp.static(STRENGTH)], real(0.0)
         if wp.static(softens):
             remoulded = properties[3] * k
@@ -196,7 +195,7 @@ def _make_functions(
         known = strength(properties, lost)
         k, left = known[0], known[1]
         shape = shape_of(properties, state)
-        # No rate takes the strength below this.
+        # The strength is never less than this.
         if within(trial, k, shape):
             return trial, state
         if wp.static(depends_on_rate):
@@ -210,9 +209,9 @@ def _make_functions(
         if wp.static(softens and nonlinear):
             kept = softened(trial, k, left, G, decay, shape)
         elif wp.static(softens):
-            # Newton's method for f - G dxi = k - left (1 - exp(-3 dxi / xi_95)): in steps of 1e-3
-            # its first error is 1e-6, its second 1e-12 of the strain. What is left is a strain, for
-            # the stress is put on the surface.
+            # Newton's method for f - G dxi = k - left (1 - exp(-3 dxi / xi_95)). In steps of 1e-3
+            # its first error is 1e-6 of the strain, its second 1e-12. The error is one of strain:
+            # the stress is returned to the surface.
             f = measure(trial, shape)
             plastic = (f - k) / (G - decay * left)
             kept = wp.exp(-decay * plastic)

@@ -1,10 +1,10 @@
-"""Isotropic linear elasticity: what laws with constant moduli share, and soil that never yields.
+"""Isotropic linear elasticity, the base of laws with constant moduli, and soil that never yields.
 
-Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, e strain of a step, dt times the
-symmetric part of L, R rotation by the spin in a step, K bulk modulus, G shear modulus.
+Symbols: sigma stress (rr, zz, rz, tt), L velocity gradient, e strain of a step, which is dt times
+the symmetric part of L, R rotation by the spin in a step, K bulk modulus, G shear modulus.
 
-    sigma <- law(R sigma R', e, dt)                     of any law; its axes are turned too
-    trial  = R sigma R' + K tr e + 2 G dev e            of one with these elastic moduli
+    sigma <- law(R sigma R', e, dt)                     every law; axes of the ground turn too
+    trial  = R sigma R' + K tr e + 2 G dev e            laws with constant moduli
 """
 
 import functools
@@ -21,14 +21,12 @@ from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, ve
 from mpm_warp.materials.material import Law, Material
 
 SHEAR_MODULUS, BULK_MODULUS = 0, 1
-"""Places of G and K among the properties of an isotropic material."""
+"""Positions of G and K in the properties of an isotropic material."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Isotropic(Material):
-    """Isotropic linear elasticity, up to what the law of a subclass makes of it.
-
-    Its mean stress follows its volume elastically: plastic strain keeps the volume.
+    """The base of laws with constant elastic moduli whose plastic strain keeps the volume.
 
     Attributes:
         shear_modulus: G [Pa], > 0.
@@ -48,22 +46,22 @@ class Isotropic(Material):
 
     @property
     def shape(self) -> tuple[float, ...]:
-        """The last of the properties, which are those of the rows where the ground varies."""
+        """The last properties; in ground that varies they are interpolated between its rows."""
         return ()
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(G, K) [Pa]; a subclass puts its own behind them."""
+        """(G, K) [Pa]; a subclass appends its own."""
         return (self.shear_modulus, self.bulk_modulus)
 
     def properties_at(self, place: Floats) -> Floats:
-        """See `Material`; both moduli are in proportion to the stiffness."""
+        """See `Material`; both moduli are in proportion to the stiffness ratio."""
         own = np.tile(self.properties, (*place.shape[:-1], 1))
         own[..., :2] *= self.ratio_at(place, "stiffness_ratio")[..., None]
         return own
 
     def moduli(self) -> Any:
-        """The first two properties."""
+        """(G, K)."""
         return constant_moduli
 
     def mean_stress_change(
@@ -91,10 +89,10 @@ class Isotropic(Material):
 
 @dataclass(frozen=True, kw_only=True)
 class LinearElastic(Isotropic):
-    """Soil or a body that never yields; the rate of its stress is that of Jaumann."""
+    """Soil or a body that never yields, with the Jaumann rate of stress."""
 
     def update(self) -> Any:
-        """The trial stress is the stress."""
+        """Elastic."""
         return stays_elastic
 
 
@@ -113,12 +111,11 @@ def elastic_increment(e: vec4, G: real, K: real) -> vec4:
 
 @wp.func
 def motion_of(L: vec5, time_step: real) -> vec7:
-    """What a step at the velocity gradient L (rr, rz, zr, zz, tt) does to a point.
+    """Strain and rotation of a step, by the velocity gradient L (rr, rz, zr, zz, tt).
 
-    It is the strain e (rr, zz, rz, tt) and, of the angle of the rotation, the square of the sine
-    and the sine and cosine of the double.
+    The strain is (rr, zz, rz, tt). The rotation by the angle a is (sin^2 a, sin 2a, cos 2a).
     """
-    # Rotation by the angle of the spin, orthogonal whatever the size of the step (Cayley).
+    # Cayley's formula: the rotation is orthogonal in steps of any size.
     t = quarter * time_step * (L[1] - L[2])
     scale = one / (one + t * t)
     cosine = (one - t * t) * scale
@@ -152,7 +149,7 @@ def rotated(stress: vec4, motion: vec7) -> vec4:
 def make_stress_update(law: Law) -> Any:
     """The function (stress, motion, time step, properties, state) -> (stress, state) after a step.
 
-    It is that of any law: stress and axes are turned, then the law does the rest.
+    It turns stress and axis by the spin before it applies the law.
     """
 
     @wp.func
@@ -169,10 +166,9 @@ def make_stress_update(law: Law) -> Any:
 
 @functools.cache
 def make_plastic_step(law: Law) -> Any:
-    """The function of the arguments of `make_stress_update` -> what plastic strain follows from.
+    """The function (stress, motion, time step, properties, state) -> stress, difference, (G, K).
 
-    It gives the stress after the step, the elastic trial stress less it, and the moduli (G, K)
-    that the trial is made with.
+    The difference is the elastic trial stress, by the moduli (G, K), less the stress after a step.
     """
 
     @wp.func
@@ -191,11 +187,11 @@ def make_plastic_step(law: Law) -> Any:
 
 @wp.func
 def constant_moduli(stress: vec4, properties: Any, state: Any) -> vec2:
-    """(G, K), whatever the stress."""
+    """(G, K)."""
     return vec2(properties[0], properties[1])
 
 
 @wp.func
 def stays_elastic(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
-    """The trial stress."""
+    """The elastic trial stress."""
     return stress + elastic_increment(strain, properties[0], properties[1]), state

@@ -1,9 +1,9 @@
 """The interface of a material law; each law is one file.
 
 A law maps the stress of a point, its strain in a step, the time step, its properties and its state
-to the new stress and state. It defines its elasticity, the initial state of a point, its plastic
-change of volume, a bound of its wave speed and a check of its stress. Features that a law lacks are
-not compiled. Most laws are subclasses of `Isotropic`, which has constant elastic moduli.
+to the new stress and state. It also defines its elasticity, the initial state of a point, its
+plastic change of volume, a bound of its wave speed and a check of its stress. What a law does not
+have is not compiled. Most laws are subclasses of `Isotropic`, which has constant elastic moduli.
 """
 
 import functools
@@ -17,7 +17,15 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, as_array, check_array, check_kind, checked
+from mpm_warp.arguments import (
+    POSITIVE,
+    Checked,
+    as_array,
+    check_array,
+    check_kind,
+    check_number,
+    checked,
+)
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
@@ -25,67 +33,66 @@ from mpm_warp.materials.variation import Variation
 from mpm_warp.parameters import check_own
 
 PROPERTIES = "particle.properties"
-"""The array of the properties of each point of a material that varies, shape [slot_count]."""
+"""Array of the properties of each point, where they vary by place; shape [slot_count]."""
 ADHESION_RATIO = "particle.adhesion_ratio"
-"""The array of the adhesion ratio of each point, where it varies; shape [slot_count]."""
+"""Array of the adhesion ratio of each point, where it varies by place; shape [slot_count]."""
 
-ALWAYS = ("update", "moduli")
-TAKEN = {"update": 5, "moduli": 3, "yield_function": 3, "strength_function": 3, "turn": 2}
-"""Methods of a material that give the functions of its `Law`, those that no law is without, and how
-many arguments each function takes."""
+REQUIRED = ("update", "moduli")
+ARGUMENT_COUNTS = {"update": 5, "moduli": 3, "yield_function": 3, "strength_function": 3, "turn": 2}
+"""Methods of a material that return the functions of its `Law`: those that every law must have, and
+the number of arguments of each function."""
 
 EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure"
-"""Two numbers of the state of a law with effective stress [Pa], compression positive."""
+"""Names of two state variables of laws with effective stress [Pa], compression positive."""
 
 
 @dataclass(frozen=True)
 class Law:
     """The functions of a material on the device.
 
-    Stresses and strains are (rr, zz, rz, tt), tension positive, rz that of the tensor. `properties`
-    holds the material's `properties`, `state` what the point remembers, both as vectors.
+    Stresses and strains are (rr, zz, rz, tt), tension positive; rz is the tensor component.
+    `properties` and `state` are vectors.
     """
 
-    # (stress, strain, time step, properties, state) -> (stress, state) after a step; the stress has
-    # been turned by the spin already
+    # (stress, strain, time step, properties, state) -> (stress, state) after a step; the stress
+    # given has already been turned by the spin
     update: Any
     moduli: Any  # (stress, properties, state) -> (G, K), the elastic moduli [Pa] at that stress
     # (stress, properties, state) -> (f, k): the material yields where the measure f of the stress
-    # [Pa] reaches k [Pa]; None where it never does
+    # [Pa] reaches k [Pa]. None: it never yields
     yield_function: Any
-    # (stress, properties, state) -> undrained shear strength [Pa], which the adhesion of a surface
-    # beside the point follows; None where nothing changes it
+    # (stress, properties, state) -> undrained shear strength [Pa]; the adhesion of a surface beside
+    # the point follows it. None: the strength never changes
     strength: Any
-    # (state, motion) -> state, of a law whose ground has an axis that turns with the soil; the
-    # motion is what `motion_of` gives. None where there is no axis
+    # (state, motion) -> state: turns the axis of the ground with the soil, by the result of
+    # `motion_of`. None: the law has no axis
     turn: Any
     properties_type: Any  # type of the vector of properties
-    state_type: Any  # type of the vector that a point remembers
-    remembers: bool  # whether points do; otherwise `state` is of length 1 and is not kept
+    state_type: Any  # type of the state vector
+    remembers: bool  # whether points have a state; if not, `state` has length 1 and is not stored
     varies: bool  # whether each point has properties of its own
     of_point: Any  # (properties, states, number of a point) -> (properties, state) of that point
 
     @property
     def properties_argument(self) -> Any:
-        """Type of the argument of a kernel that holds the properties: one for all, or an array."""
+        """Type of the kernel argument `properties`: one vector for all points, or an array."""
         return wp.array(dtype=self.properties_type) if self.varies else self.properties_type
 
 
 @dataclass(frozen=True, kw_only=True)
 class Material(Checked, ABC):
-    """A law with its numbers. A new one is a subclass in a file of its own, which may be a user's.
+    """A law with its parameters. A new law is a subclass, here or in a package of one's own.
 
     Attributes:
         density: rho [kg/m3], > 0.
-        variation: strength, stiffness and adhesion from place to place, over those of the material;
-            None: they are the same everywhere.
+        variation: how strength, stiffness and adhesion vary by place; None: they are uniform.
     """
 
     density: float = checked(POSITIVE, unit="kg/m3")
     variation: Variation | None = None
 
     reference_test: ClassVar[str] = "simple_shear"
-    """The element test whose strength is what scenes call su, of a law that has its own."""
+    """Where a law has its own strength, scenes take that in this element test as su."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -105,77 +112,75 @@ class Material(Checked, ABC):
 
     @abstractmethod
     def update(self) -> Any:
-        """The function of a step; what it takes and gives is said in `Law`."""
+        """The stress update, see `Law`."""
 
     @abstractmethod
     def moduli(self) -> Any:
-        """The function of the elastic moduli, see `Law`."""
+        """The elastic moduli, see `Law`."""
 
     def yield_function(self) -> Any | None:
-        """The check of the stress, see `Law`; None: there is none."""
+        """Measure and limit of the stress, see `Law`; None: the material never yields."""
         return None
 
     def strength_function(self) -> Any | None:
-        """The undrained shear strength, see `Law`; by default the second of `yield_function`."""
+        """The undrained shear strength, see `Law`; by default the k of `yield_function`."""
         yield_function = self.yield_function()
-        if yield_function is None:
-            return None
-        return _make_strength(yield_function)
+        return None if yield_function is None else _make_strength(yield_function)
 
     def turn(self) -> Any | None:
-        """How the axis of the ground turns, see `Law`; None: there is none."""
+        """The turn of the ground's axis, see `Law`; None: the law has no axis."""
         return None
 
-    # Its numbers.
+    # Properties and state.
 
     @property
     @abstractmethod
     def properties(self) -> tuple[float, ...]:
-        """The numbers that the law takes beside stress, strain and state; at least one."""
+        """Numbers that the update takes beside stress, strain and state; at least one."""
 
     @property
     def state(self) -> tuple[str, ...]:
-        """Names of the numbers that a material point remembers."""
+        """Names of the state variables of a material point."""
         return ()
 
     def state_at(self, stress: Floats, place: Floats) -> Floats:
-        """State of points that start, or enter, with a stress at a place; 0 by default.
+        """Initial state variables of points, shape [..., state_count]; 0 by default.
 
-        It has the numbers that `state` names, shape [..., state_count]. The stress is (rr, zz, rz,
-        tt) [Pa], shape [..., 4], the place (r, z) in the ground [m], [..., 2]; see `Variation`.
+        The stress is (rr, zz, rz, tt) [Pa], shape [..., 4]; the place in the ground is (r, z) [m],
+        shape [..., 2], see `Variation`.
         """
         return np.zeros((*place.shape[:-1], len(self.state)))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """Raise a `SceneError` where the ground may not have a stress before anything moves.
+        """Raise a `SceneError` if undisturbed ground cannot have this stress; it can by default.
 
-        By default it may have any; (rr, zz, rz, tt) over the ground's pressure [Pa], shape [4].
+        The stress is (rr, zz, rz, tt) in excess of the in-situ pressure [Pa], shape [4].
         """
         return
 
     def properties_at(self, place: Floats) -> Floats:
-        """`properties` of points that come from places in ground that varies, [..., count]."""
+        """`properties` at places (r, z) in the ground [m], shape [..., property_count]."""
         return self.by_depth(place, lambda material: material.properties)
 
     def by_depth(self, place: Floats, numbers: Callable[[Any], Sequence[float] | Floats]) -> Floats:
-        """Numbers of a material, a vector, at places; linear between rows of its ground."""
+        """A vector of a material at places (r, z) in the ground; linear between rows by depth."""
         if self.variation is None or self.variation.rows is None:
             return np.tile(numbers(self), (*place.shape[:-1], 1))
         rows = self.variation.rows
         by_row = np.array([numbers(row) for row in rows])
         return np.stack([self.variation.at(place, number) for number in by_row.T], axis=-1)
 
-    # What the run asks of it.
+    # What a run needs to know.
 
     @property
     @abstractmethod
     def ground_shear_modulus(self) -> float:
-        """G of undisturbed ground [Pa], of the stiffest where it varies."""
+        """G of the stiffest undisturbed ground [Pa], > 0."""
 
     @property
     @abstractmethod
     def pressure_wave_speed(self) -> float:
-        """A bound on the speed of pressure waves [m/s], which the time step follows."""
+        """A bound on the speed of pressure waves [m/s], > 0; the time step follows from it."""
 
     @property
     def shear_wave_speed(self) -> float:
@@ -184,62 +189,63 @@ class Material(Checked, ABC):
 
     @property
     def limit_pressure(self) -> float:
-        """Pressure [Pa] that a cavity in an endless body of the material cannot exceed."""
+        """Greatest pressure of a cavity in an infinite body of the material [Pa]."""
         return math.inf
 
     def undrained_strength(self, test: str) -> float | None:
-        """Strength in an element test [Pa]: half of the extreme principal stresses' difference.
+        """Strength [Pa] in an element test: half the difference of the extreme principal stresses.
 
-        The mode is as triaxial_compression, see the scene `element_test`. None where the law does
-        not tell, as by default.
+        The tests, triaxial_compression and others, are those of the scene `element_test`. None, the
+        default: unknown.
         """
         return None
 
     @property
     def deviator_at_rest(self) -> float | None:
-        """Vertical less horizontal stress in the ground before [Pa]; by default the scene's."""
+        """Vertical less horizontal in-situ stress [Pa]; None, the default: given by the scene."""
         return None
 
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
     ) -> Floats | None:
-        """By what a step changes the mean stress [Pa], for the watch to compare, shape [n].
+        """Change of the mean stress of n points in a step [Pa], shape [n]; the watch checks it.
 
-        Of points are given the volume strain in the step, expansion positive, [n], properties [n,
-        count], and, where they have one, the state before and after, [n, count]. None where the law
-        does not tell, as by default: the watch compares nothing then.
+        The volume strain is that of the step, expansion positive, shape [n]; the state is that
+        before and after it, or None. A law that returns None, the default, is not checked.
         """
         return None
 
     def ratio_at(self, place: Floats, name: str) -> Floats:
-        """A ratio of `Variation`, "stiffness_ratio" say, at places in the ground; 1 without one."""
+        """The ratio of `Variation` with this name at places (r, z) in the ground; 1 if uniform."""
         ratio = getattr(self.variation, name, None)
         if self.variation is None or ratio is None:
             return np.ones(place.shape[:-1])
         return self.variation.at(place, ratio)
 
     def law(self) -> Law:
-        """The material's functions on the device; `SceneError` where they or its numbers are none.
+        """The material's functions on the device; `SceneError` if one or a number is not allowed.
 
-        Warp would say so only where they are compiled, by kernels that the law is called in.
+        Warp would report a wrong function only when it compiles a kernel that calls it.
         """
         name = type(self).__name__
         check_array(f"{name}.properties", as_array(self.properties), (None,))
         if len(self.properties) == 0:
             raise SceneError(f"{name}.properties is empty, must have a number at least")
+        for quantity, unit in (("ground_shear_modulus", "Pa"), ("pressure_wave_speed", "m/s")):
+            check_number(f"{name}.{quantity}", getattr(self, quantity), POSITIVE, unit=unit)
         check_kind(f"{name}.state", self.state, (tuple, list))
-        for method, taken in TAKEN.items():
+        for method, count in ARGUMENT_COUNTS.items():
             function = getattr(self, method)()
-            if function is None and method not in ALWAYS:
+            if function is None and method not in REQUIRED:
                 continue
             check_kind(f"{name}.{method}()", function, wp.Function)
             given = len(function.input_types)
-            if given != taken:
+            if given != count:
                 raise SceneError(
-                    f"{name}.{method}() = {function.key} takes {given} arguments, must take {taken}"
+                    f"{name}.{method}() = {function.key} takes {given} arguments, must take {count}"
                 )
         varies, remembers = self.variation is not None, len(self.state) > 0
-        state_type = vector(max(1, len(self.state)))
+        state_type = vector(max(1, len(self.state)))  # Warp has no vectors of length 0
         return Law(
             update=self.update(),
             moduli=self.moduli(),
@@ -275,15 +281,15 @@ _REGISTERED: dict[type, str] = {}
 
 
 def register_name(kind: type[Material], name: str) -> None:
-    """Say by what name a law of another package is known."""
+    """Give a law of another package the name of its entry point."""
     _REGISTERED[kind] = name
 
 
 def built_name(part: object) -> str:
-    """What a part of a scene is, whatever its parameters are called.
+    """The name of the class of a material or part, as results record it.
 
-    `tresca`, `penetrometer_contact`: the class in small letters; that of another package by the
-    name of its entry point, or by its place, as `their_package.clay.HardeningClay`.
+    It is the class name in snake case, `penetrometer_contact`. A law of another package has the
+    name of its entry point, or else its full path, `their_package.clay.HardeningClay`.
     """
     kind = type(part)
     if kind in _REGISTERED:

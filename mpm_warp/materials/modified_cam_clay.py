@@ -10,19 +10,19 @@ the water in the pores, u excess pore pressure, R = p_c / p0', Lam = 1 - kappa /
     K' = v p / kappa,   G = r K' or constant
     du = K_w / n de_v,   total mean stress = p + u
 
-While the volume stays, from a yield y on and until the critical state, where p = p0' (R / 2)^Lam:
+At constant volume, from yield y to the critical state, where p = p0' (R / 2)^Lam:
 
     p / p_y = ((M^2 + eta_y^2) / (M^2 + eta^2))^Lam,    eta = q / p
 
-The vertical overconsolidation ratio OCR gives R by the stress k when the vertical one was greatest.
-K0 has grown since then by OCR^sin(phi) (Mayne & Kulhawy 1982), from 1 - sin(phi) (Jaky 1944) where
-it is not given:
+The vertical overconsolidation ratio OCR gives R. The index k marks the state under the greatest
+vertical stress. Since then K0 has grown by the factor OCR^sin(phi) (Mayne & Kulhawy 1982), from
+1 - sin(phi) (Jaky 1944) where K0 is not given:
 
     R = OCR (1 + 2 K0_k) / (1 + 2 K0) (1 + eta_k^2 / M^2),    sin(phi) = 3 M / (6 + M)
     K0_k = K0 / OCR^sin(phi),   eta_k = 3 (1 - K0_k) / (1 + 2 K0_k)
 
-M is the same in all directions, or follows the Lode angle as the criterion of Matsuoka & Nakai
-(1974) does: 6 sin(phi) / (3 - sin(phi)) in compression, 6 sin(phi) / (3 + sin(phi)) in extension.
+M is the same at all Lode angles, or follows the criterion of Matsuoka & Nakai (1974):
+6 sin(phi) / (3 - sin(phi)) in compression, 6 sin(phi) / (3 + sin(phi)) in extension.
 """
 
 import math
@@ -44,23 +44,23 @@ from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Materia
 from mpm_warp.parameters import parameter
 
 FLOOR = 1e-6
-"""Least effective mean stress, over that at the start."""
+"""Least effective mean stress, over the initial one."""
 STIFFER = 2.0
-"""Stiffness of the skeleton that the time step allows for, over that at the stiffest end of an
-undrained path; beside the water it is a hundredth of the whole."""
+"""Effective mean stress that the time step allows for, over the greatest of an undrained path. The
+skeleton has about a hundredth of the stiffness of the water."""
 CIRCLE, MATSUOKA_NAKAI = "circle", "matsuoka_nakai"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModifiedCamClay(Material):
-    """Clay with effective stress; the stress of the grid is total, over that of the ground.
+    """Clay with effective stress; the stress of the points is total, in excess of in-situ stress.
 
     Attributes:
-        poissons_ratio: of the undrained clay where it is stiffest, by which the stiffness of the
-            water follows; dimensionless, below 0.5.
+        poissons_ratio: of the undrained clay where it is stiffest, 0 to below 0.5; it gives the
+            stiffness of the water.
 
     Raises:
-        SceneError: a value is not allowed, or two do not go together.
+        SceneError: a value is not allowed, or two contradict each other.
     """
 
     critical_state_ratio: float = parameter(
@@ -128,21 +128,19 @@ class ModifiedCamClay(Material):
                 "is too small: its skeleton alone has more; give 0.49"
             )
 
-    # Its numbers.
-
     @property
     def state(self) -> tuple[str, ...]:
         """(p, p_c, u) [Pa]."""
         return (EFFECTIVE_STRESS, "yield_stress", PORE_PRESSURE)
 
     def state_at(self, stress: Floats, place: Floats) -> Floats:
-        """Undisturbed: what the stress has over that of the ground is shear."""
+        """See `Material`; p0', R p0' and no pore pressure, whatever the stress."""
         return self.by_depth(
             place, lambda it: it.mean_effective_stress * np.array([1.0, it.size_ratio, 0.0])
         )
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """See `Material`; its deviator, that of a K0 start, must be within the yield surface."""
+        """See `Material`; with this deviator the state must be within the yield surface."""
         normal = stress[[0, 1, 3]] - stress[[0, 1, 3]].mean()
         q = math.sqrt(1.5 * float(normal @ normal) + 3.0 * float(stress[2]) ** 2)
         M = self._least_slope if stress[1] > stress[0] else self.critical_state_ratio
@@ -155,7 +153,7 @@ class ModifiedCamClay(Material):
 
     @property
     def properties(self) -> tuple[float, ...]:
-        """(M, a, b, r, G where it is constant, K_w / n, least p)."""
+        """(M, a, b, r, G if constant, K_w / n, least p)."""
         return (
             self.critical_state_ratio,
             self._a,
@@ -167,19 +165,19 @@ class ModifiedCamClay(Material):
 
     @property
     def ground_shear_modulus(self) -> float:
-        """G at the start [Pa]."""
+        """Initial G [Pa]."""
         return self._moduli_at(self.mean_effective_stress)[0]
 
     @property
     def water_modulus(self) -> float:
-        """K_w / n [Pa]: what the undrained Poisson's ratio leaves of K where G is greatest."""
+        """K_w / n [Pa]: K by the undrained Poisson's ratio less K', where G is greatest."""
         shear, bulk = self._moduli_at(self._stiffest_stress)
         nu = self.poissons_ratio
         return 2.0 * shear * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)) - bulk
 
     @property
     def pressure_wave_speed(self) -> float:
-        """With the skeleton stiffer than anywhere on an undrained path [m/s]."""
+        """See `Material`; the skeleton is taken stiffer than on any undrained path."""
         shear, bulk = self._moduli_at(STIFFER * self._stiffest_stress)
         own = math.sqrt((self.water_modulus + bulk + 4.0 / 3.0 * shear) / self.density)
         rows = () if self.variation is None else self.variation.rows or ()
@@ -191,7 +189,7 @@ class ModifiedCamClay(Material):
         return self.undrained_strength("triaxial_compression")
 
     def undrained_strength(self, test: str) -> float:
-        """M p' / 2 in triaxial tests, else M p' / sqrt(3), p' at the critical state [Pa]."""
+        """See `Material`; M p / 2 in triaxial tests, else M p / sqrt(3), at the critical state."""
         if test == "triaxial_compression":
             return 0.5 * self.critical_state_ratio * self._last_stress
         if test == "triaxial_extension":
@@ -203,14 +201,14 @@ class ModifiedCamClay(Material):
     def mean_stress_change(
         self, volume_strain: Floats, properties: Floats, state: tuple[Floats, Floats] | None
     ) -> Floats:
-        """By the skeleton, as its state says, and by the water, as the volume says."""
+        """See `Material`; change of p by the state, and of the water by the volume."""
         assert state is not None
         before, after = state
         return before[:, 0] - after[:, 0] + properties[:, WATER] * volume_strain
 
     @property
     def size_ratio(self) -> float:
-        """R, the size of the yield surface over p' in the ground before."""
+        """R = p_c / p0'."""
         ratio, at_rest = self.vertical_overconsolidation_ratio, self._pressure_ratio
         if ratio is None or at_rest is None:
             return self.isotropic_overconsolidation_ratio
@@ -221,7 +219,7 @@ class ModifiedCamClay(Material):
 
     @property
     def deviator_at_rest(self) -> float | None:
-        """By p0' and K0 [Pa], where that is known."""
+        """See `Material`; by p0' and K0 [Pa], if K0 is known."""
         at_rest = self._pressure_ratio
         if at_rest is None:
             return None
@@ -245,7 +243,7 @@ class ModifiedCamClay(Material):
 
     @property
     def _stiffness(self) -> tuple[float, float]:
-        """(r, G): what G is over K', and what it is where it is given [Pa]; one is 0."""
+        """(r, G) of G = r K' or constant G [Pa]; the other one is 0."""
         if self.effective_shear_modulus is not None:
             return 0.0, self.effective_shear_modulus
         nu = self.effective_poissons_ratio
@@ -253,7 +251,7 @@ class ModifiedCamClay(Material):
 
     @property
     def _last_stress(self) -> float:
-        """Effective mean stress at the critical state, p0' (R / 2)^Lam [Pa]."""
+        """Effective mean stress at the critical state [Pa]."""
         share = 1.0 - self.swelling_slope / self.compression_slope
         return float(self.mean_effective_stress * (0.5 * self.size_ratio) ** share)
 
@@ -271,22 +269,20 @@ class ModifiedCamClay(Material):
         M = self.critical_state_ratio
         return 3.0 * M / (3.0 + M) if self._by_angle else M
 
-    # The law on the device.
-
     def update(self) -> Any:
-        """Elastic, or back to the surface, in as many parts as the step needs."""
+        """See `cam_clay_return`."""
         return make_functions(self._by_angle)[0]
 
     def moduli(self) -> Any:
-        """G and K with the water, at the effective stress."""
+        """G and K of skeleton and water."""
         return moduli
 
     def yield_function(self) -> Any:
-        """(Distance of (q / M, p) from the middle of the ellipse, p_c / 2)."""
+        """Distance of (q / M, p) from the middle of the ellipse, and p_c / 2."""
         return make_functions(self._by_angle)[1]
 
     def strength_function(self) -> Any:
-        """M p / sqrt(3) at the critical state: what shear leaves as it is."""
+        """M p / sqrt(3) at the critical state, which undrained shear does not change."""
         return strength_at_critical_state
 
     @property

@@ -1,13 +1,13 @@
-"""Laws with parameters of their own: those of this package, and of others by entry points.
+"""Laws with parameters of their own, of this package and of others.
 
-Other packages offer laws by the entry point group `mpm_warp.materials`, in their pyproject.toml:
+Another package offers a law by an entry point in its pyproject.toml:
 
     [project.entry-points."mpm_warp.materials"]
     my_clay = "their_package.my_clay:MyClay"
 
-The class is a `Material`. Fields that it makes by `mpm_warp.parameters.parameter` are its own:
-every scene that takes a law has them as parameters, to be given with `material = "my_clay"`. Its
-other fields are given by the scene, by their names: see `GIVEN`.
+The class is a `Material`. Fields made by `mpm_warp.parameters.parameter` become parameters of every
+scene that takes a law; they are given together with `material = "my_clay"`. The scene itself gives
+the fields of `GIVEN`.
 """
 
 import functools
@@ -23,31 +23,29 @@ from mpm_warp.materials.material import Material, register_name
 from mpm_warp.parameters import Parameter, Value, definition_of
 
 GROUP = "mpm_warp.materials"
-"""Group of the entry points by which other packages offer laws."""
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
-"""What a scene gives to a law that has a field of the name: rho [kg/m3], G [Pa], nu, su [Pa]."""
+"""Fields that a scene gives to a law that has them: rho [kg/m3], G [Pa], nu, su [Pa]."""
 OF_THIS_PACKAGE = (
     EntryPoint("anisotropic", "mpm_warp.materials.anisotropic:Anisotropic", GROUP),
     EntryPoint("modified_cam_clay", "mpm_warp.materials.modified_cam_clay:ModifiedCamClay", GROUP),
 )
-"""The laws of this package that have parameters of their own."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class OtherLaw:
-    """A law of another package."""
+    """A law with parameters of its own."""
 
-    name: str  # that studies call it by
+    name: str  # in studies
     kind: type[Material]
     parameters: Mapping[str, Parameter]  # its own, by name
 
     @property
     def given(self) -> set[str]:
-        """Names of what a scene gives to it, or could, beside its own parameters."""
+        """Names of the fields that a scene or its user gives."""
         return {field.name for field in fields(self.kind) if field.init}
 
     def make(self, own: Mapping[str, Value | None], given: Mapping[str, float]) -> Material:
-        """The material, of its own parameters and of what the scene gives; both are checked."""
+        """The material from its own parameters and from `given` values of the scene."""
         values: dict[str, Any] = {
             name: definition.default if own.get(name) is None else own[name]
             for name, definition in self.parameters.items()
@@ -58,11 +56,7 @@ class OtherLaw:
 
 @functools.cache
 def other_laws() -> Mapping[str, EntryPoint]:
-    """Where the laws are, by name; none is imported for that.
-
-    Raises:
-        ParameterError: two laws have the same name.
-    """
+    """The entry points of all laws, by name; `ParameterError` if two have the same name."""
     own = {offered.name: offered for offered in OF_THIS_PACKAGE}
     theirs: dict[str, EntryPoint] = {}
     for offered in entry_points(group=GROUP):
@@ -77,7 +71,7 @@ def other_laws() -> Mapping[str, EntryPoint]:
 
 
 def loaded_laws() -> tuple[str, ...]:
-    """Names of those that can be loaded; a study that names another one is told why it cannot."""
+    """Names of the laws that can be loaded."""
     names = []
     for name in other_laws():
         with suppress(ParameterError):
@@ -87,7 +81,7 @@ def loaded_laws() -> tuple[str, ...]:
 
 @functools.cache
 def other_law(name: str) -> OtherLaw:
-    """The law of another package; `ParameterError` where its entry point gives none for a scene."""
+    """The law of this name; `ParameterError` if its entry point has no law that scenes can use."""
     offered = other_laws()[name]
     where = f"material {name!r}: the entry point {offered.value!r}"
     try:

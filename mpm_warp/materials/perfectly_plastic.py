@@ -3,7 +3,7 @@
 Symbols: f measure of a stress by the yield criterion [Pa], su strength, tau elastic trial stress.
 
     sigma = tau                                 where f(tau) <= su
-    sigma = nearest stress with f = su          elsewhere, in the metric of elastic energy
+    sigma = nearest stress with f = su          elsewhere; the metric is the elastic energy
 """
 
 import functools
@@ -22,17 +22,17 @@ from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
 
 STRENGTH = 2
-"""Place of su among the properties, behind the moduli."""
+"""Position of su in the properties, after the moduli."""
 ROUNDING = 1e-9
-"""Share of the strength by which a stress at rest may be outside the yield surface."""
+"""Distance of an in-situ stress from the yield surface, over su, that counts as rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class UndrainedClay(Isotropic):
-    """The base of all clays whose volume stays elastic: it has a strength.
+    """The base of clays with an undrained strength whose plastic strain keeps the volume.
 
     Attributes:
-        strength: undrained shear strength su [Pa], > 0: in pure shear, or in triaxial compression
+        strength: undrained shear strength su [Pa], > 0, in pure shear; in triaxial compression
             where it depends on direction.
     """
 
@@ -44,7 +44,7 @@ class UndrainedClay(Isotropic):
         return (*super().properties, self.strength)
 
     def properties_at(self, place: Floats) -> Floats:
-        """See `Material`; the strength varies too, and the shape where the ground says so."""
+        """See `Material`; strength and shape vary too."""
         own = super().properties_at(place)
         own[..., STRENGTH] *= self.ratio_at(place, "strength_ratio")
         if self.shape:
@@ -53,36 +53,34 @@ class UndrainedClay(Isotropic):
 
     @property
     def limit_pressure(self) -> float:
-        """Of a spherical cavity: 4/3 su (1 + ln(G / su)) [Pa] (Hill 1950)."""
+        """See `limit_pressure`."""
         return limit_pressure(self.shear_modulus, self.strength)
 
 
 def limit_pressure(shear_modulus: float, strength: float) -> float:
-    """Of a spherical cavity in perfectly plastic clay [Pa] (Hill 1950), by G and su [Pa]."""
+    """Limit pressure of a spherical cavity in perfectly plastic clay [Pa] (Hill 1950)."""
     return 4.0 / 3.0 * strength * (1.0 + math.log(shear_modulus / strength))
 
 
 class PerfectlyPlastic(UndrainedClay):
-    """Perfect plasticity with a yield criterion, which another law may take at any strength.
+    """Perfect plasticity with a yield criterion; `EinavRandolph` uses the criterion too.
 
-    A criterion is some functions on the device. Their last argument `shape` is a vector of the
-    numbers of shape and axis; of length 1 where there are none.
+    A criterion is a set of device functions. Their last argument `shape` is the vector of the
+    numbers of shape and axis; its length is 1 where there are none.
     """
 
-    measure: ClassVar[Any]  # (stress, shape) -> f, its measure by the criterion [Pa]
-    # (stress, strength, shape) -> whether the stress is within the yield surface; it is asked of
-    # every point in every step, and takes no root
+    measure: ClassVar[Any]  # (stress, shape) -> f [Pa]
+    # (stress, strength, shape) -> whether the stress is within the yield surface. Every point calls
+    # it in every step, so it takes no root
     within: ClassVar[Any]
-    # (trial stress outside, strength, shape) -> nearest stress of the yield surface
+    # (trial stress outside, strength, shape) -> nearest stress on the yield surface
     nearest: ClassVar[Any]
-    # (strain, shape) -> half its shear strain, as the criterion counts it
-    shear_measure: ClassVar[Any]
-    # (trial stress, k, what of it can be lost, G, decay, shape) -> what a return leaves of that,
-    # see `EinavRandolph`; None where the measure less k is G times the plastic shear strain
+    shear_measure: ClassVar[Any]  # (strain, shape) -> half its shear strain, by the criterion
+    # (trial stress, k, part of k that can be lost, G, decay, shape) -> share of this part that
+    # remains after a return. None: f - k is G times the plastic shear strain
     softened: ClassVar[Any] = None
-    shape_count: ClassVar[int] = 0  # how many numbers of shape it has
-    # numbers of state that say how the axis of the ground stands, and what they start as
-    axis: ClassVar[Mapping[str, float]] = {}
+    shape_count: ClassVar[int] = 0  # number of shape properties
+    axis: ClassVar[Mapping[str, float]] = {}  # state variables of the axis, initial values
 
     @property
     def properties(self) -> tuple[float, ...]:
@@ -99,7 +97,7 @@ class PerfectlyPlastic(UndrainedClay):
         return np.tile(tuple(self.axis.values()), (*place.shape[:-1], 1))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """See `Material`; ground of alike horizontal stresses yields as triaxial tests do."""
+        """See `Material`; if both horizontal stresses are equal, the limit is a triaxial test."""
         mode = "compression" if stress[1] < stress[0] else "extension"
         strength = self.undrained_strength(f"triaxial_{mode}")
         difference = abs(float(stress[1] - stress[0]))
@@ -112,7 +110,7 @@ class PerfectlyPlastic(UndrainedClay):
             )
 
     def update(self) -> Any:
-        """Return to the yield surface from outside."""
+        """See `Material`; return to the nearest stress on the yield surface."""
         return _make_functions(type(self))[0]
 
     def yield_function(self) -> Any:
@@ -122,7 +120,7 @@ class PerfectlyPlastic(UndrainedClay):
 
 @functools.cache
 def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
-    """The function (properties, state) -> numbers of shape and axis, the last of both."""
+    """The function (properties, state) -> shape, the last of the properties and of the state."""
     shapes, axes = criterion.shape_count, len(criterion.axis)
     shape_type = vector(max(1, shapes + axes))
 
@@ -140,7 +138,6 @@ def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
 
 @functools.cache
 def _make_functions(criterion: type[PerfectlyPlastic]) -> tuple[Any, Any]:
-    """The update and the yield function."""
     measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
     shape_of = make_shape(criterion)
 

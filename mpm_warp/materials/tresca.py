@@ -1,6 +1,6 @@
-"""The yield criterion of Tresca, as suits undrained clay: (sigma_1 - sigma_3) / 2 = su.
+"""The yield criterion of Tresca, the usual one of undrained clay: (sigma_1 - sigma_3) / 2 = su.
 
-In axisymmetry the hoop stress is principal. The other two are centre +- radius of Mohr's circle.
+The hoop stress is a principal stress. The other two are centre +- radius of Mohr's circle.
 """
 
 from typing import Any
@@ -34,8 +34,7 @@ def within_hexagon(stress: vec4, strength: real, shape: Any) -> bool:
 
 @wp.func
 def nearest_of_hexagon(trial: vec4, strength: real, shape: Any) -> vec4:
-    """The nearest point of the hexagon, on a side of it or a corner."""
-    # Principal stresses: two in the plane, centre +- radius, and the hoop stress.
+    """The nearest stress on the hexagon."""
     centre = half * (trial[0] + trial[1])
     half_difference = half * (trial[0] - trial[1])
     radius = wp.sqrt(half_difference * half_difference + trial[2] * trial[2])
@@ -43,14 +42,14 @@ def nearest_of_hexagon(trial: vec4, strength: real, shape: Any) -> vec4:
     highest = wp.max(centre + radius, hoop)
     lowest = wp.min(centre - radius, hoop)
 
-    # The nearest point of the hexagon: its side, where the middle stress does not change ...
+    # The nearest stress is on a side, where the middle stress does not change ...
     trace = two * centre + hoop
     middle = trace - highest - lowest
     mean_of_extremes = half * (highest + lowest)
     new_highest = mean_of_extremes + strength
     new_lowest = mean_of_extremes - strength
     new_middle = middle
-    # ... or its corner, where the middle one would leave the range of the two.
+    # ... or at a corner, where the middle stress would not lie between the other two.
     third = strength / real(3.0)
     mean = trace / real(3.0)
     if middle > new_highest:
@@ -62,7 +61,7 @@ def nearest_of_hexagon(trial: vec4, strength: real, shape: Any) -> vec4:
         new_middle = new_lowest
         new_highest = mean + real(4.0) * third
 
-    # Principal directions stay; which of the three is the hoop stress is known by its rank.
+    # Principal directions do not change, so the hoop stress keeps its rank among the three.
     major, minor, new_hoop = new_highest, new_lowest, new_middle
     if hoop >= centre + radius:
         major, minor, new_hoop = new_middle, new_lowest, new_highest
@@ -89,5 +88,5 @@ class Tresca(PerfectlyPlastic):
     shear_measure = greatest_shear
 
     def undrained_strength(self, test: str) -> float:
-        """In every mode su."""
+        """See `Material`; su in every test."""
         return self.strength

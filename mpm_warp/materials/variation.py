@@ -1,6 +1,6 @@
 """Variation of the ground with depth: strength, stiffness and adhesion as ratios, in-situ stress.
 
-Laws whose parameters are not in proportion to strength and stiffness have a material at each depth.
+Laws with further parameters that vary have a material at each depth.
 
 The place of soil in the ground is its position (r, z) before anything moved, in the coordinates of
 the grid at the start. After the grid has travelled down by T, soil at rest at x in the grid has the
@@ -21,22 +21,20 @@ from mpm_warp.grid.fitted import Floats
 class Variation(Checked):
     """Strength, stiffness and adhesion over those of a material, and stress, linear between depths.
 
-    Two equal depths make a jump: what is at that depth and below has the second values. Above the
-    first depth and below the last one the ground goes on as it is there.
+    Two equal depths make a jump: soil at this depth and below has the second values. Above the
+    first depth and below the last the values are constant.
 
     Attributes:
         depth: below the surface of the ground [m], not falling, shape [n].
-        strength_ratio: strength over that of the material, dimensionless, > 0, shape [n].
-        stiffness_ratio: shear modulus over that of the material, dimensionless, > 0 and at most 1,
-            shape [n]: the material is as stiff as the stiffest soil, so that its waves are the
-            fastest.
+        strength_ratio: strength over that of the material, > 0, shape [n].
+        stiffness_ratio: shear modulus over that of the material, > 0 and at most 1, shape [n]. The
+            material is as stiff as the stiffest soil: its waves are the fastest.
         adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
-            dimensionless, 0 to 1, shape [n]; none where it is that of the surface everywhere.
-        rows: the `Material` at each depth, n of one law, where more varies than these ratios;
-            between depths its properties and its state at rest are linear, with constant moduli its
-            `shape` alone. None: nothing more does.
-        horizontal_stress: horizontal less vertical stress in the ground before [Pa], tension
-            positive, shape [n]; none where it is that of the scene everywhere.
+            0 to 1, shape [n]; None: 1 everywhere.
+        rows: the `Material` at each depth, n of one law. Between depths properties and initial
+            state are linear; of a law with constant moduli only `shape`. None: only ratios vary.
+        horizontal_stress: horizontal less vertical in-situ stress [Pa], tension positive, shape
+            [n]; None: as the scene has it.
         origin_depth: depth of z = 0 [m].
     """
 
@@ -61,5 +59,5 @@ class Variation(Checked):
             )
 
     def at(self, place: Floats, values: Floats) -> Floats:
-        """Of values by depth, those at places (r, z) in the ground [m], [..., 2]."""
+        """Values given by depth, interpolated at places (r, z) in the ground [m], [..., 2]."""
         return np.interp(self.origin_depth - place[..., 1], self.depth, values)

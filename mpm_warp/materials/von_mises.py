@@ -11,7 +11,7 @@ from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 
 @wp.func
 def j2(stress: vec4) -> real:
-    """J2 = s:s / 2, s the deviator [Pa2]."""
+    """J2 = s:s / 2 of the deviator s [Pa2]."""
     mean = (stress[0] + stress[1] + stress[3]) / real(3.0)
     rr, zz, tt, rz = stress[0] - mean, stress[1] - mean, stress[3] - mean, stress[2]
     return half * (rr * rr + zz * zz + tt * tt) + rz * rz
@@ -25,13 +25,13 @@ def root_of_j2(stress: vec4, shape: Any) -> real:
 
 @wp.func
 def within_cylinder(stress: vec4, strength: real, shape: Any) -> bool:
-    """Whether J2 is at most su^2."""
+    """Whether J2 <= su^2."""
     return j2(stress) <= strength * strength
 
 
 @wp.func
 def nearest_of_cylinder(trial: vec4, strength: real, shape: Any) -> vec4:
-    """The deviator made shorter: the radial return to the cylinder."""
+    """The radial return to the cylinder."""
     scale = strength / wp.sqrt(j2(trial))
     mean = (trial[0] + trial[1] + trial[3]) / real(3.0)
     rr, zz, tt = trial[0] - mean, trial[1] - mean, trial[3] - mean
@@ -47,5 +47,5 @@ class VonMises(PerfectlyPlastic):
     shear_measure = root_of_j2
 
     def undrained_strength(self, test: str) -> float:
-        """In plane strain and simple shear su, in triaxial modes sqrt(3)/2 su."""
+        """See `Material`; sqrt(3)/2 su in triaxial tests, su in all others."""
         return math.sqrt(0.75) * self.strength if test.startswith("triaxial") else self.strength

@@ -1,4 +1,4 @@
-"""Checks for the watch that no point has a stress outside its yield surface."""
+"""The watch's check that no point has a stress outside its yield surface."""
 
 import functools
 from typing import Any
@@ -11,16 +11,16 @@ from mpm_warp.materials.material import Law, Material
 from mpm_warp.plan.plan import Plan
 
 YIELD_ROUNDINGS = 64
-"""Allowed distance beyond the yield surface, over the rounding of the largest stress."""
+"""Allowed distance outside the yield surface, over the rounding of the largest stress."""
 BLOCK = 256
-"""Number of particles that one thread checks; it keeps the worst of them."""
+"""Number of particles in a block, which one thread checks."""
 
 
 def add_yield_check(plan: Plan, material: Material) -> None:
-    """Add the launch "yield_check", which the watch orders; none where the material never yields.
+    """Add the launch "yield_check" of the watch; none where the material never yields.
 
-    It leaves in `yield.margin` how far the worst particle of each block is outside the yield
-    surface beyond rounding, over its strength, and its number in `yield.particle`.
+    For the worst particle of each block `yield.particle` has its number, and `yield.margin` its
+    distance outside the yield surface, less the rounding allowed, over its strength.
     """
     law = material.law()
     if law.yield_function is None:
@@ -58,7 +58,7 @@ def _make_yield_check(law: Law) -> Any:
                 f, k = measured[0], measured[1]
                 greatest = wp.max(wp.abs(s))
                 beyond = f / k - one - roundings * (one + greatest / k)
-                # One that is not a number stays the worst.
+                # A comparison with NaN is false, so NaN stays the worst.
                 if beyond > greatest_margin or wp.isnan(beyond):
                     greatest_margin = beyond
                     number = p

@@ -247,6 +247,9 @@ def without_state(stress: vec4, strain: vec4, time_step: real, properties: vec2)
         ("properties", (), "properties is empty, must have a number at least"),
         ("properties", (2.0, np.nan), r"properties\[1\] = nan must be a finite number"),
         ("properties", "soft", "properties = array.* must be an array of numbers"),
+        ("ground_shear_modulus", -1.0, "ground_shear_modulus = -1 Pa must be > 0"),
+        ("ground_shear_modulus", np.nan, "ground_shear_modulus = nan Pa must be a finite number"),
+        ("pressure_wave_speed", 0.0, "pressure_wave_speed = 0 m/s must be > 0"),
         ("state", "strain", "state = 'strain' must be of type tuple or list"),
         ("update", lambda law: None, r"update\(\) = None must be of type Function"),
         (
