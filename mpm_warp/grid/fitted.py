@@ -5,10 +5,10 @@ A node sits at
     r(i, j) = s + (fitted_radius - s) * columns[i]      s = surface_radius[j] where columns[i] < 1,
     z(i, j) = rows[j]                                       0 beyond
 
-so the first column of nodes lies on the surface, such as that of a penetrometer. Columns follow the
-surface less and less up to the fitted radius, and are upright beyond it. With a surface radius of
-zero the grid is rectilinear. Inside a cell the map from natural coordinates (xi, eta), both from 0
-to 1, to (r, z) is bilinear and its inverse has a closed form.
+so the first column of nodes lies on a surface, such as that of a penetrometer. Columns follow the
+surface less and less up to the fitted radius and are upright beyond it. With a surface radius of
+zero the grid is rectilinear. Inside a cell the map from natural coordinates (xi, eta), both 0 to 1,
+to (r, z) is bilinear and its inverse has a closed form.
 
 Arrays over cells and nodes are flat, column fastest: cell (i, j) is ``j * column_count + i``,
 node (i, j) is ``j * (column_count + 1) + i``. All volumes and areas are per radian, or in
@@ -42,7 +42,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
 
 LARGEST_EXPONENT = 700.0
-"""Largest exponent of e in double precision, rounded down: beyond 709 it overflows."""
+"""Largest exponent of e, rounded down; double precision overflows beyond 709."""
 
 # Two Gauss points on [0, 1], equal weights: exact for cubics.
 GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
@@ -50,19 +50,18 @@ GAUSS_POINTS = 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Grid(Checked):
-    """A structured grid of bilinear cells, axisymmetric or, of unit thickness, in plane strain.
+    """A structured grid of bilinear cells, axisymmetric or in plane strain of unit thickness.
 
     Attributes:
-        columns: where the columns of nodes stand, rising from 0 on the surface to 1 at the fitted
-            radius, which one of them is at; beyond, radius over fitted radius;
-            shape [column_count + 1], dimensionless.
+        columns: coordinates of the columns of nodes, rising from 0 on the surface; 1, the fitted
+            radius, is one of them; beyond it radius over fitted radius; shape [column_count + 1].
         rows: heights z of the rows of nodes, rising [m], shape [row_count + 1].
-        surface_radius: radius of the inner surface on each row of nodes [m],
-            shape [row_count + 1]; 0 on the axis.
-        fitted_radius: radius from which on the columns of nodes are upright [m].
+        surface_radius: radius of the inner surface on each row of nodes [m], shape
+            [row_count + 1]; 0 on the axis.
+        fitted_radius: radius from which on columns of nodes are upright [m].
         planar: whether strain is plane; r is then a Cartesian coordinate.
-        ground_level: height up to which there is soil before anything moves, above the lowest row
-            [m]; default: the grid is full.
+        ground_level: height of the initial surface of the soil, above the lowest row [m];
+            default: the grid is full.
 
     Raises:
         SceneError: a value is not allowed.
@@ -75,7 +74,7 @@ class Grid(Checked):
     planar: bool = False
     ground_level: float = math.inf
     polar = False
-    """Whether positions are first turned into distance and angle, see `mpm_warp.grid.polar`."""
+    """Whether cells are in distance and angle, see `mpm_warp.grid.polar`."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -122,7 +121,7 @@ class Grid(Checked):
         return (self.column_count + 1) * (self.row_count + 1)
 
     def node(self, column: int | Integers, row: int | Integers) -> Integers:
-        """Flat index of the node at a column and row, or of many."""
+        """Flat index of the node at a column and a row, or of several."""
         return np.asarray(row * (self.column_count + 1) + column, dtype=np.int32)
 
     def place(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
@@ -135,9 +134,9 @@ class Grid(Checked):
 
     @property
     def particle_bounds(self) -> tuple[Floats, Floats]:
-        """Lowest and highest (r, z) of soil that belongs to the grid, a cell beyond its sides [m].
+        """Lowest and highest (r, z) of points [m], a cell beyond the sides of the grid.
 
-        Soil may stand out a little: it then has the velocity of the side.
+        A point may move out a little; it then has the velocity of the side.
         """
         below, above = np.diff(self.rows)[[0, -1]]
         beside = np.diff(self.columns)[-1] * self.fitted_radius
@@ -146,7 +145,7 @@ class Grid(Checked):
 
     @property
     def kernel_arguments(self) -> dict[str, Any]:
-        """The grid as kernels take it, by name."""
+        """Arguments of kernels that describe the grid, by name."""
         return {
             "column_count": self.column_count,
             "row_count": self.row_count,
@@ -156,31 +155,31 @@ class Grid(Checked):
 
     @property
     def surface_normals(self) -> Floats:
-        """Unit normals of an inner surface that is a cylinder, into the soil, for each row."""
+        """Unit normals of a cylindrical inner surface into the soil, [row_count + 1, 2]."""
         return np.tile([1.0, 0.0], (self.row_count + 1, 1))
 
     @property
     def wall_vectors(self) -> Floats:
-        """Integrals of N n over the inner surface for its nodes, n into the soil.
+        """Integrals of N n over the inner surface, n into the soil, shape [row_count + 1, 2].
 
-        In m2 per radian, or in m in plane strain; shape [row_count + 1, 2].
+        They are in m2 per radian, or in m in plane strain.
         """
         weight = self.weight(self.surface_radius)
         along = np.diff(self.rows), -np.diff(self.surface_radius)
         return np.stack([nodal_areas(weight, length) for length in along], axis=-1)
 
     def width(self, column: Integers, row: Integers, eta: Floats) -> Floats:
-        """Of cells at natural heights [m], shape [...]."""
+        """Widths of cells at natural heights [m], shape [...]."""
         span = self.fitted_radius - self._followed(column, row, eta)
         return span * np.diff(self.columns)[column]
 
     def _followed(self, column: Integers, row: Integers, eta: Floats) -> Floats:
-        """Radius of the surface that cells follow at natural heights, 0 where upright [m]."""
+        """Radius of the surface that cells follow at natural heights [m], 0 for upright cells."""
         surface = self.surface_radius[row] + eta * np.diff(self.surface_radius)[row]
         return np.where(self.columns[column] < 1.0, surface, 0.0)
 
     def jacobian(self, column: Integers, row: Integers, xi: Floats, eta: Floats) -> Floats:
-        """Volume per area of natural coordinates in cells [m3], of the shape that they have."""
+        """Volume per area of natural coordinates in cells [m3], shape [...]."""
         width = self.width(column, row, eta)
         weight = self.weight(self.place(column, row, xi, eta)[..., 0])
         return weight * width * np.diff(self.rows)[row]
@@ -205,8 +204,8 @@ class Grid(Checked):
     def gradient_integrals(self) -> Floats:
         """Integrals over each cell of (dN/dr r, dN/dz r, N), N the shape function of each node.
 
-        The three make the radial, vertical and hoop parts of the internal force of a uniform
-        stress, and of the mean strain rate of the cell. Exact. In m2, shape [cell_count, 4, 3].
+        They give the radial, vertical and hoop parts of the internal force of a uniform stress and
+        of the mean strain rate. They are exact, in m2, shape [cell_count, 4, 3].
         """
         xi, eta = (g.ravel() for g in np.meshgrid(GAUSS_POINTS, GAUSS_POINTS))
         shape, d_xi, d_eta = bilinear(xi, eta)  # each [4 nodes, 4 points]
@@ -247,16 +246,16 @@ class Grid(Checked):
 
     @cached_property
     def cell_lengths(self) -> Floats:
-        """See the function of that name, shape [cell_count]."""
+        """See the function `cell_lengths`."""
         return cell_lengths(self.gradient_integrals, self.cell_volumes)
 
 
 def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
     """Length that a wave crosses in the critical time step of a cell [m], shape [cell_count].
 
-    1 / |mean grad N|, which for a square of side h is h / sqrt(2): the bound on the highest
-    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, J. Appl. Mech. 51:35-40).
-    Infinite where nothing of the cell is open. Of integrals and volumes see `Grid`.
+    It is 1 / |mean grad N|, for a square of side h h / sqrt(2), by the bound on the highest
+    frequency of a uniform-strain cell (Flanagan & Belytschko 1984, J. Appl. Mech. 51:35-40). It is
+    infinite for a cell without volume. Integrals and volumes are those of `Grid`.
     """
     gradients = gradient_integrals[..., :2] / cell_volumes[:, None, None]
     with np.errstate(divide="ignore"):
@@ -265,7 +264,7 @@ def cell_lengths(gradient_integrals: Floats, cell_volumes: Floats) -> Floats:
 
 
 def nodal_areas(weight: Floats, length: Floats) -> Floats:
-    """Integrals of N w over a line of nodes, shape [node_count], by the lengths between them [m].
+    """Integrals of N w over a line of nodes, from the lengths between them [m]; [node_count].
 
     The weight w is linear between nodes: r for areas per radian [m], 1 in plane strain.
     """
@@ -299,7 +298,7 @@ def graded(first: float, length: float, growth: float) -> Floats:
     low, high = 1.0 + 1e-12, 10.0
     for _ in range(100):
         middle = 0.5 * (low + high)
-        # A sum beyond the largest number is beyond the length, too.
+        # A sum that overflows exceeds the length.
         is_huge = count * math.log(middle) > LARGEST_EXPONENT
         reached = math.inf if is_huge else first * (middle**count - 1.0) / (middle - 1.0)
         low, high = (middle, high) if reached < length else (low, middle)
@@ -317,6 +316,6 @@ def _cell_count(name: str, first: float, length: float, growth: float) -> int:
 
 
 def growing(first: float, length: float, growth: float) -> Floats:
-    """Edges as `graded` gives them, `first` and `growth` kept and the length adjusted."""
+    """Edges as of `graded`, but with `first` and `growth` kept and the length adjusted."""
     count = _cell_count("growing", first, length, growth)
     return first * (growth ** np.arange(count + 1.0) - 1.0) / (growth - 1.0)

@@ -1,7 +1,7 @@
-"""Where a particle is in its cell: natural coordinates, on a fitted or a polar grid.
+"""The position of a particle in its cell: natural coordinates, on a fitted or a polar grid.
 
-Symbols: g column coordinate (0 on the surface, 1 at the fitted radius, beyond it the radius over
-that), s radius of the surface, 0 beyond the fitted radius, D the difference across the cell;
+Symbols: g column coordinate (0 on the surface, 1 at the fitted radius, beyond it radius over fitted
+radius), s radius of the surface, 0 beyond the fitted radius, D difference across the cell;
 column[i] = (g, Dg, 1/Dg), row[j] = (z, Dz, 1/Dz, s, Ds).
 """
 
@@ -20,13 +20,12 @@ class Location:
 
     natural: Any  # (position, column, row, fitted radius) -> (xi, eta)
     settle: Any  # (position, cell, columns, rows, fitted radius, cell counts) -> cell after a move
-    # (position, row) -> position, moved out of the surface where it was within
-    outside_surface: Any
+    outside_surface: Any  # (position, row) -> position, moved onto the surface if it was inside
 
 
 @wp.func
 def between_nodes(of_nodes: wp.array[vec4], node: int, stride: int, xi: real, eta: real):
-    """Bilinear between the nodes of a cell, the first of them `node`, of so many in a row."""
+    """Bilinear interpolation in the cell whose first node is `node`; `stride` nodes in a row."""
     upper = node + stride
     left = of_nodes[node] + eta * (of_nodes[upper] - of_nodes[node])
     right = of_nodes[node + 1] + eta * (of_nodes[upper + 1] - of_nodes[node + 1])
@@ -62,7 +61,7 @@ def make_location(polar: bool) -> Location:
         fitted_radius: real,
         cell_counts: wp.vec2i,
     ) -> wp.vec2i:
-        # To a neighbour at most: an index cannot leave the grid, whatever the position is.
+        # At most to a neighbour: so no position leads to an index outside the grid.
         q = on_grid(x)
         i, j = cell[0], cell[1]
         row = rows[j]

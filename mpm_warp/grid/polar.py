@@ -10,18 +10,18 @@ from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
-"""Gauss points along each side of a cell: integrals of its sines and cosines to rounding."""
+"""Gauss points along each side of a cell; they integrate sines and cosines to rounding."""
 ETA = 0.5 + 0.5 * POINTS
-"""Their natural coordinates."""
+"""Natural coordinates of the Gauss points."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PolarGrid(Grid):
-    """A grid whose rows are rays from the origin; see `Grid` for what the attributes are.
+    """A grid whose rows are rays from the origin; attributes are those of `Grid`.
 
-    Distance from the origin takes the place of r, and the angle from the z axis, `rows` [rad], that
-    of z: shape functions are bilinear in the two, cells are sectors of rings. Positions and
-    velocities stay those along r and z.
+    Distance from the origin replaces r, and the angle from the z axis, `rows` [rad], replaces z.
+    Shape functions are bilinear in the two; cells are sectors of rings. Positions and velocities
+    have components along r and z.
 
     Raises:
         SceneError: a value is not allowed, or the surface is not round.
@@ -65,7 +65,7 @@ class PolarGrid(Grid):
 
     @cached_property
     def angular_integrals(self) -> tuple[Floats, Floats]:
-        """Integrals over the angle of each row, which stay what they are when the surface moves.
+        """Integrals over the angle of each row; they do not change when the surface moves.
 
         With g the linear function of a ray: (g sin^2, g' sin cos, g sin cos, g' sin^2, g) for the
         row's two rays, shape [row_count, 2, 5], and sin, shape [row_count].
@@ -94,9 +94,9 @@ class PolarGrid(Grid):
         return walls
 
     def along_rays(self, stress: Floats) -> Floats:
-        """Stresses (rr, zz, rz, tt) of cells [Pa], [cell_count, 4], turned to their middle rays.
+        """Normal stresses of cells along their middle ray, across it and out of the plane [Pa].
 
-        Normal ones along the ray, across it, and out of the plane, [row_count, column_count, 3].
+        `stress` is (rr, zz, rz, tt), [cell_count, 4]; the result [row_count, column_count, 3].
         """
         middle = 0.5 * (self.rows[1:] + self.rows[:-1])[:, None]
         sine, cosine = np.sin(middle), np.cos(middle)

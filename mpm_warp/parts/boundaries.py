@@ -1,8 +1,8 @@
 """Conditions at the edges of a grid: held nodes, radial motion, an elastic far field.
 
 Held nodes rest relative to undisturbed soil; free is 0 or 1 for each component. Radial motion is
-along the ray n of a node. It keeps a flow radial where soil softens: otherwise the slightest
-disturbance would localise its strain in bands (Rudnicki & Rice 1975, J. Mech. Phys. Solids
+along the ray n of a node. It keeps the flow radial in soil that softens. Without it the smallest
+disturbance would localise the strain in bands (Rudnicki & Rice 1975, J. Mech. Phys. Solids
 23:371-394). The far field has springs k and dashpots c, per radian; w is the radial displacement of
 a node. The dashpots are implicit:
 
@@ -54,13 +54,9 @@ class Fixed(Part):
 
     @classmethod
     def on(cls, grid: Grid, *, radial: Sequence[str] = (), vertical: Sequence[str] = ()) -> Self:
-        """Nodes held along lines of a grid.
+        """Nodes whose radial or vertical velocity is held along lines of a grid.
 
-        Args:
-            grid: the grid.
-            radial: where the radial velocity is held: "bottom", "top", "side", "axis", as far as
-                there is soil on it, or "everywhere".
-            vertical: the same for the vertical velocity.
+        Lines are "bottom", "top", "side", "axis", as far as there is soil on it, and "everywhere".
         """
         lines: dict[str, Any] = {
             "bottom": np.s_[0],
@@ -78,7 +74,7 @@ class Fixed(Part):
 
     @classmethod
     def where(cls, *, radial: Booleans, vertical: Booleans) -> Self:
-        """Nodes held where masks of shape [row_count + 1, column_count + 1] say so."""
+        """Nodes held where masks of shape [row_count + 1, column_count + 1] are true."""
         free = np.where(np.stack([radial, vertical], axis=-1), 0.0, 1.0).reshape(-1, 2)
         nodes = np.flatnonzero(free.min(axis=-1) == 0.0)
         return cls(nodes=nodes, free=free[nodes])
@@ -106,10 +102,10 @@ def fixed(
 
 @dataclass(frozen=True, kw_only=True)
 class RadialMotion(Part):
-    """All nodes of a polar grid, which it has to be, move along their rays."""
+    """The nodes of a polar grid move only along their rays."""
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has rays."""
+        """Check that the grid is polar."""
         if not scene.grid.polar:
             raise SceneError("radial motion: the grid is a Grid, must be a PolarGrid")
 
@@ -139,14 +135,14 @@ QUIET_SPEED_RATIO = 3.3
 class FarField(Part):
     """The infinite elastic medium beyond the outer radius of the grid.
 
-    Statically a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G); for waves the quiet
-    dashpots rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877). They also resist
-    steady flow, in proportion to c. So the speed of pressure waves is taken as at most
+    It is a spring of 2 G / r per area (the elastic cavity, u = p r / 2 G) and the quiet dashpots
+    rho c of Lysmer & Kuhlemeyer (1969, J. Eng. Mech. Div. 95(4):859-877) for waves. Dashpots also
+    resist steady flow, in proportion to c. So the speed of pressure waves is limited to
     `QUIET_SPEED_RATIO` times that of shear waves. In nearly incompressible clay it is higher, and
     part of these waves is reflected.
 
     Attributes:
-        nodes: flat indices of the nodes on the side, from below to above, shape [node_count].
+        nodes: flat indices of the nodes on the side, upward, shape [node_count].
         spring: stiffness of each node per radian [N/m], >= 0, shape [node_count].
         dashpot: viscosity of each node along r and z per radian [N s/m], >= 0,
             shape [node_count, 2].
@@ -157,7 +153,7 @@ class FarField(Part):
     dashpot: Floats = field(metadata=array_of("nodes", 2, allowed=NOT_NEGATIVE))
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes, and soil that is the same everywhere."""
+        """Check that the grid has the nodes, and that the soil is uniform."""
         check_nodes("FarField: nodes", self.nodes, scene.grid.node_count)
         refuse_together(
             "FarField",
@@ -167,10 +163,10 @@ class FarField(Part):
 
     @classmethod
     def around(cls, grid: Grid, material: Material) -> Self:
-        """The medium around all of the outer side of a grid, which is round and has upright sides.
+        """The medium around the outer side of a grid, an upright cylinder.
 
         Raises:
-            SceneError: the grid has rays, or its strain is plane.
+            SceneError: the grid is polar or in plane strain.
         """
         refuse_together("FarField.around", grid.polar, "a grid of rays")
         refuse_together("FarField.around", grid.planar, "plane strain")
@@ -193,16 +189,13 @@ class FarField(Part):
         plan.add_launch(far_field, len(self.nodes))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """The springs belong to the soil beside them: they rise with it, and new ones are slack."""
+        """Springs rise with the soil beside them; a new spring has no force."""
         if by_a_row:
             raise_springs(run, lowest=0.0)
 
 
 def raise_springs(run: Run, *, lowest: Floats | float) -> None:
-    """Move the springs along the side up by a row, when the soil beside them has moved so.
-
-    The one that enters at the bottom has the displacement `lowest` [m].
-    """
+    """Move the springs up by a row; the new one at the bottom has the displacement `lowest` [m]."""
     springs = np.roll(run.array("far_field.displacement"), 1, axis=0)
     springs[0] = lowest
     run.assign("far_field.displacement", springs)

@@ -8,9 +8,9 @@ Symbols: m mass of the soil at the node, d its predicted velocity less that of t
 the two together, mu friction coefficient, a A adhesion times contact area, p A in-situ pressure
 times contact area, which the simulated stress leaves out.
 
-    J_n = m d.n, at least -p A dt: there the two part
+    J_n = m d.n, at least -p A dt, where soil and body part
     J_t = m |w|, w = d - d.n n,     at most mu P + a A dt      (stick, slip)  while P > 0, else 0
-    P   = m d.n + K + p A dt        where the surface goes through the nodes, as here
+    P   = m d.n + K + p A dt        for a surface through the nodes, as here
 
 The friction of a surface in the grid is limited in two ways. First, the shear stress is at most the
 strength k of the soil, whatever the pressure. Without this limit a rougher surface shears the cells
@@ -26,20 +26,20 @@ friction follows, which starts as p A:
     R   <- R + min(|V| dt / L, 1) (P / dt - R)     where the body has a speed, else P / dt
     J_t at most (mu R + a A) dt, R at least 0, and at most k A dt
 
-The least mass M of a node limits the acceleration of a node with little soil, which could be thrown
-off. The part of the force that then does not act on the soil acts on the body. With u and v the
-velocities before and after the force, the impulse on the body is J_n + K, at least -p A dt,
+The least mass M limits the acceleration of a node with little soil, which could be thrown off. The
+part of the force that then does not act on the soil acts on the body. With u and v the velocities
+before and after the force, the impulse on the body is J_n + K, at least -p A dt,
 
     K   = (max(m, M) - m) (v - u) . n
 
-Beside soil whose strength changes the adhesion changes with it. Symbols: k strength of a particle
-in the cells beside a node, k0 that of the material as it starts, without variation, x adhesion
-ratio of the particle where that varies, else 1, m mass of the particle.
+The adhesion follows the strength of the soil. Symbols: k strength of a particle in the cells beside
+a node, k0 initial strength of the material, without variation, x adhesion ratio of the particle, 1
+where it does not vary, m mass of the particle.
 
     a A = (a A)_0 sum m x (k / k0) / sum m,     k A likewise, without x
 
 So a rough surface stays rough where the soil beside it is remoulded or of another layer. Every 16th
-step updates the adhesion: in that time soil moves by a small part of a cell.
+step updates the adhesion; in 16 steps soil moves by a small part of a cell.
 """
 
 import functools
@@ -59,15 +59,15 @@ from mpm_warp.plan.plan import Plan, ShareRow
 from mpm_warp.scene import Part, Scene
 
 PARTED = 1e-3
-"""Mean pressure over the in-situ stress that counts as rounding: below it there is no contact."""
+"""Mean pressure over the in-situ stress below which there is no contact, but rounding."""
 OF_ADHESION, OF_STRENGTH = 0, 1
-"""Components of the sums that adhesion and strength beside a surface follow."""
+"""Components of the sums for adhesion and strength beside a surface."""
 UNIT_ROUNDING = 1e-6
-"""What the length of a unit normal may differ from 1 by."""
+"""Greatest difference of the length of a unit normal from 1."""
 
 
 def strength_changes(scene: Scene) -> bool:
-    """Whether the soil beside a surface changes, or other soil comes, of another strength."""
+    """Whether the strength of the soil beside a surface changes during a run."""
     material = scene.material
     comes = material.variation is not None and scene.find(MovingGrid) is not None
     return bool(material.state) or comes
@@ -85,15 +85,14 @@ class SurfaceContact(Part):
         normals: unit normals, outward from the soil, shape [node_count, 2].
         normal_areas: areas on which the normal traction acts [m2], shape [node_count].
         adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
-            the strength of the soil varies or changes, that beside soil of the material's own.
-        friction: Coulomb coefficient, dimensionless, >= 0; default: 0.
-        strength_forces: greatest shear force that the soil beside bears, its strength times area
-            [N], shape [node_count], where its strength varies or changes as `adhesion_forces`;
-            default: friction and adhesion are all that bound it.
+            the strength varies or changes, that beside soil of the material's initial strength.
+        friction: Coulomb coefficient, >= 0.
+        strength_forces: greatest shear force of the soil, strength times area [N], shape
+            [node_count], for the same strength as `adhesion_forces`; None: no such limit.
         in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
             part where the simulated traction pulls by more.
-        speed: at which the body sinks into the grid [m/s]; where the grid travels with the body,
-            the window has the speed and this one is not used.
+        speed: at which the body sinks into a grid that rests [m/s]; a travelling grid has the
+            speed of its window.
     """
 
     nodes: Integers
@@ -124,7 +123,7 @@ class SurfaceContact(Part):
             )
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes, in its first column beside soil that changes."""
+        """Check that the grid has the nodes; if the strength changes, in its first column."""
         check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
         if inside.size and strength_changes(scene):
@@ -136,9 +135,8 @@ class SurfaceContact(Part):
     def add_contact(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over the nodes in contact.
 
-        Where the plan has a window, the body sinks through the soil at its speed. The array
-        "contact.impulse" adds up the normal and the tangential impulse of each node on the body,
-        shape [node_count, 2], since it was last cleared.
+        The array "contact.impulse" adds up the normal and the tangential impulse of each node on
+        the body, shape [node_count, 2], since it was last cleared.
         """
         plan.add_array("contact.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("contact.normals", "vec2", self.normals)
@@ -165,7 +163,7 @@ class SurfaceContact(Part):
         )
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
-        """Add what keeps the adhesion that of the soil beside the surface, where that changes."""
+        """Add the launches by which adhesion follows the strength of the soil, if it changes."""
         material, row_count = scene.material, scene.grid.row_count
         law = material.law()
         by_soil = {}
@@ -202,7 +200,7 @@ class SurfaceContact(Part):
 
     @property
     def bound_of_friction(self) -> Floats | None:
-        """The shear forces that friction may not exceed [N], shape [node_count]; None: no bound."""
+        """Greatest shear forces with friction [N], shape [node_count]; None: no bound."""
         return self.strength_forces if self.friction > 0.0 else None
 
     def share_in_touch(self, forces: Floats) -> float:
@@ -213,10 +211,9 @@ class SurfaceContact(Part):
         return float(self.normal_areas @ touching) / area
 
     def can_part(self, material: Material, speed: float) -> bool:
-        """Whether the soil may pull at the surface by more than the in-situ stress presses.
+        """Whether soil can pull at a body of this speed [m/s] by more than the in-situ stress.
 
-        Nothing draws it together by more than the limit pressure of a cavity, and rho v^2 where it
-        has to follow a body of that speed [m/s]; twice that is taken.
+        The pull is at most the limit pressure of a cavity plus rho v^2; twice this is assumed.
         """
         pull = material.limit_pressure + material.density * speed**2
         return self.in_situ_stress < 2.0 * pull
@@ -245,9 +242,8 @@ def _make_surface_contact(
 ) -> Any:
     """The kernel, launched over the surface's nodes.
 
-    `travelling`: the grid travels with the body, which else has a speed of its own. `rubs`: it has
-    friction; `bounded`: by the strength of the soil; `moves`: the body has a speed; `enclosed`:
-    soil is all around each cell, see `mpm_warp.parts.enclosed_soil`.
+    `travelling`: the grid travels with the body. `rubs`: the surface has friction. `bounded`: the
+    strength of the soil limits shear. `moves`: the body has a speed. `enclosed`: `EnclosedSoil`.
     """
 
     @kernel
@@ -273,7 +269,7 @@ def _make_surface_contact(
         node = contact_nodes[k]
         m = node_mass[node]
         n = contact_normals[k]
-        # In a grid that travels it sinks at the speed at which the soil passes the grid.
+        # In a travelling grid the body sinks at the speed at which the soil passes the grid.
         sinking = window_motion[1] if wp.static(travelling) else speed
         if m <= zero:
             if wp.static(enclosed):
@@ -350,9 +346,9 @@ def follow_strength(
     row_count: int,
     forces: wp.array[real],
 ):
-    """Launched over the surface's nodes; one without soil keeps the force that it has.
+    """The force of a node follows component `of` of the sums; without soil it stays.
 
-    `of` is the component of the sums that the force follows.
+    Launched over the surface's nodes.
     """
     n = offset + wp.tid()
     row = contact_nodes[n] / (column_count + 1)

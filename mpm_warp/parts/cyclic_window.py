@@ -1,22 +1,21 @@
 """The cyclic window: the grid travels with a body down and up again, over a stroke.
 
-Its motion is that of a `Window`, (time, speed, travel), but it turns at the end of each passage of
-the stroke. With t the time since the last turn, t_p that of a passage, t_r that of a ramp, and V
-the greatest speed, the speed is
+Its motion is (time, speed, travel) as in a `Window`, but the grid turns at the end of each passage
+of the stroke. With t the time since the last turn, t_p the time of a passage, t_r the time of a
+ramp, and V the greatest speed, the speed is
 
     +-V min(1, t / t_r, (t_p - t) / t_r)        + on the way down
 
-At a turn the body stands still, and the soil is set to rest with it. The velocities of particles
-have parts that no node represents. These would add up from passage to passage, until soil is thrown
-about.
+At a turn the body and the soil are set to rest. The velocities of particles have parts that no node
+represents. Without this rest they would add up from passage to passage and throw soil about.
 
 No soil enters, and none is lost. The soil of the whole stroke exists from the start, in the grid
-and below it. A point that the grid has left keeps its place in the ground, its stress and its
-memory, and is at rest. Relative to the grid, which moves down by V, it moves up:
+and below it. A point that the grid has left rests at its place in the ground and keeps its stress
+and state. Relative to the grid, which moves down by V, it moves up:
 
     x <- x + dt V e_z,      v = 0           outside: cell (-1, -1)
 
-It comes back in the column that it left, as it does not move sideways.
+It returns in the column in which it left, because it does not move sideways.
 """
 
 import math
@@ -40,9 +39,7 @@ RESTING_COLUMN = "particle.resting_column"
 
 @dataclass(frozen=True, kw_only=True)
 class CyclicWindow(MovingGrid):
-    """The grid moves down through the soil over a stroke, up again, and so on.
-
-    Before each turn the speed falls as it rises after it.
+    """The grid moves down and up through the soil over a stroke, with a ramp at each turn.
 
     Attributes:
         stroke: travel of a passage, from turn to turn [m], at least that of two ramps.
@@ -62,7 +59,7 @@ class CyclicWindow(MovingGrid):
         return self.ramp_time + self.stroke / self.speed
 
     def time_to(self, distance: float) -> float:
-        """Time to a distance down and up [m], >= 0; each passage adds a stroke to it [s]."""
+        """Time [s] to a distance, the sum of all ways down and up [m], >= 0."""
         passages, since = divmod(distance, self.stroke)
         to_turn = self.stroke - since
         if since < self.ramp_travel:
@@ -74,14 +71,11 @@ class CyclicWindow(MovingGrid):
         return passages * self.passage_time + time
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """Slots for the ground below a grid, over the number of particles that fill it.
-
-        It is in rows as high as the lowest of the grid, which fill a stroke.
-        """
+        """See `MovingGrid`; the ground below has rows as high as the lowest, over a stroke."""
         return math.ceil(self.stroke / float(grid.rows[1] - grid.rows[0])) / grid.row_count
 
     def top(self, scene: Scene) -> float:
-        """Height above which the stage of the particles takes them out of the grid: none [m]."""
+        """Infinite: `leave_and_return` takes particles out of the grid, not the stage."""
         return math.inf
 
     def check(self, scene: Scene) -> None:
@@ -91,7 +85,7 @@ class CyclicWindow(MovingGrid):
         refuse_together("CyclicWindow", varies, "a material that varies")
 
     def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
-        """Put the soil below the grid into them: they are as many as it needs."""
+        """Put the soil below the grid into the empty slots, all of which it fills."""
         grid = scene.grid
         position, mass, cell, stress = (
             plan.initial(f"particle.{name}") for name in ("position", "mass", "cell", "stress")
@@ -110,7 +104,7 @@ class CyclicWindow(MovingGrid):
         plan.add_array(RESTING_COLUMN, "int", column, (grid.column_count,), may_be_none=True)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
-        """Add what lets points leave and come back, rests soil at a turn, and moves the grid on."""
+        """Add launches: points leave, return and rest at a turn; the grid moves."""
         grid = scene.grid
         plan.add_launch(
             leave_and_return,

@@ -1,6 +1,6 @@
 """Soil that encloses every cell: a cell without points for a moment is not a hole.
 
-Behind a body that soil flows around, points separate, and at times a cell has none. If it kept its
+Behind a body in flowing soil points separate, and at times a cell has none. If the cell kept its
 last stress, it would push or pull the soil around it by a constant force. Points never return to a
 cell that pushes, so the work of this force would grow without end. Symbols: sigma stress of the
 cell, K bulk modulus, e strain of a step.
@@ -20,7 +20,7 @@ from mpm_warp.scene import Part, Scene, refuse_together
 
 
 class EnclosedSoil(Part):
-    """Soil is all around every cell: none has a hole, neither by a free surface nor by parting."""
+    """Soil is all around every cell: there is no free surface and no gap."""
 
     cell_bytes = 8.0
 
@@ -29,7 +29,7 @@ class EnclosedSoil(Part):
         refuse_together("EnclosedSoil", scene.find(FreeSurface) is not None, "a free surface")
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Add "cell.enclosed_modulus", K [Pa]: that of the waves of pressure."""
+        """Add "cell.enclosed_modulus", K by the speed of pressure waves [Pa]."""
         soil = scene.material
         of_waves = soil.density * soil.pressure_wave_speed**2
         K = of_waves - 4.0 / 3.0 * soil.ground_shear_modulus

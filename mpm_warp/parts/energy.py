@@ -1,29 +1,29 @@
-"""Energy: what the transfers change, and where the work of a body on the soil goes.
+"""Energy: the loss in the transfers, and the balance of the work of a body on the soil.
 
-Every 16th step records both. The audit of the transfers records before a step, for the velocities v
-that the last one has left, and after its momentum equation, for the velocities u before it: only
-the transfer to particles and back lies between. Over a row of nodes,
+Every 16th step records both. The audit of the transfers takes the kinetic energy by the velocities
+v that the last step has left, and by the velocities u before the momentum equation of this step.
+Between the two there is only the transfer to particles and back. Over a row of nodes,
 
     E <- E + sum m u.u / 2        before the step
     E <- E - sum m v.v / 2        after the one before it
 
-Symbols of the balance: m mass of a node, M the greater of it and its least mass, u velocity before
-the step, w by the stress of the soil alone, g with what the ground around does beside it, v after
-the step, x = (u + v) / 2, B velocity of the body; V volume, b viscosity, d rate of dilation of a
-cell; tau trial stress, sigma stress after the law of the material, e elastic energy per volume, dev
-the deviator, G and K moduli. Added up are, of each node, cell and point,
+Symbols of the balance: m mass of a node, M the greater of m and its least mass, u velocity before
+the step, w velocity after the stress of the soil has acted, g after the ground around has acted
+too, v after the step, x = (u + v) / 2, B velocity of the body; V volume, b viscosity, d rate of
+dilation of a cell; tau trial stress, sigma stress after the update, e elastic energy per volume,
+dev the deviator, G and K moduli. For each node, cell and point the sums are
 
-    by the body     m (v - g).B, of it to the soil m (v - g).x: the rest is sliding
+    by the body     m (v - g).B, of which m (v - g).x to the soil; the rest is sliding
     by the ground   m (g - w).x
     kinetic         m (v.v - u.u) / 2
-    least mass      (m - M) (w - u).x: what it keeps from the work of stress
+    least mass      (m - M) (w - u).x: the part of the work of stress that it removes
     viscous         V b d^2 dt
     plastic         V sigma:dev(tau - sigma) / 2G
     elastic         V (e(sigma) - e(before)),   e = dev sigma:dev sigma / 4G + (tr sigma)^2 / 18K
 
-The velocity x makes the works of a node those of its kinetic energy, exactly. What is left of them
-is the work of stress; that in cells and points is the same, found in another way. Points have the
-volume that the step gives them: together they fill their cell.
+With the velocity x the works of a node add up to its kinetic energy exactly; the rest is the work
+of stress. The sums of cells and points are the same work, found in another way. The volumes of the
+points are those of the step: together they fill their cell.
 """
 
 import functools
@@ -43,18 +43,15 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Part, Scene
 
 OF_NODES, OF_CELLS, OF_POINTS = "balance.nodes", "balance.cells", "balance.points"
-"""The arrays of work [J] per radian: of nodes (by the body, of it to the soil, by the ground,
+"""Arrays of work per radian [J]: of nodes (by the body, by the body to the soil, by the ground,
 kinetic, least mass), of cells (viscous), of slots (plastic, elastic)."""
 
 
 class EnergyAudit(Part):
-    """Samples what energy the transfers create or dissipate."""
+    """Records the energy that the transfers create or dissipate."""
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
-        """Add an audited step.
-
-        The array "transfer.energy" adds up what each row of nodes has gained in these steps [J].
-        """
+        """Add an audited step; the array "transfer.energy" is its E [J] of each row of nodes."""
         rows = scene.grid.row_count + 1
         plan.add_zeros("transfer.energy", "real", rows)
         of = functools.partial(plan.launch, kinetic_energy, rows)
@@ -63,13 +60,13 @@ class EnergyAudit(Part):
 
 
 class EnergyBalance(Part):
-    """Samples where the work of the body goes; the soil has a bulk viscosity then."""
+    """Records the balance of the work of the body; the scene has a bulk viscosity."""
 
     needs = (MovingGrid, SurfaceContact, EnergyAudit)
     cell_bytes, point_bytes = 88.0, 16.0
 
     def check(self, scene: Scene) -> None:
-        """Check that there is a bulk viscosity, and an elastic energy: constant moduli."""
+        """Check that there is a bulk viscosity, and that the moduli are constant."""
         if scene.bulk_viscosity is None:
             raise SceneError("EnergyBalance: not without a bulk_viscosity")
         check_kind("EnergyBalance: material", scene.material, Isotropic)
@@ -86,12 +83,12 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_POINTS, "vec2", slots)
         keep = functools.partial(plan.launch, keep_velocity, grid.node_count)
         of_points = plan.launch(_make_work_of_points(scene.material.law()), slots)
-        # Cells still have the mass of their points, and the rates of the step before.
+        # Here cells still have the mass of their points, and the rates of the last step.
         plan.audit(plan.launch(work_of_cells, grid.cell_count), before="cell_stress")
         plan.audit(keep(kept="balance.by_stress"), after="momentum")
         plan.audit(keep(kept="balance.by_ground"), before="surface_contact")
         plan.audit(plan.launch(work_of_nodes, grid.node_count), after="surface_contact")
-        # The rates of cells are known, and points still have the stress before the law.
+        # Here the rates of cells are known, and points have the stress before the update.
         plan.audit(of_points, before="grid_to_particles")
 
 
@@ -104,10 +101,7 @@ def kinetic_energy(
     node_velocities: wp.array[vec4],
     transfer_energy: wp.array[real],
 ):
-    """Launched over rows of nodes, each of which keeps its own sum.
-
-    The velocity begins at component `first`: at 0 after a step, at 2 before it.
-    """
+    """Launched over rows of nodes; the velocity begins at component `first`: v at 0, u at 2."""
     j = wp.tid()
     total = real(0.0)
     for i in range(column_count + 1):
@@ -165,7 +159,7 @@ def work_of_cells(
     balance_specific_volume: wp.array[real],
     balance_cells: wp.array[real],
 ):
-    """Launched over cells; it leaves their volume over the mass of their points too."""
+    """Viscous work, and volume over the mass of the points; launched over cells."""
     c = offset + wp.tid()
     V, d = cell_volume[c], cell_dilation_rate[c]
     m = real(0.0)

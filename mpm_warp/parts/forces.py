@@ -33,7 +33,7 @@ class Gravity(Part):
 
 @kernel
 def gravity(offset: int, change: real, node_mass: wp.array[real], node_velocities: wp.array[vec4]):
-    """Launched over nodes; one without soil keeps what it has."""
+    """Launched over nodes; a node without soil is left out."""
     node = offset + wp.tid()
     if node_mass[node] > zero:
         node_velocities[node] -= vec4(zero, change, zero, zero)
@@ -41,7 +41,7 @@ def gravity(offset: int, change: real, node_mass: wp.array[real], node_velocitie
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NodalLoad(Part):
-    """Constant forces on nodes, there from the first step on.
+    """Constant forces on nodes from the first step on.
 
     Attributes:
         nodes: flat indices, each once, shape [node_count].
@@ -84,7 +84,7 @@ class Damping(Part):
     """Drag in proportion to momentum, implicit in time.
 
     Attributes:
-        rate: at which all motion dies out, force over momentum c [1/s], > 0.
+        rate: c, force over momentum [1/s], > 0.
     """
 
     rate: float = checked(POSITIVE, unit="1/s")

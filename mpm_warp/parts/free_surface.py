@@ -1,20 +1,20 @@
 """Free surfaces: the stress of a partly filled cell acts in proportion to its filling.
 
-The surface of the ground moves up through a window that goes down, and leaves it at the top. Cells
-are partly filled only near it. In those
+The surface of the ground moves up through a window that moves down, and leaves it at the top. Cells
+are partly filled only near the surface. There
 
-- the stress acts as far as the cell is filled (`mpm_warp.step.cells`),
-- a material point takes a share a of its velocity from the grid as it is, in every step:
-  v_p <- v_p + N (v - u) + a (N u - v_p), the PIC fraction of Zhu & Bridson (2005, ACM Trans. Graph.
-  24:965-972). It takes away what the transfers add where points come into empty cells. It acts as a
-  shear viscosity of the order a rho h^2 / (8 dt), h the width of a cell: less in finer cells.
+- the stress acts in proportion to the filling (`mpm_warp.step.cells`),
+- a material point takes a share a of its velocity from the grid in every step, the PIC fraction of
+  Zhu & Bridson (2005, ACM Trans. Graph. 24:965-972): v_p <- v_p + N (v - u) + a (N u - v_p). This
+  removes the energy that the transfers add where points enter empty cells. It acts as a shear
+  viscosity of the order a rho h^2 / (8 dt), where h is the width of a cell: less in finer cells.
 
-Deeper cells have the mass-matrix correction of full cells instead, and act with all of their stress
-where they are at least half full. If their stress were reduced as near the surface, the scatter of
-points would make the soil some 4 % weaker. If it were never reduced, soil that separates at a hole
-beside the shaft would be thrown about.
+Deeper cells have the mass-matrix correction instead. Their full stress acts if they are at least
+half full. If it were reduced as near the surface, the scatter of points would make the soil some
+4 % weaker. If it were never reduced, soil that separates at a hole beside the shaft would be thrown
+about.
 
-The soil is weightless, so it is enough to know that the surface is in the layer near it.
+The soil is weightless, so the exact position of the surface in the layer near it does not matter.
 """
 
 from dataclasses import dataclass
@@ -28,20 +28,20 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 DEEP_FILLING = 0.5
-"""Filled share of a cell above which, far below the surface, all of its stress acts."""
+"""Filled share of a cell from which, far below the surface, its full stress acts."""
 
 
 @dataclass(frozen=True)
 class FreeSurface(Part):
-    """A surface of the soil that passes through cells; their stress acts as far as they are filled.
+    """A free surface at rest; stress acts in proportion to the filling of cells.
 
-    No cell has a mass-matrix correction, which is that of full ones.
+    No cell has a mass-matrix correction, which is derived for full cells.
     """
 
     cell_bytes = 16.0
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Add "cell.full_mass", from which on a cell acts with all of its stress, and the like."""
+        """Add the arrays of `_of_cells`; "cell.full_mass" is the mass of full stress [kg]."""
         for name, values in self._of_cells(scene, 0.0).items():
             plan.add_array(name, "real", values)
 
@@ -55,9 +55,9 @@ class PassingSurface(FreeSurface):
 
     Attributes:
         level: height of the undisturbed surface in the grid at the start [m].
-        layer: thickness of the layer below it that counts as near [m], > 0; all above the level
-            counts as near too, as soil heaves there.
-        pic_fraction: a in that layer and above it, dimensionless, > 0 and <= 1.
+        layer: thickness of the layer below it that counts as near [m], > 0; everything above the
+            level is near too, because soil heaves there.
+        pic_fraction: a near the surface, > 0 and <= 1.
     """
 
     needs = (Window,)
@@ -66,15 +66,12 @@ class PassingSurface(FreeSurface):
     pic_fraction: float = checked(Range(above=0.0, maximum=1.0))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """The cells near the surface are others, higher in the grid."""
+        """Move the cells near the surface up."""
         for name, values in self._of_cells(scene, travel).items():
             run.assign(name, values)
 
     def _of_cells(self, scene: Scene, travel: float) -> dict[str, Floats]:
-        """PIC fraction, and mass [kg] per radian from which on a cell acts with all of its stress.
-
-        Cells are near that reach up into the layer below the surface, or are above it.
-        """
+        """PIC fraction, and mass of full stress per radian [kg]; by whether a cell is near."""
         grid = scene.grid
         near_rows = grid.rows[1:] > self.level + travel - self.layer
         is_near = np.repeat(near_rows, grid.column_count)

@@ -1,4 +1,4 @@
-"""History: where the soil of a run comes from, and its plastic shear strain.
+"""History: the place in the ground from which soil comes, and its plastic shear strain.
 
 The place of entry X is a position in the ground. Soil at rest at x in the grid is at x + T e_z
 after the grid has travelled down by T. So the displacement u since entry needs no kernel:
@@ -6,13 +6,13 @@ after the grid has travelled down by T. So the displacement u since entry needs 
     u = x - T e_z - X
 
 Every 16th step also records the plastic shear strain of the soil. Symbols: tau elastic trial
-stress, G its shear modulus, sigma stress after the law of the material, dev the deviator. The
-difference of both stresses is due to plastic strain. Its deviator de, and the sum gamma, are
+stress, G its shear modulus, sigma stress after the step, dev the deviator. Plastic strain causes
+the difference of both stresses. Its deviator de and the sum gamma are
 
     de = dev(tau - sigma) / (2 G),    gamma <- gamma + 16 sqrt(2 de:de)
 
-so gamma, in pure shear, is the plastic part of the engineering shear strain. A step moves a point
-by a small part of a cell: the strain of 16 steps is about 16 times that of one of them.
+In pure shear gamma is the plastic engineering shear strain. A step moves a point by a small part of
+a cell, so the strain of 16 steps is about 16 times that of one step.
 """
 
 import functools
@@ -30,13 +30,13 @@ from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan, Run
 from mpm_warp.scene import Part, Scene
 
 ORIGIN = "particle.origin"
-"""The array of the places of entry X [m], shape [slot_count, 2]."""
+"""Array of the places of entry X [m], shape [slot_count, 2]."""
 PLASTIC_STRAIN = "particle.plastic_strain"
-"""The array of what each point has borne since it entered, shape [slot_count]."""
+"""Array of gamma since entry, shape [slot_count]."""
 
 
 class History(Part):
-    """Points keep where they entered, and add up their plastic shear strain."""
+    """Points store their place of entry and their plastic shear strain."""
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the arrays of the places of entry and of the plastic strain."""
@@ -44,19 +44,18 @@ class History(Part):
         plan.add_zeros(PLASTIC_STRAIN, "real", plan.arrays["particle.mass"].shape)
 
     def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
-        """The layer keeps where it enters."""
+        """Store the place of entry of a layer."""
         run.assign("layer.origin", position - np.array([0.0, travel]))
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
-        """Add the record of the plastic strain, and the share of its strength that soil bears.
+        """Add the record of the plastic strain, and the launch "yield_share" between steps.
 
-        The launch "yield_share", ordered between steps, leaves in `yield.share` the shear stress of
-        each slot over the shear strength, as the material's own criterion measures them: 1 where it
-        yields. There is none where the material never does.
+        The launch gives the array `yield.share`, the shear stress of each slot over the shear
+        strength by the yield function: 1 at yield. There is none where the material never yields.
         """
         law, slots = scene.material.law(), plan.arrays["particle.mass"].shape
         record = plan.launch(_make_record_plastic_strain(law), slots)
-        # The rates of cells are known, and the stress is still that before the law.
+        # Here the rates of cells are known, and the stress is still that before the update.
         plan.audit(record, before="grid_to_particles")
         if law.yield_function is not None:
             plan.add_zeros("yield.share", "real", slots)
@@ -64,7 +63,7 @@ class History(Part):
 
 
 def displacement(run: Run, travel: float) -> Floats:
-    """Displacement of each slot's point since it entered, the grid having travelled so far [m]."""
+    """Displacement of each slot's point since entry [m], after a travel of the grid [m]."""
     moved: Floats = run.array("particle.position") - run.array(ORIGIN)
     moved[:, 1] -= travel
     return moved
@@ -102,7 +101,7 @@ def _make_record_plastic_strain(law: Law) -> Any:
 
 @functools.cache
 def _make_yield_share(law: Law) -> Any:
-    """The kernel, launched over slots of particles; an empty slot gives what its stress gives."""
+    """The kernel, launched over slots of particles, empty ones too."""
 
     @kernel
     def yield_share(

@@ -1,24 +1,24 @@
-"""Soil enters a travelling window layer by layer; then the velocities of all points are bounded.
+"""Soil enters a travelling window layer by layer; the velocities of all points are then bounded.
 
-A layer that enters is a copy of the lowest layer as it was seeded. It copies every array of the
-particles, so those that parts or materials have added are copied too. Where the material varies,
-the layer has the properties of its depth. A part may set further values (`Part.enter`), and update
-what depends on the travel (`Part.follow`). Last, the material law takes a step without strain: the
-ground around the window is elastic, and its stress may be outside the yield surface.
+A layer that enters is a copy of the lowest layer as it was seeded, in all arrays of the particles,
+also those that parts and materials have added. Where the material varies, the layer has the
+properties of its depth. A part may set further values (`Part.enter`) and follow the travel
+(`Part.follow`). Last, the material law takes a step without strain, because the stress of the
+elastic ground around the window may be outside the yield surface.
 
 The bound limits w, the velocity of a point relative to the interpolated velocity of the grid.
 Symbols: v_p velocity of the point, v velocity of the nodes, N shape functions at the point.
 
-    w = v_p - N v, |w| at most W:    v_p <- N v + w W / |w| beyond
+    w = v_p - N v,      v_p <- N v + w W / |w| where |w| > W
 
-A scene may give a closer bound s. Then |w| is at most s, or OVER_CELL times the difference of v at
-opposite corners of the cell where that is more: sound soil may have as much within a coarse cell.
+A scene may give a lower bound s. Then |w| is at most s, or OVER_CELL times the difference of v at
+opposite corners of the cell if that is more: in a coarse cell sound soil may have as much.
 
 A point does not move by its w, but passes it to the nodes in the next step. A point that stays near
-a tip, a shoulder or a pole for long gathers more and more of it, as it gets the same changes as
-points that pass quickly. In the end it would be faster than waves. This takes many steps, so the
-bound is applied only when a layer enters, and costs next to nothing. A point that is faster than
-waves already is a fault; the watch reports it.
+a tip, a shoulder or a pole gathers more and more of it, because it gets the same changes as points
+that pass quickly. In the end it would be faster than waves. This takes many steps, so the bound is
+applied only when a layer enters, and costs next to nothing. A point that is already faster than
+waves is a fault; the watch reports it.
 """
 
 import functools
@@ -38,23 +38,23 @@ from mpm_warp.plan.plan import Plan, Run, share_bounds
 from mpm_warp.scene import Scene
 
 ROUNDING = 1e-6
-"""Share of a step that counts as rounding: no further step is taken to reach a distance."""
+"""Share of a step that counts as rounding and needs no further step."""
 REMEDY = "where soil piles up finer cells, more spare slots or less travel"
 VELOCITY_BOUND = "velocity.bound"
-"""Name of the launch, which is ordered between steps."""
+"""Name of the launch between steps."""
 SHARE_OF_WAVE, OVER_WINDOW = 0.5, 4.0
-"""W is the smaller of the first times the speed of pressure waves and the second times the largest
-speed of the grid. In sound runs points reach 0.12 and 2.7 of these speeds."""
+"""W over the speed of pressure waves, and over the largest speed of the grid; the smaller W holds.
+In sound runs points reach 0.12 and 2.7 of these speeds."""
 OVER_CELL = 2.0
-"""Bound of w over the difference of the velocities at opposite corners of a cell, if above s."""
+"""Bound of |w| over the difference of the velocities at opposite corners of a cell, if above s."""
 
 
 def add_inflow(plan: Plan, scene: Scene, *, window_speed: float, stray_speed: float) -> None:
-    """Add the arrays and launches by which a layer enters, once all particle arrays are added.
+    """Add the arrays and launches by which a layer enters, after all particle arrays.
 
-    The greatest speed of the window is `window_speed`, the closer bound s `stray_speed` [m/s]. Of
-    every array "particle.x" the plan gets "layer.x", its values in a layer that enters, and the
-    launch "enter.x" to be ordered between steps, which writes them into the slots "layer.slots".
+    `window_speed` is the greatest speed of the window, `stray_speed` the bound s [m/s]. For every
+    array "particle.x" the plan gets "layer.x", the values of an entering layer, and the launch
+    "enter.x" between steps, which writes them into the slots "layer.slots".
     """
     W = min(SHARE_OF_WAVE * scene.material.pressure_wave_speed, OVER_WINDOW * window_speed)
     plan.between_steps[VELOCITY_BOUND] = plan.launch(
@@ -87,7 +87,7 @@ def add_inflow(plan: Plan, scene: Scene, *, window_speed: float, stray_speed: fl
 
 
 class Inflow:
-    """Lets soil into a run that has not travelled yet, layer by layer.
+    """Lets soil into a run, layer by layer.
 
     `highest_speed_from` gives the highest speed [m/s] of the window beyond a travel [m].
     """
@@ -111,11 +111,11 @@ class Inflow:
 
     @property
     def travel(self) -> float:
-        """How far the window has moved down through the soil [m]."""
+        """Distance that the window has moved down through the soil [m]."""
         return float(self._run.array("window.motion")[2])
 
     def steps_to(self, travel: float) -> int:
-        """Steps to a travel [m], at least 1; fewer than needed where the speed rises or falls."""
+        """Steps to a travel [m], at least 1; too few while the speed rises or falls."""
         now = self.travel
         per_step = self._highest_speed_from(now) * self._run.plan.time_step
         return max(1, math.ceil((travel - now) / per_step - ROUNDING))
@@ -126,7 +126,7 @@ class Inflow:
         return self.steps_to(self._next_layer)
 
     def act(self) -> None:
-        """Let a layer in if it is time; `WindowOverfull` where there are no slots left for it."""
+        """Let a layer in if it is time; `WindowOverfull` if too few slots are free."""
         travel = self.travel
         above_bottom = travel - self._next_layer
         if above_bottom < 0.0:
@@ -154,7 +154,7 @@ class Inflow:
             part.follow(run, scene, travel, by_a_row=by_a_row)
 
     def _enter_by_law(self, place: Floats) -> None:
-        """Give a layer what the material says of its place in the ground [m], [point_count, 2]."""
+        """Give a layer properties and state by its place in the ground [m], [point_count, 2]."""
         run, material = self._run, self._scene.material
         if PROPERTIES in run.plan.arrays:
             run.assign("layer.properties", material.properties_at(place))
@@ -169,7 +169,7 @@ class Inflow:
         return (self._layer_count + 0.5) * self._layer_height
 
     def _chosen(self, free: Integers) -> Integers:
-        """As many of the free slots as a layer needs: those of the shares that have most."""
+        """Free slots for a layer, from the shares that have most."""
         bounds = self._share_bounds
         end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
         left_in_share = end_of_share - np.arange(len(free))
@@ -178,8 +178,6 @@ class Inflow:
 
 @functools.cache
 def _make_enter(dtype: Any) -> Any:
-    """The kernel that writes the values of a layer into its slots; over the layer's particles."""
-
     @kernel
     def enter(layer_slots: wp.array[int], layer: wp.array[dtype], field: wp.array[dtype]):
         k = wp.tid()
@@ -190,9 +188,9 @@ def _make_enter(dtype: Any) -> Any:
 
 @functools.cache
 def _make_enter_by_law(law: Law) -> Any:
-    """The kernel that brings what has entered within its yield surface; over the layer's particles.
+    """The kernel that returns stress outside the yield surface to it; over the layer's particles.
 
-    What is within stays as it is, and nothing is remembered of it.
+    A stress within stays, and so does the state of all.
     """
 
     @kernel

@@ -1,27 +1,27 @@
 """Conservative velocity interpolation: a flow whose divergence is uniform in a cell.
 
-A cell has one strain. The divergence of the bilinear velocity between its nodes has this value only
-in the mean; in some parts of the cell particles gather, in others they separate. Soil that stays
-long where particles gather, such as beside a rough wall, piles up without end. So particles also
-move with a flow within the cell that corrects the divergence and does not cross its edges (Meyer &
-Jenny 2004, PAMM 4:466-467), here about an axis or in plane strain.
+A cell has one strain. The bilinear velocity between its nodes has this divergence only in the mean:
+in some parts of the cell particles gather, in others they separate. Soil that stays long where
+particles gather, such as beside a rough wall, piles up without end. So particles also move with a
+flow within the cell that corrects the divergence and does not cross its edges (Meyer & Jenny 2004,
+PAMM 4:466-467), here in axisymmetry and in plane strain.
 
 Symbols: xi, eta natural coordinates of the cell, u_ij velocity (r, z) of its nodes, d change over
-the step. At half the height, r0 and r1 radii of the left and right edge, r their mean, c centroid
-in xi, w width; h height, l lean of the edges: the rise of their radius over the height.
+the step, h height, l increase of the radius of the edges over the height; at half the height, r0
+and r1 radii of the left and right edge, r their mean, c centroid in xi, w width.
 
     d r = xi (1 - xi) (P + xi Q) + eta (1 - eta) S l / h
     d z = eta (1 - eta) S
 
     P     = w (c T / h + (r0 e1 - r1 e0) / (2 r r0))            T = u_00 - u_10 - u_01 + u_11, its z
     P + Q = w ((1 - c) T / h + (r0 e1 - r1 e0) / (2 r r1))      e_i = mean of u_i0 and u_i1, its r
-    S     = h (C - l T / h) / (2 w)                             C = the r of what T is the z of
+    S     = h (C - l T / h) / (2 w)                             C = the same sum as T, its r
             + h ((a_0 + a_1) / 2 - (e0 + e1) l / (2 r)) / (2 r) a_i = u_i1 - u_i0, its r
 
-In an upright cell all heights, and along their length both edges, have the divergence of the cell
-exactly; in between it is off by about w / r of what it was, as where edges lean. In a cell on the
-axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere. So it is in
-upright cells in plane strain, where 1 / r is 0 in all this: c = 1/2, P = w T / (2 h), Q = 0.
+In an upright cell the mean divergence at each height, and that along both edges, is exactly that of
+the cell. In between, and where edges lean, about w / r of the former error is left. In a cell on
+the axis r0 and e0 are 0, P = w T / (3 h), Q = 0, and the divergence is the same everywhere. The
+same holds for upright cells in plane strain, where 1 / r is 0: c = 1/2, P = w T / (2 h), Q = 0.
 """
 
 import numpy as np
@@ -34,9 +34,9 @@ from mpm_warp.scene import Part, Scene, refuse_together
 
 
 class ConservativeInterpolation(Part):
-    """Particles follow a flow that changes volume alike all over a cell.
+    """Particles follow a flow with a uniform divergence in each cell.
 
-    For soil that streams along a wall for long. The grid has horizontal rows.
+    For soil that flows along a wall for long. The grid has horizontal rows.
     """
 
     cell_bytes = 112.0
@@ -51,11 +51,7 @@ class ConservativeInterpolation(Part):
 
 
 def interpolation_weights(grid: Grid) -> Floats:
-    """Factors of sums and differences of the velocities of the nodes of each cell.
-
-    They are ten dimensionless numbers a cell of a grid with horizontal rows, in the order in which
-    the kernel takes them; shape [cell_count, 10].
-    """
+    """Ten dimensionless weights of `conservative_flow` for each cell, shape [cell_count, 10]."""
     radius, height = np.moveaxis(grid.node_positions[grid.cell_nodes], -1, 0)
     r0, r1 = 0.5 * (radius[:, 0] + radius[:, 2]), 0.5 * (radius[:, 1] + radius[:, 3])
     r, w, h = 0.5 * (r0 + r1), r1 - r0, height[:, 2] - height[:, 0]
@@ -87,7 +83,7 @@ def interpolation_weights(grid: Grid) -> Floats:
 
 @wp.func
 def conservative_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: vec10) -> vec4:
-    """(P, Q, S l / h, S) per time of a cell, by the velocities of its nodes and its weights."""
+    """(P, Q, S l / h, S) of a cell per time."""
     T = (u_00[1] - u_10[1]) - (u_01[1] - u_11[1])
     left, right = u_00[0] + u_01[0], u_10[0] + u_11[0]
     a_0, a_1 = u_01[0] - u_00[0], u_11[0] - u_10[0]
@@ -104,7 +100,7 @@ def conservative_flow(u_00: vec4, u_10: vec4, u_01: vec4, u_11: vec4, weight: ve
 
 @wp.func
 def flow_displacement(flow: vec4, xi: real, eta: real) -> vec2:
-    """(d r, d z) at a place in the cell, by the result of `conservative_flow` over a step."""
+    """(d r, d z) at a place in the cell, from `conservative_flow` times the time step."""
     upright = eta * (one - eta)
     across = xi * (one - xi) * (flow[0] + xi * flow[1])
     return vec2(across + upright * flow[2], upright * flow[3])

@@ -7,8 +7,8 @@ of a cell, h its height, N shape functions. For a cell with vertical sides, per 
     integral of dN/dz r = -+ w (a/2 + w/6)         below and above, inner;  w (a/2 + w/3)  outer
     integral of N       = w h / 4
 
-For a sector of a ring, in distance and angle, they are products of integrals over the two: with
-f and g the linear functions along either, P = integral of f' rho^2, Q of f rho, and of the angle t
+For a sector of a ring they are products of integrals over distance rho and angle t. With f and g
+the linear shape functions along rho and t, P = integral of f' rho^2, Q = integral of f rho:
 
     integral of dN/dr r = P (g sin^2) + Q (g' sin cos)
     integral of dN/dz r = P (g sin cos) - Q (g' sin^2)
@@ -35,16 +35,15 @@ sixth = wp.constant(real(1.0 / 6.0))
 
 @dataclass(frozen=True, kw_only=True)
 class MovingWall(RampedMotion):
-    """A smooth wall, a cylinder or a sphere, the first column of the grid's nodes, pushed outward.
+    """A smooth cylindrical or spherical wall, the first column of nodes, that moves outward.
 
-    The columns between the wall and the outer radius draw together in proportion; soil passes
-    from cell to cell.
+    The columns up to the outer radius move closer in proportion; soil passes from cell to cell.
     """
 
     not_beside = ((MovingGrid, ""),)
 
     def check(self, scene: Scene) -> None:
-        """Check that wall and columns are upright, and that the soil is the same everywhere."""
+        """Check that wall and columns are upright, and that the soil is uniform."""
         grid = scene.grid
         for is_there, what in (
             (grid.planar or np.ptp(grid.surface_radius) > 0.0, "a grid that leans or is plane"),
@@ -54,7 +53,7 @@ class MovingWall(RampedMotion):
             refuse_together("MovingWall", is_there, what)
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Have the time step follow the cells, which the wall draws together."""
+        """Make the time step follow the cells, which become narrower."""
         speed = scene.material.pressure_wave_speed
 
         def shortest_crossing_time(array: Callable[[str], NDArray[Any]]) -> float:
@@ -66,10 +65,10 @@ class MovingWall(RampedMotion):
         )
 
     def add_contact(self, plan: Plan, scene: Scene) -> None:
-        """Add the launch by which the wall pushes the soil beside it; it acts on nodes.
+        """Add the launch by which the wall pushes the soil, over rows of nodes.
 
-        The array "wall.motion" holds (time [s], speed [m/s], radius [m]) of the wall for each row
-        of nodes, "wall.impulse" the impulse of the soil on each since it was last cleared.
+        The array "wall.motion" holds (time [s], speed [m/s], radius [m]) of the wall for each row,
+        "wall.impulse" the impulse of the soil on each node since it was last cleared.
         """
         grid = scene.grid
         motion = np.zeros((grid.row_count + 1, 3))
@@ -80,7 +79,7 @@ class MovingWall(RampedMotion):
         plan.add_launch(push, grid.row_count + 1)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
-        """Add the launches that move the wall at the end of a step and draw the cells together."""
+        """Add the launches that move the wall and update the cells, at the end of a step."""
         grid = scene.grid
         plan.add_launch(move_wall, grid.row_count + 1, speed=self.speed, ramp_time=self.ramp_time)
         if isinstance(grid, PolarGrid):
@@ -100,7 +99,7 @@ def move_wall(
     wall_motion: wp.array[vec3],
     grid_rows: wp.array[vec5],
 ):
-    """The wall moves on by a step, its speed rising linearly to the last; over rows of nodes."""
+    """Move the wall by a step; its speed rises linearly in time. Launched over rows of nodes."""
     j = wp.tid()
     before = wall_motion[j]
     time = before[0] + time_step
@@ -139,7 +138,7 @@ def refit_cells(
 
 @wp.func
 def part(P: real, Q: real, t: vec5) -> vec3:
-    """Integrals of a node, by those over distance and angle."""
+    """Integrals of a node from those over distance and angle."""
     return vec3(P * t[0] + Q * t[1], P * t[2] - Q * t[3], Q * t[4])
 
 
@@ -180,10 +179,7 @@ def push(
     node_velocities: wp.array[vec4],
     wall_impulse: wp.array[real],
 ):
-    """The wall carries its nodes along, without shear; adds up the impulses of the soil on it.
-
-    Launched over the rows of nodes.
-    """
+    """Give nodes the normal velocity of the wall and add up its impulses; over rows of nodes."""
     j = wp.tid()
     node = j * (column_count + 1)
     v = node_velocities[node]

@@ -1,38 +1,38 @@
-"""The ground around a travelling window: it moves as the body in the window moves it.
+"""The ground around a travelling window, which the body in the window moves.
 
-The body makes room for itself: it puts the volume pi R^2 into the ground per unit of its travel, R
-being the radius of the shaft behind it. From afar that is a point source. With x = (r, z) seen
-from the source, z upward, d = |x|, and V the speed of the body, incompressible elastic ground has
+The body displaces the volume pi R^2 per unit of its travel, where R is the radius of the shaft
+behind it. From afar it is a point source. With x = (r, z) relative to the source, z upward,
+d = |x|, and V the speed of the body, incompressible elastic ground has the velocity
 
     v = V R^2 / 4 x / d^3                                          velocity
 
-which is harmonic, so that the mean stress does not change. While the source comes from infinitely
+This field is harmonic, so the mean stress does not change. While the source comes from infinitely
 far above, the ground gets the stress 2 G grad v integrated over time, for (rr, zz, rz, tt)
 
     2 G R^2 / 4 (-(q + z / d^3), z / d^3, r / d^3, q)              stress
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
 
-The soil in the grid starts with this stress, its deviator reduced to su where it is larger, as if
-the body had come from far. The pressure in equilibrium with it builds up with the first waves. Soil
-that yields ahead of the body transmits its push, so this source is ahead of the body, by
-0.3 R sqrt(G/su). From undisturbed ground, the start would act on the resistance for a penetration
-of two to three heights of the window.
+The soil in the grid starts with this stress, as if the body had come from far; its deviator is
+reduced to su where it is larger. The pressure in equilibrium with it builds up with the first
+waves. Soil that yields ahead of the body transmits its push, so this source is ahead of the body,
+by 0.3 R sqrt(G/su). A start in undisturbed ground would affect the resistance over a penetration of
+two to three heights of the window.
 
-Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node act
-about that motion, per radian and for each component, A its area and t the growth of the source's
-traction per travel, v the source's velocity over V:
+Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node
+resist motion that differs from it, per radian and for each component. A is the area of the node, t
+the growth of the source's traction per travel, v the source's velocity over V:
 
     m dv_node/dt = -k w - c (v_node - V v),    dw/dt = v_node - V (v + A t / k)
 
 Where a free surface passes, k and c of a node are in proportion to its mass over that beside full
 cells.
 
-Soil that enters at the bottom has the velocity and the stress of the source, and springs that enter
-beside it hold that stress. Where the material varies, stress, springs and dashpots are those of the
-soil's own stiffness; k and t are in proportion, so that the motion is that of uniform ground.
+Soil that enters at the bottom has the velocity and the stress of the source; springs that enter
+beside it balance that stress. Where the material varies, stress, springs and dashpots follow the
+local stiffness; k and t are in proportion, so the motion is that of uniform ground.
 
-So a small window has the resistance of a large one. With a bottom and a top at rest, the volume of
-the body would have to flow out between them, which needs additional pressure.
+So a small window has the resistance of a large one. Between a bottom and a top at rest the
+displaced volume would have to flow out sideways, which needs additional pressure.
 """
 
 import functools
@@ -55,15 +55,15 @@ from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
 AHEAD = 0.3
-"""How far ahead of the body the source of the stress at the start is, over R sqrt(G / su), the
-radius of the plastic zone around a long shaft: so the stress is most like that of a long way."""
+"""Distance of the source of the initial stress ahead of the body, over R sqrt(G / su), the radius
+of the plastic zone around a long shaft. Here the stress is most like that after a long travel."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
-"""(rr, zz, rz, tt) of a stress that is the same in all directions."""
+"""(rr, zz, rz, tt) of an isotropic unit stress."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TravellingSource(Checked):
-    """The motion and the stress that a body going down leaves in elastic ground far from it.
+    """Motion and stress of elastic ground far from a body that moves down.
 
     Positions are (r, z) in a grid that travels with the body [m], shape [..., 2].
 
@@ -83,17 +83,17 @@ class TravellingSource(Checked):
         return 0.25 * self.radius**2 * x / distance[..., None] ** 3
 
     def stress_since(self, position: Floats, travel: float) -> Floats:
-        """Stress (rr, zz, rz, tt) that soil has got while the body went so far [Pa], [..., 4].
+        """Stress (rr, zz, rz, tt) of soil by a travel of the body [m] so far [Pa], [..., 4].
 
-        The soil is at these positions now: off the axis above the source.
+        The present positions are off the axis above the source.
         """
         return self.stress_from_afar(position) - self.stress_from_afar(_place(position, travel))
 
     def stress_from_afar(self, position: Floats) -> Floats:
-        """The same of a body that has come from infinitely far above [Pa], shape [..., 4]."""
+        """The same for a body that has come from infinitely far above [Pa], shape [..., 4]."""
         x, distance = self._seen_from_source(position)
         r, z = x[..., 0], x[..., 1]
-        # Each form of q has no cancellation on its side of the source.
+        # Of the two forms of q each is free of cancellation on its side of the source.
         below = z < 0.0
         q = np.empty_like(z)
         q[below] = 1.0 / (distance[below] * (distance[below] - z[below]))
@@ -122,17 +122,16 @@ class TravellingSource(Checked):
 class SurroundingGround(Part):
     """The elastic ground below, above and beside a window that travels with a body.
 
-    It is around all of a grid whose inner side is the axis and the body. Along the side it is that
-    of an endless cylinder, 2 G / r along r and G / r along z for each area, with the dashpots of a
-    `FarField`.
+    The inner side of the grid is the axis and the body. The side has the stiffness around an
+    infinite cylinder, 2 G / r along r and G / r along z per area, with the dashpots of `FarField`.
 
     Attributes:
-        source: what the body is from afar.
+        source: the body as a source.
         grid: that of the scene, or one with the same nodes.
         material: soil of a stiffness ratio of 1.
         strength: undrained shear strength of soil of a strength ratio of 1 [Pa], > 0.
-        from_afar: whether the body has come from infinitely far above to where it starts; else it
-            starts in undisturbed ground, as at its surface.
+        from_afar: whether the body has come from infinitely far above; else it starts in
+            undisturbed ground, as at the surface.
     """
 
     needs = (Window,)
@@ -155,7 +154,7 @@ class SurroundingGround(Part):
 
     @cached_property
     def side_positions(self) -> Floats:
-        """Where the nodes of the side are [m], shape [side_count, 2]."""
+        """Positions of the nodes of the side [m], shape [side_count, 2]."""
         return self.grid.node_positions[self.far.nodes]
 
     @cached_property
@@ -165,14 +164,14 @@ class SurroundingGround(Part):
         return self.far.spring * self.grid.outer_radius / (2.0 * modulus)
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes."""
+        """Check that the grid is that of the scene."""
         if not np.array_equal(scene.grid.node_positions, self.grid.node_positions):
             raise SceneError("SurroundingGround: grid has other nodes than that of the scene")
 
     def stress(self, scene: Scene, position: Floats, travel: float) -> Floats:
-        """Stress (rr, zz, rz, tt) of elastic ground when the body has gone so far [Pa], [..., 4].
+        """Stress (rr, zz, rz, tt) of elastic ground after a travel of the body [Pa], [..., 4].
 
-        It is at positions (r, z) in the grid [m], shape [..., 2], with that before the body came.
+        Positions are (r, z) in the grid [m], shape [..., 2]. The in-situ stress is included.
         """
         own = self._stiffness_ratio(scene, position, travel)[..., None]
         before = scene.stress_at_rest_at(_place(position, travel))
@@ -182,7 +181,7 @@ class SurroundingGround(Part):
         return before + own * source.stress_since(position, travel)
 
     def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
-        """That of a source farther ahead, as far as soil bears its shear [Pa], shape [..., 4]."""
+        """The initial stress, by a source ahead of the body, limited by su [Pa], [..., 4]."""
         plastic_zone = self.source.radius * math.sqrt(self.source.shear_modulus / self.strength)
         height = self.source.height - AHEAD * plastic_zone
         ahead = replace(self, source=replace(self.source, height=height))
@@ -193,30 +192,30 @@ class SurroundingGround(Part):
         return mean + (elastic - mean) / np.maximum(1.0, shear / strength)[..., None]
 
     def entering_spring(self, scene: Scene, travel: float) -> Floats:
-        """Displacement (r, z) of the lowest spring at which it holds the stress there [m], [2]."""
+        """Displacement (r, z) of the lowest spring that balances the stress there [m], [2]."""
         lowest = self.side_positions[:1]
         stress = self.stress(scene, lowest, travel)
         spring = self.spring[0] * self._stiffness_ratio(scene, lowest, travel)
         return -(self.side_areas[0] * stress[0, [0, 2]]) / spring
 
     def enter(self, run: Run, scene: Scene, position: Floats, travel: float) -> None:
-        """The layer has the velocity and the stress of the ground."""
+        """Give a layer the velocity and the stress of the ground."""
         speed = run.array("window.motion")[1]
         run.assign("layer.velocity", speed * self.source.velocity(position))
         run.assign("layer.stress", self.stress(scene, position, travel))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """The springs rise with the soil beside them, and are as stiff as it is."""
+        """Springs rise with the soil beside them and take its stiffness."""
         if by_a_row:
             raise_springs(run, lowest=self.entering_spring(scene, travel))
         if scene.material.variation is None:
-            return  # they are as at the start
+            return  # the stiffness stays
         own = self._stiffness_ratio(scene, self.side_positions, travel)[:, None]
         run.assign("far_field.spring", own * self.spring)
         run.assign("far_field.dashpot", np.sqrt(own) * self.far.dashpot)
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """The soil starts with the stress that the body has left on its way."""
+        """Give the soil its initial stress."""
         if not self.from_afar:
             return
         soil = plan.initial("particle.mass") > 0.0
@@ -239,7 +238,7 @@ class SurroundingGround(Part):
         plan.add_array("far_field.displacement", "vec2", at_rest)
         partly = "cell.full_mass" in plan.arrays
         plan.add_launch(_make_moving_side(partly), len(self.far.nodes))
-        # After the side: a spring in a corner must not move what the bottom holds.
+        # The ends come last: a spring in a corner must not move a node of the bottom.
         ends = Fixed.on(self.grid, radial=["bottom", "top"], vertical=["bottom", "top"])
         flow = self.source.velocity(scene.grid.node_positions[ends.nodes])
         plan.add_array("end.nodes", "int", ends.nodes, nodes)
@@ -248,12 +247,11 @@ class SurroundingGround(Part):
         plan.add_launch(moving_ends, len(ends.nodes))
 
     def _stiffness_ratio(self, scene: Scene, position: Floats, travel: float) -> Floats:
-        """Stiffness ratio of undisturbed soil at positions in the grid, shape [...]."""
         return scene.material.ratio_at(_place(position, travel), "stiffness_ratio")
 
 
 def _place(position: Floats, travel: float) -> Floats:
-    """Where undisturbed soil comes from that is at positions in the grid [m], shape [..., 2]."""
+    """Place in the ground of undisturbed soil at positions in the grid [m], shape [..., 2]."""
     return position - np.array([0.0, travel])
 
 
@@ -276,7 +274,7 @@ def moving_ends(
 
 @functools.cache
 def _make_moving_side(partly: bool) -> Any:
-    """The kernel, launched over the nodes of the side; `partly`: there may be less soil at some."""
+    """The kernel, launched over the nodes of the side; `partly`: cells may be partly filled."""
 
     @kernel
     def moving_side(
@@ -300,11 +298,10 @@ def _make_moving_side(partly: bool) -> Any:
         v, V, w = node_velocities[node], window_motion[1], far_field_displacement[k]
         m = node_mass[node]
         if wp.static(partly):
-            m = wp.max(m, two * node_least_mass[node])  # that beside full cells
+            m = wp.max(m, two * node_least_mass[node])  # the mass beside full cells
         rate = time_step / m
         c = rate * far_field_dashpot[k]
         pulled = vec2(v[0], v[1]) - rate * wp.cw_mul(far_field_spring[k], w)
-        # The dashpots are implicit.
         new = wp.cw_div(pulled + V * wp.cw_mul(c, far_field_flow[k]), vec2(one) + c)
         far_field_displacement[k] = w + time_step * (new - V * far_field_drawn[k])
         node_velocities[node] = vec4(new[0], new[1], v[2], v[3])

@@ -1,7 +1,7 @@
 """The window: the grid travels with the penetrometer down through the soil.
 
-Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]). It is kept on the
-device so that a recorded step can be replayed as it is. Soil enters below and leaves above.
+Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]), an array on the device:
+so a recorded step can be replayed. Soil enters below and leaves above.
 """
 
 import math
@@ -19,10 +19,10 @@ from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
 
 @dataclass(frozen=True, kw_only=True)
 class RampedMotion(Part):
-    """What moves at a speed that rises from rest.
+    """Motion at a speed that rises from rest.
 
     Attributes:
-        speed: when it neither rises nor falls [m/s], > 0.
+        speed: after the ramp [m/s], > 0.
         ramp_travel: travel over which the speed rises from rest, linearly in time [m], > 0.
     """
 
@@ -31,7 +31,7 @@ class RampedMotion(Part):
 
     @property
     def first_speed(self) -> float:
-        """The greatest speed: that after the first ramp [m/s]."""
+        """Speed after the first ramp, the greatest [m/s]."""
         return self.speed
 
     @property
@@ -41,22 +41,22 @@ class RampedMotion(Part):
 
 
 class MovingGrid(RampedMotion):
-    """A grid that moves through the soil; velocities stay those relative to undisturbed soil.
+    """A grid that moves through the soil; velocities are relative to undisturbed soil.
 
     The array "window.motion" has (time [s], speed of the soil past the grid [m/s], travel [m]).
     """
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """Empty slots at the start, over the number of particles that fill a grid; none here."""
+        """Empty slots at the start, over the number of particles that fill the grid; default 0."""
         return 0.0
 
     def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
-        """Put points into the empty slots, before parts add what points carry; none by default."""
+        """Put points into empty slots, before parts add arrays of points; by default none."""
 
     def top(self, scene: Scene) -> float:
         """Height above which particles leave the grid [m].
 
-        Half a layer stays above the top, else the mass of the nodes there could vanish.
+        Half a layer stays above the top; without it the mass of the top nodes could vanish.
         """
         rows = scene.grid.rows
         return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / scene.particles_per_side)
@@ -66,21 +66,21 @@ class MovingGrid(RampedMotion):
         refuse_together(type(self).__name__, scene.grid.polar, "a grid of rays")
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
-        """Add the array of the motion, which stages and parts read."""
+        """Add the array of the motion."""
         plan.add_zeros("window.motion", "real", 3)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Approach(Checked):
-    """The window hurries to where it matters, then falls to its final speed.
+    """A fast start of a window, which then slows down to its final speed.
 
-    What the soil remembers of it is its stress, which hardly depends on the speed; what it owes to
-    inertia is gone when the soil around has been replaced.
+    The stress that it leaves in the soil hardly depends on the speed. The effect of inertia is gone
+    when the soil around the body has been replaced.
 
     Attributes:
-        speed: of the grid before it falls [m/s], above the final one.
-        travel: where it has fallen to the final speed [m], > `slowing_travel`.
-        slowing_travel: travel over which it falls, linearly [m], > 0.
+        speed: of the grid before it slows down [m/s], above the final speed.
+        travel: at which the grid reaches the final speed [m], > `slowing_travel`.
+        slowing_travel: travel over which the speed falls, linearly [m], > 0.
     """
 
     speed: float = checked(POSITIVE, unit="m/s")
@@ -97,17 +97,16 @@ class Approach(Checked):
 class Window(MovingGrid):
     """The grid moves down through the soil.
 
-    Whenever the grid has travelled by the height of a layer of particles, a layer of undisturbed
-    soil enters the lowest row, into the slots of particles that left above the highest. `speed` is
-    that after the approach.
+    Each time the grid has travelled by the height of a layer of particles, a layer of undisturbed
+    soil enters the lowest row, into slots of particles that have left at the top. `speed` is that
+    after the approach.
 
     Attributes:
-        approach: a hurried start, or none.
-        stray_speed: bound on the speed of a point beside that of the soil at it, where the soil
-            moves evenly and it is to be closer than that of every window (`mpm_warp.parts.inflow`)
-            [m/s], > 0; none by default.
-        spare_fraction: slots for particles beyond those at the start, over their number,
-            dimensionless, > 0; more where soil does not fill the grid at the start.
+        approach: a fast start; None: there is none.
+        stray_speed: bound s of `mpm_warp.parts.inflow` on the speed of a point relative to the grid
+            [m/s], > 0; None: the bound W of every window alone.
+        spare_fraction: empty slots at the start over the number of particles, > 0; more where soil
+            does not fill the grid at the start.
     """
 
     spare_fraction: float = checked(POSITIVE)
@@ -122,11 +121,11 @@ class Window(MovingGrid):
 
     @property
     def first_speed(self) -> float:
-        """The speed after the ramp [m/s]."""
+        """See `RampedMotion`."""
         return self.speed if self.approach is None else self.approach.speed
 
     def time_to(self, travel: float) -> float:
-        """Time to a travel [m], >= 0, where the approach is longer than ramp and slowing [s]."""
+        """Time [s] to a travel [m], >= 0; an approach is longer than ramp and slowing."""
         if travel <= self.ramp_travel:
             return self.ramp_time * math.sqrt(travel / self.ramp_travel)
         if self.approach is None:
@@ -139,7 +138,7 @@ class Window(MovingGrid):
         return time + max(0.0, travel - self.approach.travel) / slow
 
     def highest_speed_from(self, travel: float) -> float:
-        """The highest speed that the grid has beyond a travel [m], after the ramp [m/s]."""
+        """Highest speed of the grid beyond a travel [m], after the ramp [m/s]."""
         if self.approach is None:
             return self.speed
         left = (self.approach.travel - travel) / self.approach.slowing_travel
@@ -150,7 +149,7 @@ class Window(MovingGrid):
         return self.spare_fraction
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
-        """Add the launch that moves it on, and what lets soil enter."""
+        """Add the launch of the motion, and the arrays and launches of the inflow."""
         approach = self.approach
         plan.add_launch(
             advance_window,
@@ -166,7 +165,7 @@ class Window(MovingGrid):
         add_inflow(plan, scene, window_speed=self.first_speed, stray_speed=closer)
 
     def between_steps(self, run: Run, scene: Scene) -> BetweenSteps:
-        """What lets soil enter."""
+        """The inflow of soil."""
         return Inflow(run, scene, self.highest_speed_from)
 
 
@@ -180,9 +179,9 @@ def advance_window(
     slowing_travel: real,
     window_motion: wp.array[real],
 ):
-    """One step of the motion: the speed rises linearly in time; launched once.
+    """One step of the motion; launched once.
 
-    At the end of an approach it falls again, linearly in travel.
+    The speed rises linearly in time; at the end of an approach it falls linearly in travel.
     """
     window_motion[2] += time_step * window_motion[1]
     window_motion[0] += time_step

@@ -45,8 +45,7 @@ from mpm_warp.step.momentum import correction_of_cell
 def add_cell_stress(plan: Plan, scene: Scene) -> None:
     """Add the stage.
 
-    The plan has "cell.full_mass" where soil may fill cells in part alone, "cell.enclosed_modulus"
-    where soil is all around each (`mpm_warp.parts.enclosed_soil`).
+    `FreeSurface` has added "cell.full_mass" to the plan, `EnclosedSoil` "cell.enclosed_modulus".
     """
     grid, viscosity = scene.grid, scene.bulk_viscosity
     plan.add_zeros("cell.stress", "vec4", grid.cell_count)
@@ -66,7 +65,7 @@ def add_cell_stress(plan: Plan, scene: Scene) -> None:
 
 @functools.cache
 def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclosed: bool) -> Any:
-    """The kernel, launched over cells; it clears the particles' sums of all shares."""
+    """The kernel, launched over cells; it clears the sums over particles in all shares."""
 
     @kernel
     def cell_stress(
@@ -91,8 +90,8 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclo
                 cell_mass[share, c] = zero
         mean = (one / m) * sums
         total = mean[0] + mean[1] + mean[2] + mean[3]
-        # A cell that is empty for a moment keeps the stress it had, or the pressure that follows
-        # its volume. One whose soil is not finite keeps it until the watch finds the particle.
+        # A cell that is empty for a moment keeps its last stress, or its pressure follows its
+        # volume. One that is not finite stays until the watch finds the particle.
         if total - total == zero:
             if wp.static(viscous):
                 q = cell_viscosity[c] * cell_dilation_rate[c]
@@ -115,13 +114,12 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclo
 def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> None:
     """Add the stage.
 
-    What its earlier stages have arrays for is worked out too: the rate of dilation and the
-    mass-matrix correction. `internal_flow` is a function on the device (velocities of the four
-    nodes, weights of the cell) -> flow within the cell per time, a vector of 4; None: there is
-    none. With one the plan has the array "cell.interpolation_weights" already.
+    It also computes the rate of dilation and the mass-matrix correction, if earlier stages have
+    added their arrays. `internal_flow` is a device function (velocities of the four nodes, weights
+    of the cell) -> flow within the cell per time, a vector of 4; None: there is no such flow.
     """
     grid = scene.grid
-    # What smoothing takes, at the least, of second differences; per quarter of a cell's mass.
+    # k rho / 4, see `mpm_warp.step.momentum`.
     weight = scene.material.density * (1.0 - scene.particles_per_side**-2.0) / 24.0
     plan.add_array("cell.volume", "real", grid.cell_volumes)
     if internal_flow is not None:
@@ -138,7 +136,7 @@ def add_cell_rates(plan: Plan, scene: Scene, *, internal_flow: Any | None) -> No
 
 @functools.cache
 def _make_cell_rates(viscous: bool, corrected: bool, blended: bool, internal_flow: Any) -> Any:
-    """The kernel, launched over cells; `blended`: those with a PIC fraction are not corrected."""
+    """The kernel, launched over cells; `blended`: cells with a PIC fraction are not corrected."""
 
     @wp.func
     def rates(v: vec4, G: vec3) -> vec5:

@@ -2,11 +2,10 @@
 
 Symbols: v velocity of the nodes after the step, u before it, N shape functions at the particle, e
 and R strain of the cell in the step and rotation by its spin, q properties and s state of the
-particle, U the velocity of the soil past a grid that travels, E the displacement by the flow within
-the cell where velocities are interpolated so, a the share of its velocity that a particle takes
-from the grid as it is (PIC fraction).
+particle, U velocity of the soil past a grid that travels, E displacement by the flow within the
+cell (`ConservativeInterpolation`), a PIC fraction of the cell (`PassingSurface`).
 
-    v_p   <- v_p + N (v - u)                    + a (N u - v_p) where a share a is taken as it is
+    v_p   <- v_p + N (v - u) + a (N u - v_p)
     x_p   <- x_p + dt (N v + U) + E
     sigma, s <- law(R sigma R', e, dt, q, s)
 """
@@ -29,9 +28,9 @@ def add_grid_to_particles(
 ) -> None:
     """Add the stage.
 
-    `flow_displacement` is a function on the device (flow within the cell over the step, xi, eta) ->
+    `flow_displacement` is a device function (flow within the cell over the step, xi, eta) ->
     displacement; None: there is no such flow. `window_top` is the height [m] above which particles
-    leave a grid that travels; None: it rests, and they stay in it.
+    leave a travelling grid; None: the grid rests.
     """
     plan.add_launch(
         _make_grid_to_particles(

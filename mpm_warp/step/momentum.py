@@ -1,9 +1,9 @@
 """Stage 3: the momentum equation of the nodes.
 
-Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass, M half a quarter of the mass of the cells
-around a node when they are full, u and v velocity before and after the step, G_i the integrals over
-a cell of (dN_i/dr r, dN_i/dz r, N_i), S the mass-matrix correction where there is one; of a cell:
-v_ij velocity of its nodes after the step before, rho density, V volume.
+Symbols: sigma stress of a cell (rr, zz, rz, tt), m mass of a node, M half the mass it has when the
+cells around it are full, u and v velocity before and after the step, G_i integrals over a cell of
+(dN_i/dr r, dN_i/dz r, N_i), S mass-matrix correction, v_ij velocity of the nodes of a cell after
+the last step, rho density, V volume of the cell.
 
     f_i     = - sum over cells (sigma_rr G_r + sigma_rz G_z + sigma_tt G_t,
                                 sigma_rz G_r + sigma_zz G_z)
@@ -11,31 +11,32 @@ v_ij velocity of its nodes after the step before, rho density, V volume.
     v_i     = u_i + dt f_i / max(m_i, M_i)
 
 The force is that of full cells, however few particles are near the node. So M bounds the
-acceleration of a node with few of them.
+acceleration of a node with few particles.
 
-A velocity field that goes from the nodes to particles and back is smoothed, as by diffusion: each
+Transfer from the nodes to particles and back smooths the velocity field, as diffusion does: each
 particle spreads its momentum over the nodes of its cell. The loss is the mean of xi (1 - xi) over
-the particles of a cell, times second differences. The operator S restores k of it, the part that is
-lost wherever the particles are: k = (1 - 1/n^2) / 6 for n equal points along a side.
+the particles of a cell, times second differences of the velocity. The operator S restores the part
+k that is lost at any position of the particles: k = (1 - 1/n^2) / 6 for n equal points along a
+side.
 
     (S v)_i = sum over cells (+-X +-Y) k rho V / 4     + at the right and at the upper nodes, else -
     X, Y    = v_10 - v_00 + v_11 - v_01,  v_01 - v_00 + v_11 - v_10
 
-k has this value for stability. Of a motion that alternates from node to node the particles return
-the share P, 1/4 to 1/2 for n = 2, and S the share A, 1/2. The force f acts on the velocity of the
-nodes at once, and on the returned velocity one step later: v' = v + f - q,
-q' = A q + (1 - A - P) f. An oscillator is then stable up to 0.93 of the critical time step, without
-S up to 0.76 of it, and at no time step where A + P > 1. The affine part of a particle's momentum
-(Jiang et al. 2015, ACM Trans. Graph. 34(4):51) is no alternative: it returns all of a linear field,
-but its losses between two motions are not symmetric. With it pressure waves grew that alternate
-between wide, flat cells of nearly incompressible soil.
+Stability sets k. Of a motion that alternates from node to node the particles return the share P,
+1/4 to 1/2 for n = 2, and S returns the share A, 1/2. The force f acts on the velocity of the nodes
+at once, and on the returned velocity one step later: v' = v + f - q, q' = A q + (1 - A - P) f. An
+oscillator is then stable up to 0.93 of the critical time step, without S up to 0.76 of it. Where
+A + P > 1 it is unstable at every time step. The affine part of a particle's momentum (Jiang et al.
+2015, ACM Trans. Graph. 34(4):51) is no alternative: it returns a linear field completely, but its
+losses between two motions are not symmetric. With it, pressure waves that alternate between wide,
+flat cells of nearly incompressible soil grew.
 
 Soil that crosses the grid faster than 0.08 of the speed of shear waves makes short shear waves
 grow, with 4 points a cell by up to 7 % a row, as S restores momentum of soil that has moved on. The
 growth shows after hundreds of rows (`studies/stability.md`).
 
-In partly filled cells P may have any value. So there is no S where a free surface passes, or only
-far below it (`mpm_warp.parts.free_surface`).
+In partly filled cells P may have any value. So S acts only far below a free surface, or not at all
+(`mpm_warp.parts.free_surface`).
 """
 
 import functools
@@ -48,14 +49,14 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
 ABSURD_SPEED = 100.0
-"""Speed over that of pressure waves above which a node is left out of the step."""
+"""Speed above which a node is left out of the step, over that of pressure waves."""
 
 
 def add_momentum(plan: Plan, scene: Scene, *, corrected: bool) -> None:
-    """Add the stage; `corrected`: whether there is a mass-matrix correction."""
+    """Add the stage; `corrected`: with the mass-matrix correction."""
     grid = scene.grid
     plan.add_array("cell.integrals", "vec3", grid.gradient_integrals)
-    # Where a wall moves it stays that of the start.
+    # The least mass stays that of the initial cells where a wall moves.
     plan.add_array("node.least_mass", "real", 0.5 * scene.material.density * grid.node_volumes)
     plan.add_zeros("node.mass", "real", grid.node_count)
     plan.add_zeros("node.velocities", "vec4", grid.node_count)
@@ -84,7 +85,7 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
 
     @wp.func
     def correction(cells: wp.array[vec4], cell: int, across: real, up: real) -> vec2:
-        # What a cell gives to one of its nodes, see `correction_of_cell`; the signs say to which.
+        # The correction of one node by a cell; the signs are those of the node.
         if wp.static(not corrected):
             return vec2()
         XY = cells[cell]
@@ -140,7 +141,7 @@ def _make_momentum(share_count: int, corrected: bool) -> Any:
         if wp.static(corrected):
             before += (half / wp.max(half * m, node_least_mass[node])) * given_back
         if not wp.dot(before, before) < absurd_speed * absurd_speed:
-            # The particle that gave it such a velocity is left alone until the watch finds it.
+            # The node is left out until the watch finds the particle that has this velocity.
             node_velocities[node] = vec4()
             return
         after = before + (time_step / wp.max(m, node_least_mass[node])) * force

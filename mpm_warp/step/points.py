@@ -1,16 +1,15 @@
-"""The material points (particles) of a run: their start, their arrays, their transfer to the grid.
+"""The material points (particles) of a run: initial values, arrays, transfer to the grid.
 
-A slot of these arrays holds a particle in the grid, or none; its cell is then (-1, -1). Every array
-named `particle.*` has one entry for each slot. Soil that enters through a window, or moves to
-another slot, brings its entries in all of these arrays.
+Every array `particle.*` has one entry for each slot. A slot holds a particle, or is empty; the cell
+of an empty slot is (-1, -1). A particle that enters through a window fills its slot in all arrays.
 
-Stage 1: particles give mass and momentum to nodes, and stress to cells.
+Stage 1: particles add mass and momentum to nodes, and stress to cells.
 
 Symbols: m mass, v velocity, sigma stress, N_i shape function of node i at the particle.
 
     m_i       = sum m N_i
     (m v)_i   = sum m N_i v
-    sigma_c   = sum m sigma / sum m            the mean over the cell; divided in stage 2
+    sigma_c   = sum m sigma / sum m            the mean over the cell; stage 2 divides
 """
 
 import functools
@@ -31,7 +30,7 @@ from mpm_warp.scene import Scene
 
 
 class Seed(NamedTuple):
-    """Particles as they are put into a grid, each standing for a part of its cell."""
+    """Particles at the start, each of which represents a part of its cell."""
 
     position: Floats  # centroids (r, z) of the parts [m], shape [particle_count, 2]
     volume: Floats  # volumes of the parts per radian [m3], shape [particle_count]
@@ -39,11 +38,11 @@ class Seed(NamedTuple):
 
 
 def seed_rows(grid: Grid, row_count: int, particles_per_side: int) -> Seed:
-    """Fill the lowest rows of cells with particles.
+    """Particles that fill the lowest rows of cells, up to the ground level.
 
-    At the centroids, the mass of each node comes out as the exact integral of its shape function
-    where cells are upright; where they lean, along a cone, within 0.2 %. Particles are ordered by
-    height, then by radius: one layer after the other. They are only below its ground level.
+    They are at the centroids of their parts. So the mass of each node is the exact integral of its
+    shape function in upright cells; beside a cone, where cells lean, it is so within 0.2 %.
+    Particles are ordered by layer, then by radius.
     """
     # Row by row, because their Gauss points take ten times the memory of the particles.
     rows = [_seed_row(grid, row, particles_per_side) for row in range(row_count)]
@@ -70,9 +69,9 @@ def _seed_row(grid: Grid, number: int, particles_per_side: int) -> Seed:
 
 
 def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
-    """Seed the grid with particles at rest, and give kernels their properties.
+    """Add particles at rest with their properties and initial state.
 
-    `spare_fraction` is that of empty slots over the number of particles, dimensionless, >= 0.
+    `spare_fraction` is the number of empty slots over that of particles, >= 0.
     """
     material = scene.material
     _add_seed(plan, scene, spare_fraction)
@@ -93,14 +92,14 @@ def add_points(plan: Plan, scene: Scene, *, spare_fraction: float) -> None:
 
 
 def _add_seed(plan: Plan, scene: Scene, spare_fraction: float) -> None:
-    """Add what all particles have, one array after the other: of a large run two are too many."""
+    """Add the arrays of all particles, one after the other to save memory."""
     grid, density = scene.grid, scene.material.density
     seed = seed_rows(grid, grid.row_count, scene.particles_per_side)
     count = plan.particle_count = len(seed.volume)
     if count == 0:
         raise SceneError("no material point is in the grid: its ground_level is below the first")
     slots = count + round(spare_fraction * count)
-    # Empty slots are at the end of each share, so that all shares have as much to do.
+    # Empty slots are at the end of each share, so that all shares have equal work.
     bounds = share_bounds(count, plan.share_count)
     shift = share_bounds(slots, plan.share_count) - bounds
     taken = np.arange(count) + np.repeat(shift[:-1], np.diff(bounds))
@@ -120,7 +119,7 @@ def _add_seed(plan: Plan, scene: Scene, spare_fraction: float) -> None:
 
 
 def add_particles_to_grid(plan: Plan, grid: Grid, *, has_empty_slots: bool) -> None:
-    """Add the stage, and the sums and the places of rows and columns that it needs."""
+    """Add the stage with its sums, and the places of rows and columns."""
     width = np.append(np.diff(grid.columns), 1.0)
     height = np.append(np.diff(grid.rows), 1.0)
     lean = np.append(np.diff(grid.surface_radius), 0.0)
