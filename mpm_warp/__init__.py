@@ -1,7 +1,7 @@
 """Axisymmetric and plane-strain material point method on NVIDIA Warp kernels.
 
-Every name that a script needs can be imported from here: the scenes of the catalogue, and what a
-scene of one's own is made of.
+Every name that a script needs can be imported from here: the scenes of the catalogue, and the
+classes for a scene of one's own.
 
     from mpm_warp import ConePenetration
 
@@ -19,18 +19,17 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """A public name, and the simulator with it."""
         if name == "__all__":  # of `from mpm_warp import *`
             return __dir__()
         missing = f"module {__name__!r} has no attribute {name!r}"
-        # Python asks for names of its own, and for those of modules before it imports them.
+        # Python asks for names of its own, and for names of modules before it imports them.
         if name.startswith("_") or find_spec(f"{__name__}.{name}") is not None:
             raise AttributeError(missing)
         names = _public_names()
         if name not in names:
             nearest = import_module("mpm_warp.parameters").did_you_mean(name, names)
             raise AttributeError(f"{missing}{nearest}")
-        # A scene has the parameters of laws of other packages beside its own.
+        # `offered` adds the parameters of laws of other packages to a scene.
         return getattr(names[name], "offered", lambda: names[name])()
 
 
@@ -40,7 +39,7 @@ def __dir__() -> list[str]:
 
 
 def _public_names() -> dict[str, object]:
-    """Those that are listed, and the scenes of the catalogue, listed or not."""
+    """The names of `public_names`, and all scenes of the catalogue."""
     listed = vars(import_module("mpm_warp.public_names"))
     scenes = import_module("mpm_warp.scenes.catalogue").own_scenes()
     public = {name: value for name, value in listed.items() if not name.startswith("_")}

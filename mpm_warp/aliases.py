@@ -1,4 +1,4 @@
-"""What else a user may call a parameter or a scene: symbols and words of the field."""
+"""Other names of parameters and scenes: symbols and words of the field."""
 
 from collections.abc import Container
 
@@ -66,7 +66,7 @@ ALIASES: dict[str, dict[str, str]] = {
     "dt time_step": {"time_step_fraction": "time step over the critical one"},
     "model criterion yield_criterion constitutive_model": {"material": ""},
 }
-"""Words in small letters, the parameters that they may mean, and what the value of each is."""
+"""Words in lower case, the parameters that they may mean, and the value of each parameter."""
 SCENES = {
     "cone": "cone_penetration",
     "cpt": "cone_penetration",
@@ -74,13 +74,13 @@ SCENES = {
     "tbar": "t_bar_penetration",
     "footing": "circular_footing",
 }
-"""Words in small letters, and the scene that is most likely meant."""
+"""Words in lower case, and the scene that is most likely meant."""
 RESULTS = ("nc", "nkt", "qc", "qt", "qnet", "fs", "cone_factor", "bearing_capacity")
-"""Words for what a run computes, which nobody can give."""
+"""Words for results, which are not parameters."""
 
 
 def what_to_give(word: str, known: Container[str]) -> str:
-    """A phrase that says which of the `known` parameters a word of the field means; "" for none."""
+    """A phrase that names the `known` parameters that a word may mean; "" for none."""
     small = word.lower()
     if small in RESULTS:
         return "; it is a result, not a parameter"

@@ -1,7 +1,7 @@
-"""Checks of what a user gives: numbers, arrays, indices. Kernels do not check the bounds of arrays.
+"""Checks of numbers, arrays and indices from a user. Kernels do not check the bounds of arrays.
 
-Each check raises an error of one line: which argument, its value, and what is allowed. A name has
-the part too: "contact: nodes". It is a `SceneError`, or of the class that is given as `error`.
+Each check raises an error of one line with the argument, its value and what is allowed. A name
+includes the part: "contact: nodes". The error is a `SceneError`, or of the class `error`.
 """
 
 import math
@@ -28,7 +28,7 @@ class Range:
     maximum: float = math.inf  # inclusive
 
     def holds(self, lowest: Any, highest: Any) -> bool:
-        """Whether the lowest and the highest of some values are within; NaN never is."""
+        """Whether the lowest and the highest of some values are in the range; NaN never is."""
         return bool(
             self.above < lowest
             and highest < self.below
@@ -38,7 +38,7 @@ class Range:
 
     @property
     def allowed(self) -> str:
-        """The bounds in words; "" where there are none."""
+        """The bounds as a text; "" for none."""
         bounds = (">", self.above), (">=", self.minimum), ("<", self.below), ("<=", self.maximum)
         return " and ".join(f"{sign} {bound:g}" for sign, bound in bounds if math.isfinite(bound))
 
@@ -60,7 +60,7 @@ def check_number(
 ) -> None:
     """Check that a value is a finite number within a range."""
     if isinstance(value, np.generic):
-        value = value.item()  # of few digits, it could not be compared with all limits
+        value = value.item()  # a number of low precision cannot be compared with all limits
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
@@ -70,24 +70,24 @@ def check_number(
 
 
 def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
-    """Declare a number as a field of a `Checked`; it is a whole one where its type is `int`."""
+    """Declare a number as a field of a `Checked`; with the type `int` an integer."""
     return field(default=default, metadata={"allowed": allowed, "unit": unit})
 
 
 def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:
-    """Metadata of a field of a `Checked` that holds an array.
+    """Metadata of an array field of a `Checked`.
 
-    A name in its shape is that of a field which is as long; None stands for any length.
+    A name in the shape stands for the length of that field, None for any length.
     """
     return {"allowed": allowed, "shape": shape}
 
 
 class Checked:
-    """The base of dataclasses whose fields are checked when they are made.
+    """The base of dataclasses that check their fields.
 
-    Numbers and arrays are as `checked` and `array_of` declare them; what is declared as `bool`, as
-    a `Checked`, or as a tuple of such, is one. A field whose default is None may be None. A
-    subclass that checks more than its fields calls `super().__post_init__()` first.
+    Numbers and arrays must be as `checked` and `array_of` declare them. A field of the type `bool`,
+    of a `Checked`, or of a tuple of these must have this type. A field whose default is None may be
+    None. A subclass with further checks calls `super().__post_init__()` first.
 
     Raises:
         SceneError: a value is not allowed; the message names class, field, value and range.
@@ -115,7 +115,6 @@ class Checked:
 
 
 def _check_declared(name: str, value: Any, declared: Any) -> None:
-    """Check the class of a value, or of those in a tuple, where it is a `Checked` or `bool`."""
     if get_origin(declared) is tuple:
         check_kind(name, value, tuple)
         for number, item in enumerate(value):
@@ -130,7 +129,7 @@ def _check_declared(name: str, value: Any, declared: Any) -> None:
 def check_whole(
     name: str, value: object, allowed: Range, *, error: type[ValueError] = SceneError
 ) -> None:
-    """Check that a value is a whole number within a range, of a type of whole numbers."""
+    """Check that a value has an integer type and is within a range."""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole:
         raise error(f"{name} = {in_words(value)} must be an integer {allowed.allowed}")
@@ -138,7 +137,7 @@ def check_whole(
 
 
 def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
-    """Check that a value is of a class, or of one of several."""
+    """Check that a value is an instance of a class, or of one of several."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
         words = " or ".join("None" if kind is type(None) else kind.__name__ for kind in kinds)
@@ -146,13 +145,13 @@ def check_kind(name: str, value: object, kind: type | tuple[type, ...]) -> None:
 
 
 def check_known(name: str, value: object, known: Collection[object]) -> None:
-    """Check that a value is one of those that there are."""
+    """Check that a value is one of the `known`."""
     if value not in known:
         raise SceneError(f"{name} = {in_words(value)} must be one of {', '.join(map(str, known))}")
 
 
 def as_array(values: object) -> NDArray[Any]:
-    """Values as an array; lists of different lengths as one of objects, which no check allows."""
+    """Values as an array; for lists of different lengths an array of objects, which is refused."""
     try:
         return np.asarray(values)
     except ValueError:
@@ -168,9 +167,9 @@ def check_array(
     kinds: str = "fiu",
     error: type[ValueError] = SceneError,
 ) -> None:
-    """Check that values are an array of finite numbers of a shape, all within a range.
+    """Check that values are an array of numbers of a shape, all finite and within a range.
 
-    None in the shape allows any length. The `kinds` of numbers are in the letters of numpy.
+    None in the shape allows any length. `kinds` are the letters of numpy for kinds of numbers.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
         what = {"b": "true and false", "iu": "integers"}.get(kinds, "numbers")
@@ -189,7 +188,7 @@ def check_array(
 
 
 def check_rising(name: str, values: NDArray[Any], *, may_stay: bool = False) -> None:
-    """Check that each value is above the one before, or the same where values may stay."""
+    """Check that each value is above the one before; with `may_stay` not below it."""
     change = np.diff(values)
     wrong = np.flatnonzero(change < 0.0 if may_stay else change <= 0.0)
     if len(wrong):
@@ -199,7 +198,7 @@ def check_rising(name: str, values: NDArray[Any], *, may_stay: bool = False) -> 
 
 
 def check_nodes(name: str, nodes: Any, count: int) -> None:
-    """Check that nodes are flat indices of nodes of a grid that has so many, each once."""
+    """Check that nodes are flat indices of a grid with `count` nodes, each once."""
     check_array(name, nodes, (None,), Range(minimum=0, maximum=count - 1), kinds="iu")
     present = np.bincount(nodes, minlength=1)
     if present.max() > 1:
@@ -207,7 +206,7 @@ def check_nodes(name: str, nodes: Any, count: int) -> None:
 
 
 def in_words(value: object) -> str:
-    """A value in a few words on one line."""
+    """A value as a short text of one line."""
     if isinstance(value, float):
         return f"{value:g}"
     return " ".join(reprlib.repr(value).split())

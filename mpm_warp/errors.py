@@ -1,6 +1,6 @@
-"""What ends a run, or keeps it from starting, by name; every message is one line.
+"""Errors that end a run, or prevent its start; every message is one line.
 
-An error that is the outcome of a case has a `status`, by which a harness files the case.
+An error that is the outcome of a case has a `status`, under which the harness files the case.
 """
 
 from typing import TYPE_CHECKING
@@ -43,7 +43,7 @@ class SimulationDiverged(RuntimeError):
     """The run became unstable; the message names what, where and when.
 
     Attributes:
-        curves: what had been sampled up to there; None where nothing is sampled.
+        curves: the samples up to then; None where nothing is sampled.
     """
 
     status = "diverged"
@@ -55,11 +55,7 @@ class WindowOverfull(SimulationDiverged):
 
 
 class _WithoutResult(RuntimeError):
-    """The run came to its end, but not to a result.
-
-    Attributes:
-        curves: what was computed, scalars included.
-    """
+    """The run reached its end without a result; `curves` holds curves and scalars."""
 
     def __init__(self, message: str, curves: "xarray.Dataset") -> None:
         super().__init__(message)
@@ -67,16 +63,16 @@ class _WithoutResult(RuntimeError):
 
 
 class InaccurateRun(_WithoutResult):
-    """The run came to its end, but its result is not to be relied on."""
+    """The run reached its end, but its result is not reliable."""
 
     status = "inaccurate"
 
 
 class UnfinishedRun(_WithoutResult):
-    """The run came to its end before what it is for: the message says what a longer one needs."""
+    """The run was too short for its result; the message says what a longer run needs."""
 
     status = "unfinished"
 
 
 class Fault(Exception):
-    """What a look at a run has found: the beginning of a message, without when and what to do."""
+    """A fault that a check of a run has found; the message has no time and no remedy."""

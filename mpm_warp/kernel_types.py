@@ -1,6 +1,6 @@
-"""What all kernels share: the types of their numbers, in double precision. It starts Warp.
+"""Types and constants of all kernels, in double precision. The import starts Warp.
 
-A kernel takes every number in the type that it computes with, so constants have names here too.
+Warp converts no literals to double precision, so constants have names here.
 """
 
 import functools
@@ -17,9 +17,9 @@ from mpm_warp.errors import KernelCacheError
 
 
 def _start_warp_in_silence() -> None:
-    """Start Warp without its greeting, and without its remark where there is no GPU.
+    """Start Warp without its greeting, and without its remark on a machine without a GPU.
 
-    What a user has set `warp.config.log_level` to other than its default is kept.
+    A log level that the user has changed from the default is kept.
     """
     if wp.config.log_level == wp.LOG_INFO:
         wp.config.log_level = wp.LOG_WARNING
@@ -38,7 +38,7 @@ def _start_warp_in_silence() -> None:
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Raise `KernelCacheError`, which says what to do, where Warp cannot keep compiled kernels."""
+    """Raise `KernelCacheError`, with a remedy, if Warp cannot store compiled kernels."""
     try:
         yield
     except OSError as error:
@@ -50,20 +50,20 @@ def kernels_kept() -> Iterator[None]:
 
 
 with kernels_kept():
-    _start_warp_in_silence()  # whatever is simulated needs the types below: all come by here
+    _start_warp_in_silence()
 
 
 kernel = functools.partial(wp.kernel, module="unique", enable_backward=False)
-"""Decorates a kernel. It is compiled by itself, under a name by all that is in it or captured."""
+"""Decorator of a kernel. Each is a module of its own, named by its code and what it captures."""
 
 
 def vector(length: int) -> Any:
-    """The type of vectors of that length."""
+    """The type of vectors of a length."""
     return wp.types.vector(length, real)
 
 
 def maybe(dtype: Any, ndim: int = 1) -> Any:
-    """The type of an array that a plan may be without; a kernel must not read it then."""
+    """The type of an array that a plan may lack; a kernel must not read it then."""
     kind = wp.array(dtype=dtype, ndim=ndim)
     kind.may_be_absent = True
     return kind

@@ -1,10 +1,10 @@
-"""The one place where a parameter is defined: meaning, unit, default and allowed range.
+"""The definition of a parameter: meaning, unit, default and allowed range.
 
 A scene is a frozen dataclass whose fields are made by :func:`parameter`. Validation, error
-messages, help texts, documentation and the metadata of result files all come from there.
+messages, help, documentation and the metadata of result files all use this definition.
 
-Parameters that several scenes share stand in a dataclass of their own, a group, which the scenes
-inherit; :func:`redefined` changes what differs in one of them.
+Parameters that several scenes share are in a dataclass, a group, that the scenes inherit;
+:func:`redefined` changes a parameter in one scene.
 """
 
 import dataclasses
@@ -26,12 +26,11 @@ Value = float | int | str | bool
 
 
 class Derived(float):
-    """The value of a parameter that was not given, worked out from the others.
+    """The value of a parameter that was not given, derived from other parameters.
 
-    It is a number like any other, but is worked out anew wherever a scene is made from another by
-    ``dataclasses.replace``, so that it goes with the parameters that were changed. To keep it as it
-    is, give it as a plain number: ``float(value)``. As the default of a parameter it is the value
-    where neither the user gives one nor another parameter says one.
+    ``dataclasses.replace`` derives it again, so that it agrees with the parameters that were
+    changed. To keep the value, give it as a plain number: ``float(value)``. As the default of a
+    parameter it is the value if neither the user nor another parameter gives one.
     """
 
 
@@ -41,21 +40,20 @@ class Parameter:
 
     name: str  # field name in the scene
     kind: type  # ``float``, ``int``, ``bool`` or ``str``
-    # value where none is given; None where the scene derives it from the others, or where there may
-    # be none, as `meaning` says
+    # None: the scene derives the value from others, or there may be none; `meaning` says which
     default: Value | None
     unit: str  # SI unit, "1" for a dimensionless number
     meaning: str  # one phrase for help, documentation and the long names of datasets
-    bounds: Range = FINITE  # within which a number is allowed
-    choices: tuple[Value, ...] | None = None  # all the values that are allowed, where there are few
-    # least and greatest value between which nearly all random cases of the scene complete
-    # (studies/stability.md); None where that is all that is allowed
+    bounds: Range = FINITE  # allowed range of a number
+    choices: tuple[Value, ...] | None = None  # all allowed values; None: any value within `bounds`
+    # range in which nearly all random cases of the scene complete (studies/stability.md); None: the
+    # allowed range
     sane: tuple[float, float] | None = None
-    optional: bool = False  # whether there may be no value, so that its type is ``float | None``
+    optional: bool = False  # whether there may be no value: the type is ``float | None``
 
     @property
     def allowed(self) -> str:
-        """What values are allowed, in words."""
+        """The allowed values as a text."""
         if self.choices is not None:
             return "one of " + ", ".join(repr(choice) for choice in self.choices)
         kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
@@ -63,12 +61,12 @@ class Parameter:
 
     @property
     def explanation(self) -> str:
-        """Its meaning, with the unit where there is one, and what values are allowed."""
+        """Meaning, unit and allowed values."""
         unit = "" if self.unit == "1" else f" [{self.unit}]"
         return f"{self.meaning}{unit}; {self.allowed}"
 
     def checked(self, value: object) -> Value | None:
-        """`value` in the parameter's own type; `ParameterError` where it is not allowed."""
+        """`value` in the parameter's own type; `ParameterError` if it is not allowed."""
         if value is None and self.default is None:
             return None
         converted = self._converted(value)
@@ -111,26 +109,25 @@ def parameter(
     sane: tuple[float, float] | None = None,
     **bounds: float,
 ) -> Any:
-    """Declare a parameter, as a field of a dataclass; the arguments are those of `Parameter`.
+    """Declare a parameter as a field of a dataclass; the arguments are those of `Parameter`.
 
-    The `bounds` are those of `Range`: minimum, maximum, above, below. The default is None where the
-    scene derives the value from others: the parameter then always has a value, and its type is
-    ``float``. It is None, too, where there may be no value: the type is then ``float | None``.
-    `meaning` has to say which.
+    The `bounds` are those of `Range`: minimum, maximum, above, below. The default is None if the
+    scene derives the value from others, and the type is ``float``. It is None also if there may be
+    no value, and the type is ``float | None``. `meaning` must say which.
     """
     definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane}
     return dataclasses.field(default=default, metadata={**definition, "bounds": Range(**bounds)})
 
 
 def redefined(group: type, name: str, **changes: Any) -> Any:
-    """Declare a parameter of a group again; `changes` are arguments of :func:`parameter`."""
+    """Declare a parameter of a group again with changed arguments of :func:`parameter`."""
     field = {field.name: field for field in dataclasses.fields(group)}[name]
     definition = {"default": field.default, **field.metadata}
     return parameter(**definition | dataclasses.asdict(definition.pop("bounds")) | changes)
 
 
 _DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
-"""By scene: type hints take long to work out, and a study has thousands of cases."""
+"""Definitions by scene class: resolving type hints is slow, and a study has thousands of cases."""
 
 
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
@@ -143,7 +140,7 @@ def parameters_of(scene: type) -> Mapping[str, Parameter]:
 
 
 def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
-    """The definition of a field that is made by :func:`parameter`, of a dataclass."""
+    """The definition of a dataclass field made by :func:`parameter`."""
     hint = _type_hints(owner)[field.name]
     kinds = typing.get_args(hint) or (hint,)  # of ``float | None``, the two
     return Parameter(
@@ -156,7 +153,7 @@ def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
 
 
 def check_own(owner: Any) -> None:
-    """Raise `ParameterError` for a field made by :func:`parameter` with a value not allowed."""
+    """Check all fields made by :func:`parameter`; raises `ParameterError`."""
     for field in dataclasses.fields(owner):
         if "meaning" in field.metadata:
             definition_of(type(owner), field).checked(getattr(owner, field.name))
@@ -166,12 +163,9 @@ _type_hints = functools.cache(typing.get_type_hints)
 
 
 def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:
-    """Validate every field of a scene, in place; to be called from ``__post_init__``.
+    """Check and convert every field of a scene in its ``__post_init__``; raises `ParameterError`.
 
-    Then `derived` is called: it gives the values of parameters for which none was given, by name.
-
-    Raises:
-        ParameterError: a value is not allowed.
+    Then `derived` gives values, by name, for parameters that were not given.
     """
     definitions = parameters_of(type(scene))
     for name, definition in definitions.items():
@@ -184,7 +178,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
-    """Give parameters of a scene values derived from others, checked, where none was given."""
+    """Check derived values and set the parameters of a scene that were not given."""
     definitions = parameters_of(type(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
@@ -194,7 +188,7 @@ def fill_in(scene: object, derived: Mapping[str, float]) -> None:
 
 
 def check_names(scene: type, names: Iterable[str]) -> None:
-    """Raise `ParameterError`, which says what to give, where a scene has no such parameter."""
+    """Check that a scene has these parameters; a `ParameterError` says what to give instead."""
     known = parameters_of(scene)
     for name in names:
         if name not in known:
@@ -204,22 +198,21 @@ def check_names(scene: type, names: Iterable[str]) -> None:
 
 
 def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """A phrase that names the nearest valid name; "" where none is as like, 0 to 1, the same."""
+    """A phrase with the nearest valid name; "" if none has this likeness, 0 to 1 for the same."""
     close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
 def known_names(known: Iterable[str]) -> str:
-    """A phrase that names all valid names; "" where there are none."""
+    """A phrase with all valid names; "" for none."""
     names = ", ".join(known)
     return f"; known: {names}" if names else ""
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str:
-    """A phrase that names the nearest valid name, or all of them where none is near.
+    """A phrase with the nearest valid name, or with all if none is near.
 
-    A word of the field for a scene comes first. A name whose first words are given is near, however
-    much longer it is.
+    An alias of a scene comes first. A name that begins with the words given is near at any length.
     """
     names = list(known)
     meant = SCENES.get(name.lower(), "")
@@ -230,5 +223,5 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
 
 
 def nearest_parameter(name: str, known: Collection[str]) -> str:
-    """A phrase that says what to give instead: what a word of the field means, or the nearest."""
+    """A phrase with what to give instead: the meaning of an alias, or the nearest name."""
     return what_to_give(name, known) or nearest_name(name, known)

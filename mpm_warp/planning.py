@@ -1,7 +1,7 @@
 """From a scene to its plan: the stages of a step, and the places between them at which parts act.
 
-What acts at which place is said in `mpm_warp.scene`. Stages ask for the parts that they depend on
-by their kind, or by an array that such a part adds.
+`mpm_warp.scene` lists these places. A stage recognises a part that it depends on by its class, or
+by an array that the part adds.
 """
 
 import functools
@@ -23,23 +23,23 @@ from mpm_warp.step.momentum import add_momentum
 from mpm_warp.step.points import add_particles_to_grid, add_points
 
 SHARE_COUNT = 4
-"""Shares of a launch on processors: as many threads may take part in a step."""
+"""Shares of a launch on processors, the greatest number of threads of a step."""
 
 
 @functools.singledispatch
 def make_plan(
     scene: object, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
-    """The plan of a run, complete. Other kinds of scenes than soil in a grid register their own.
+    """The complete plan of a run. Kinds of scenes other than `Scene` register a function.
 
     Args:
-        scene: what to run.
-        share_count: into how many shares its launches are split, >= 1.
+        scene: the scene to run.
+        share_count: number of shares of each launch, >= 1.
         time_step: length of a step [s], > 0; default: the scene's fraction of the critical one.
 
     Raises:
         SceneError: a value is not allowed.
-        TypeError: nobody has said how such a scene is planned.
+        TypeError: there is no function for this kind of scene.
     """
     raise TypeError(f"a {type(scene).__name__} cannot be planned")
 
@@ -48,7 +48,7 @@ def make_plan(
 def make_soil_plan(
     scene: Scene, share_count: int = SHARE_COUNT, time_step: float | None = None
 ) -> Plan:
-    """The plan of a run of soil in a grid; the arguments are those of `make_plan`."""
+    """The plan of soil in a grid, see `make_plan`."""
     scene.material.law()  # refuses a wrong law before its wave speed is used
     grid, window = scene.grid, scene.find(MovingGrid)
     wave_speed = scene.material.pressure_wave_speed
@@ -100,7 +100,7 @@ def make_soil_plan(
 
 
 def _check_points(plan: Plan) -> None:
-    """Check that whatever points carry has a place for each slot: kernels run over all of them."""
+    """Check that arrays of particles have an entry for each slot: kernels run over all slots."""
     (slots,) = plan.arrays["particle.mass"].shape
     for name, array in plan.arrays.items():
         if name.startswith("particle.") and array.shape != (slots,):
@@ -111,10 +111,9 @@ def _check_points(plan: Plan) -> None:
 
 
 def has_mass_matrix_correction(scene: Scene) -> bool:
-    """Whether nodes are given back what the transfers take from their velocity at the least.
+    """Whether a scene has the mass-matrix correction, see `mpm_warp.step.momentum`.
 
-    The correction is that of full cells. Where a surface passes only those far below it have it. A
-    single particle in the middle of a cell takes nothing of what it gives back.
+    It is derived for full cells. It is 0 with a single particle in the middle of a cell.
     """
     surface = scene.find(FreeSurface)
     has_full_cells = surface is None or isinstance(surface, PassingSurface)

@@ -1,4 +1,4 @@
-"""The names that `mpm_warp` offers: each is imported from here when it is first asked for."""
+"""The public names of `mpm_warp`, which imports this module when the first of them is used."""
 
 from mpm_warp.errors import (
     InaccurateRun,

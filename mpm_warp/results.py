@@ -1,4 +1,4 @@
-"""Labelled variables: what a run leaves behind as a dataset, and the part that each plays in it."""
+"""Labelled variables of the dataset of a run, and the role of each."""
 
 from collections.abc import Collection
 from typing import Any
@@ -16,14 +16,14 @@ ROLES = {
     "settled": "whether the headline has settled; 0 where the run was too short for it",
     "exact": "an exact value or curve of the variable that the attribute `exact_of` names",
     "error": "a scalar error against an exact solution",
-    "measured": "a time, a speed or a size in memory, which is another in every run",
+    "measured": "a time, a speed or a size in memory, which differs from run to run",
     "built": "what the scene was built of, whatever its parameters are called",
     "parameter": "what was put in",
 }
-"""The parts that a variable can play in a dataset, its `role`; an ordinary result has none."""
+"""Roles of variables in a dataset; an ordinary result has none."""
 
 SHARED_NAMES = ("displacement", "expansion", "penetration", "step_count", "stretch")
-"""Parameters that have the name of a result: the axis of its curves, or what it took."""
+"""Parameters that have the name of a result, as of the axis of its curves."""
 PARAMETER_SUFFIX = "_parameter"
 CHANGING_STRENGTH = "einav_randolph"
 """The law of clay that softens or has a rate effect, by a yield criterion."""
@@ -46,11 +46,11 @@ def variable(
         value: a number or a text, or numbers over `dims`.
         unit: SI unit; "1" for a dimensionless number; None for a text.
         meaning: a few words, fit for the axis of a picture.
-        description: how the value came about, where that needs saying.
+        description: how the value was found, if needed.
         dims: names of the dimensions.
-        role: the part that it plays in the dataset, one of `ROLES`; None for an ordinary result.
-        exact_of: name of the variable that this is the exact value of; its role is then "exact".
-        limit: what the size of the value must not exceed, > 0; beyond it the run is inaccurate.
+        role: one of `ROLES`; None for an ordinary result.
+        exact_of: name of the variable of which this is the exact value; the role is then "exact".
+        limit: greatest allowed size of the value, > 0; beyond it the run is inaccurate.
     """
     labels: dict[str, str | float] = {} if unit is None else {"units": unit}
     labels["long_name"] = meaning
@@ -67,16 +67,13 @@ def variable(
 
 
 Quantity = tuple[ArrayLike, str, str] | tuple[ArrayLike, str, str, str]
-"""Value or values, unit, meaning and, where it needs one, a description."""
+"""Value or values, unit, meaning and an optional description."""
 
 
 def labelled(
     *, dims: tuple[str, ...] = (), role: str | None = None, **quantities: Quantity
 ) -> dict[str, xr.Variable]:
-    """Variables by name, over the same dimensions and of the same role.
-
-    What is called ``x_exact`` is the exact value of ``x`` and has that role.
-    """
+    """Variables by name, of the same dims and role; ``x_exact`` is the exact value of ``x``."""
     return {
         name: variable(
             value,
@@ -92,35 +89,34 @@ def labelled(
 
 
 def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
-    """Curves over one axis, which is called `axis` and has the `places`."""
+    """Curves over an axis with this name and these places."""
     coords = labelled(dims=(axis,), role=None, **{axis: places})
     return xr.Dataset(labelled(dims=(axis,), role=None, **quantities), coords=coords)
 
 
 def stored_name(parameter: str, results: Collection[object]) -> str:
-    """What a parameter is called in a dataset, where a result may have its name.
+    """The name of a parameter in a dataset: ``<name>_parameter`` if a result has its name.
 
-    One of `SHARED_NAMES` is called ``<name>_parameter`` whatever a run has left behind, so that a
-    run which failed says the same by its names as one that did not. Dimensions are results too.
+    One of `SHARED_NAMES` always has the longer name, so that the dataset of a failed run has the
+    same names. Dimensions are results too.
     """
     is_shared = parameter in SHARED_NAMES or parameter in results
     return f"{parameter}{PARAMETER_SUFFIX}" if is_shared else parameter
 
 
 def material_as_built(material: str, law: str) -> str:
-    """What the parameter `material` is stored as: the law built, where that is another.
+    """The stored value of the parameter `material`: the law built, if it differs.
 
-    The law is "" where nothing was built. In clay whose strength changes it is the law of that
-    change, and the criterion is the parameter's.
+    The law is "" if nothing was built. In clay whose strength changes the law is
+    `CHANGING_STRENGTH`, and the parameter names its criterion.
     """
     return material if law in ("", material, CHANGING_STRENGTH) else law
 
 
 def parameter_variables(scene: Any, results: Collection[object]) -> dict[str, xr.Variable]:
-    """All parameters of a scene as variables of its dataset, with the role "parameter".
+    """All parameters of a scene as variables with the role "parameter", by :func:`stored_name`.
 
-    They are called as :func:`stored_name` says. A number that is not given is not a number, a text
-    that is not given is empty; so is what others take the place of.
+    A number that is not given, or replaced by other parameters, is NaN; such a text is "".
     """
     definitions = parameters_of(type(scene))
     given = {name: getattr(scene, name) for name in definitions}

@@ -1,4 +1,4 @@
-"""From a run to its dataset: samplers record what they watch, at the moments of a schedule."""
+"""From a run to its dataset: samplers record the run at the moments of a schedule."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
@@ -20,21 +20,21 @@ PORE_PRESSURE_IS = (
     "of the law, or change of mean total stress: an elastic, perfectly plastic undrained clay has "
     "no other part"
 )
-"""What the excess pore pressure of results is."""
+"""Description of the excess pore pressure in results."""
 
 
 class Sampler(Protocol):
-    """Records what it watches of a run."""
+    """Records some quantities of a run."""
 
     def sample(self) -> None:
-        """Record the run as it is now."""
+        """Record the present state of the run."""
 
     def dataset(self) -> xr.Dataset:
-        """What has been recorded so far, as curves or scalars."""
+        """The records so far, as curves or scalars."""
 
 
 class Samples:
-    """Samples numbers of a run, a row each time; `curves` makes a dataset of their columns."""
+    """Samples a row of numbers each time; `curves` makes a dataset of the columns."""
 
     def __init__(
         self, take: Callable[[], Sequence[float] | None], curves: Callable[..., xr.Dataset]
@@ -44,12 +44,12 @@ class Samples:
         self._rows: list[Sequence[float]] = []
 
     def sample(self) -> None:
-        """Take the numbers, if there are any."""
+        """Add a row, if there is one."""
         if (row := self._take()) is not None:
             self._rows.append(row)
 
     def dataset(self) -> xr.Dataset:
-        """The curves; no variables where there is no sample."""
+        """The curves; no variables without samples."""
         return self._curves(*np.array(self._rows).T) if self._rows else xr.Dataset()
 
 
@@ -61,22 +61,22 @@ def follow(
     progress: Callable[[float], None] | None = None,
     is_over: Callable[[], bool] | None = None,
 ) -> xr.Dataset:
-    """Run a simulation through some moments, and sample it at each.
+    """Run a simulation to a sequence of moments and sample it at each.
 
     Args:
         simulation: the run.
-        moments: in the order of time, as `reach` takes them: times, steps or travels.
+        moments: arguments of `reach` in the order of time: times, steps or travels.
         reach: advances the simulation to a moment.
-        samplers: each takes a sample at every moment. A step may go past several moments, so that
-            the simulation may not have moved since the sample before.
+        samplers: each takes a sample at every moment. A step may pass several moments, so the
+            simulation may not have moved since the last sample.
         progress: receives the fraction done, at last 1.
-        is_over: asked after every sample whether the run may end there; never by default.
+        is_over: called after every sample: whether the run may end; default: at the last moment.
 
     Returns:
-        What the samplers have recorded, and what the run has cost.
+        The records of the samplers, and the cost of the run.
 
     Raises:
-        SimulationDiverged: the run became unstable; its `curves` are those up to there.
+        SimulationDiverged: the run became unstable; `curves` has the records up to then.
     """
     try:
         for count, moment in enumerate(moments, start=1):
@@ -98,29 +98,26 @@ def follow(
 
 
 def evenly(end: float, count: int) -> list[float]:
-    """So many moments at even distances, the last of them at the end."""
+    """This number of moments at equal distances, the last at the end."""
     return [end * number / count for number in range(1, count + 1)]
 
 
 def even_steps(step_count: int) -> list[int]:
-    """Steps at even distances, up to the last, at which a run of so many reports progress: 20."""
+    """Up to 20 steps at about equal distances, up to the last, at which a run reports progress."""
     steps = np.linspace(0, step_count, 21).round().astype(int)
     even: list[int] = np.unique(steps)[1:].tolist()
     return even
 
 
 def soil_scene(simulation: Simulation) -> Scene:
-    """What is run, where it is soil in a grid; else `TypeError`."""
+    """The scene of a simulation of soil in a grid; else `TypeError`."""
     if not isinstance(simulation.scene, Scene):
         raise TypeError(f"a {type(simulation.scene).__name__} is not soil in a grid")
     return simulation.scene
 
 
 def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
-    """What law the soil of a simulation has, and what contact; nothing where there is no soil.
-
-    Whatever the parameters of a scene are called: a scene derived from another may build another.
-    """
+    """Names of the law and the contact as built, which parameters may not tell; else nothing."""
     if not isinstance(simulation.scene, Scene):
         return {}
     built = {"law": simulation.scene.material, "contact": simulation.scene.find(SurfaceContact)}
@@ -134,7 +131,7 @@ def built_of(simulation: Simulation) -> Mapping[str, xr.Variable]:
 
 
 def cost(simulation: Simulation) -> dict[str, xr.Variable]:
-    """Time and work of a simulation from its first step until now."""
+    """Time and work of a simulation so far."""
     return labelled(
         role="measured",
         run_time=(simulation.run_time, "s", "wall-clock time of the time loop"),
@@ -149,7 +146,7 @@ def cost(simulation: Simulation) -> dict[str, xr.Variable]:
 
 
 class ContactForces:
-    """The forces of the soil at the nodes of a scene's contact, mean values since the last ones."""
+    """Mean forces of the soil at the nodes of a contact since they were last taken."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
@@ -159,7 +156,7 @@ class ContactForces:
         """Normal and tangential force per radian [N], shape [contact node_count, 2].
 
         Raises:
-            ValueError: no time has passed since they were taken before, so there is no mean.
+            ValueError: no time has passed since they were last taken, so there is no mean.
         """
         simulation = self._simulation
         if simulation.time == self._taken_at:
@@ -173,22 +170,19 @@ class ContactForces:
 
 
 def transferred_energy(simulation: Simulation) -> float:
-    """What the transfers have added to the kinetic energy per radian, dissipated if < 0 [J].
+    """Change of the kinetic energy by the transfers per radian, < 0 if dissipated [J].
 
-    Estimated from the steps that were audited.
-
-    Raises:
-        KeyError: the scene has no energy audit.
+    It is estimated from the audited steps; `KeyError` if the scene has no energy audit.
     """
     return AUDIT_INTERVAL * float(simulation.array("transfer.energy").sum())
 
 
 def excess_pore_pressure(simulation: Simulation) -> Floats:
-    """Excess pore pressure in the cells of a scene [Pa], compression positive, shape [cell_count].
+    """Excess pore pressure in the cells [Pa], compression positive, shape [cell_count].
 
-    Of a law with effective stress it is the mean of the points in a cell, not a number where it has
-    none. Otherwise it is the change of mean total stress, here in the last step: the effective mean
-    stress of an elastic, perfectly plastic undrained clay stays.
+    In a law with effective stress it is the mean over the points of a cell, NaN without points.
+    Otherwise it is the change of mean total stress by the last step, because the effective mean
+    stress of an elastic, perfectly plastic undrained clay does not change.
     """
     scene = soil_scene(simulation)
     names = scene.material.state
@@ -204,7 +198,7 @@ def excess_pore_pressure(simulation: Simulation) -> Floats:
 
 
 def mean_of_points(simulation: Simulation, values: Floats) -> Floats:
-    """Means of values of all slots by mass in each cell, not a number where none, [cell_count]."""
+    """Means of values over the points of each cell by mass, NaN without points, [cell_count]."""
     grid = soil_scene(simulation).grid
     cell = simulation.array("particle.cell")
     present = cell[:, 0] >= 0

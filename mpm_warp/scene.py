@@ -1,19 +1,19 @@
-"""What a user declares: soil in a grid, and the parts that act on it.
+"""A scene: soil in a grid, and the parts that act on it.
 
-A step and the places in it at which parts act, in order; where several act at one place they do so
-in the order of the tuple. A part that is not in the tuple has no kernel, no array and no branch.
+The list has the stages of a step and the places at which parts act, in order. At one place parts
+act in the order of the tuple. A part that is not in the tuple has no kernel, no array, no branch.
 
-    material points                 add_to_points       what points carry, options of stages
+    material points                 add_to_points       arrays of points, options of stages
     1 particles to grid
     2 stress of cells
     3 momentum of nodes
     4 on nodes                      add_forces          loads, gravity, damping
-                                    add_boundary        what holds nodes at the edges of the grid
-                                    add_contact         a rigid body, when all else is known
+                                    add_boundary        conditions at the edges of the grid
+                                    add_contact         a rigid body, after all others
     5 rates of cells
     6 grid to particles
-    after the motion                add_after_motion    what moves the grid
-    every 16th step                 add_records         what this step records besides
+    after the motion                add_after_motion    motion of the grid
+    every 16th step                 add_records         further records of this step
     between steps, by the host      between_steps       soil enters: `enter`, then `follow`
 """
 
@@ -32,11 +32,11 @@ KindOfPart = TypeVar("KindOfPart", bound="Part")
 
 
 class BetweenSteps(Protocol):
-    """What the host does between the steps of a run."""
+    """Actions of the host between the steps of a run."""
 
     @property
     def steps_ahead(self) -> int:
-        """Steps that can be taken before it may have to act, at least 1."""
+        """Steps to take before the next call of `act`, at least 1."""
 
     def act(self) -> None:
         """Act, if it is time."""
@@ -45,16 +45,14 @@ class BetweenSteps(Protocol):
 class Part(Checked):
     """A part of a scene: a force, a boundary, a contact, a window, a record.
 
-    A part has a method for each place of a step at which it acts; what it does not override adds
-    nothing. At the places on nodes the array "node.velocities" holds (v_r, v_z, u_r, u_z), velocity
-    after the step and before it, and "node.mass" the mass, 0 where no particle is near.
+    A part overrides a method for each place at which it acts. At the places on nodes the array
+    "node.velocities" holds (v_r, v_z, u_r, u_z), velocity after the step and before it, and
+    "node.mass" the mass, 0 where no particle is near.
 
     Attributes:
-        needs: kinds of parts without which there is none of this kind.
-        not_beside: kinds of parts that a scene cannot have beside one of this kind, each with what
-            to do instead, or "".
-        cell_bytes, point_bytes: memory that it adds for a cell with its share of nodes, and for a
-            slot of a point [byte].
+        needs: classes of parts that the scene must have too.
+        not_beside: classes of parts that the scene must not have, each with a remedy, or "".
+        cell_bytes, point_bytes: memory for a cell with its share of nodes, and for a slot [byte].
     """
 
     needs: "ClassVar[tuple[type[Part], ...]]" = ()
@@ -63,10 +61,10 @@ class Part(Checked):
     point_bytes: ClassVar[float] = 0.0
 
     def check(self, scene: "Scene") -> None:
-        """Raise `SceneError` where the part does not fit grid and material."""
+        """Raise `SceneError` if the part does not suit grid and material."""
 
     def add_to_points(self, plan: Plan, scene: "Scene") -> None:
-        """Add arrays of the material points, or what stages look for; before the first stage."""
+        """Add arrays of points, or arrays that stages look for; before the first stage."""
 
     def add_forces(self, plan: Plan, scene: "Scene") -> None:
         """Add launches that change the new velocities of nodes, after the momentum equation."""
@@ -75,50 +73,49 @@ class Part(Checked):
         """The same, after all forces."""
 
     def add_contact(self, plan: Plan, scene: "Scene") -> None:
-        """The same, after all boundaries; the strain rates of cells are next."""
+        """The same, after all boundaries and before the rates of cells."""
 
     def add_after_motion(self, plan: Plan, scene: "Scene") -> None:
-        """Add launches to the end of a step, when points have moved."""
+        """Add launches to the end of a step, after points have moved."""
 
     def add_records(self, plan: Plan, scene: "Scene") -> None:
-        """Add launches to the audited step of a plan whose step is complete, or between steps."""
+        """Add launches to the audited step, a copy of the complete step, or between steps."""
 
     def between_steps(self, run: Run, scene: "Scene") -> BetweenSteps | None:
-        """What the host does for the part between steps of a run; none by default."""
+        """Actions of the host between steps; None, the default: there are none."""
         return None
 
     def enter(self, run: Run, scene: "Scene", position: Floats, travel: float) -> None:
-        """Give a layer of soil that is about to enter what it has by this part.
+        """Set values of a layer of soil that enters, in the arrays "layer.x" of each "particle.x".
 
-        The run has its values in the arrays "layer.x", for each "particle.x". Its points are at
-        positions [m] of shape [point_count, 2] in the grid, which has travelled so far [m].
+        `position` is that of its points in the grid [m], shape [point_count, 2].
         """
 
     def follow(self, run: Run, scene: "Scene", travel: float, *, by_a_row: bool) -> None:
-        """Give the arrays of the part their values after a layer has entered, so far down [m].
+        """Update the arrays of the part by the travel [m], after a layer has entered.
 
-        With it the soil may have come into the next row of cells: `by_a_row`.
+        `by_a_row`: the soil has risen into the next row of cells.
         """
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene(Checked):
-    """Soil in a grid, and what acts on it. SI units; stress is the excess over in-situ.
+    """Soil in a grid and the parts that act on it. SI units; stress is in excess of in-situ stress.
 
     Attributes:
-        grid: the background grid; every cell that it says holds soil is full of it.
-        material: the soil's constitutive model.
-        particles_per_side: particles along each side of a cell, >= 1; default: 2.
-        time_step_fraction: time step over the critical one, dimensionless, > 0; default: 0.85.
-        bulk_viscosity: coefficient of the viscous pressure, dimensionless, > 0, or none.
-        stress_at_rest: stress (rr, zz, rz, tt) of the soil at the start [Pa], shape [4]; none by
-            default. It rests where it has no shear, its radial part is the hoop part, and what
-            bounds the grid holds it: fixed nodes, or the surroundings, which start with it. Where
-            the material varies it is none: the variation has the horizontal stress.
+        grid: the background grid; all cells below its ground level are full of soil.
+        material: the law of the soil.
+        particles_per_side: particles along each side of a cell, >= 1.
+        time_step_fraction: time step over the critical one, > 0.
+        bulk_viscosity: coefficient of the viscous pressure, > 0; None: there is none.
+        stress_at_rest: initial stress (rr, zz, rz, tt) of the soil [Pa], shape [4]; 0 by default.
+            It is in equilibrium if it has no shear, if its radial and hoop parts are equal, and if
+            fixed nodes or the surrounding ground hold it. Where the material varies it must be 0:
+            the variation has the horizontal stress.
         parts: all that acts on the soil, moves the grid or is recorded.
 
     Raises:
-        SceneError: a value is not allowed, or two parts do not go together.
+        SceneError: a value is not allowed, or two parts exclude each other.
     """
 
     grid: Grid
@@ -142,18 +139,18 @@ class Scene(Checked):
             part.check(self)
 
     def find(self, kind: type[KindOfPart]) -> KindOfPart | None:
-        """The first part of a kind; None where there is none."""
+        """The first part of a class; None if there is none."""
         return next((part for part in self.parts if isinstance(part, kind)), None)
 
     def __getitem__(self, kind: type[KindOfPart]) -> KindOfPart:
-        """The first part of a kind; `SceneError` where there is none."""
+        """The first part of a class; `SceneError` if there is none."""
         part = self.find(kind)
         if part is None:
             raise SceneError(f"the scene has no {kind.__name__}")
         return part
 
     def with_parts(self, *parts: Part) -> Self:
-        """The scene with parts more, each in the place of the one of its type where it has one."""
+        """The scene with these parts; each replaces the part of its class or is appended."""
         own = list(self.parts)
         for part in parts:
             places = [k for k, other in enumerate(own) if type(other) is type(part)]
@@ -164,16 +161,13 @@ class Scene(Checked):
         return replace(self, parts=tuple(own))
 
     def without(self, *kinds: type[Part]) -> Self:
-        """The scene without its parts of some kinds."""
+        """The scene without its parts of these classes."""
         return replace(
             self, parts=tuple(part for part in self.parts if not isinstance(part, kinds))
         )
 
     def stress_at_rest_at(self, place: Floats) -> Floats:
-        """Stress (rr, zz, rz, tt) of the ground before [Pa], at places (r, z) in it [m], [..., 4].
-
-        Of places see `Variation`.
-        """
+        """Initial stress (rr, zz, rz, tt) at places (r, z) in the ground, see `Variation` [Pa]."""
         stress = np.tile(self.stress_at_rest, (*place.shape[:-1], 1))
         ground = self.material.variation
         if ground is not None and ground.horizontal_stress is not None:
@@ -191,6 +185,6 @@ class Scene(Checked):
 
 
 def refuse_together(name: str, is_there: object, what: str) -> None:
-    """Raise `SceneError` where a value or a part is beside something that it does not go with."""
+    """Raise `SceneError` if `name` is given together with `what` and this is not allowed."""
     if is_there:
         raise SceneError(f"{name}: not together with {what}")

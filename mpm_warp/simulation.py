@@ -19,30 +19,29 @@ from mpm_warp.scene import BetweenSteps, Scene
 from mpm_warp.watch import make_watch
 
 STEP_COUNTS = Range(minimum=0, maximum=10**12)
-"""Steps that can be asked for at once: the most would take a small run days."""
+"""Allowed numbers of steps in one call; the greatest would take a small run days."""
 CHECK_INTERVAL = 500
-"""Steps between two looks of the watch."""
+"""Steps between two checks of the watch."""
 NOTHING_TRAVELS = "has no window: nothing travels"
-"""Of a scene that is asked for its travel, or to travel."""
 
 
 class Simulation:
-    """The state of a run, and the ways to advance it; soil enters by itself where it has to.
+    """The state of a run and the methods that advance it; soil enters by itself.
 
     Args:
-        scene: what is run: soil in a grid, or any other kind that `make_plan` can plan.
-        execution: where and on how many threads; default: one thread of the processor.
+        scene: soil in a grid, or any other kind of scene that `make_plan` can plan.
+        execution: device and number of threads; default: one thread of the processor.
 
     Attributes:
-        scene: what is run.
+        scene: the scene that is run.
         step_count: steps taken.
         particle_updates: particles times steps.
         setup_time: wall-clock time to plan the run and to fill its arrays [s].
-        compile_time: wall-clock time to compile its kernels or to load them from the cache [s].
+        compile_time: wall-clock time to compile kernels or to load them from the cache [s].
 
     Raises:
-        SimulationDiverged: by whatever takes steps: noticed by the watch, which looks every
-            `CHECK_INTERVAL` steps; the message names what, where, when and what may help.
+        SimulationDiverged: from every method that takes steps. The watch checks the run every
+            `CHECK_INTERVAL` steps; the message says what is wrong, where, when and what may help.
         WindowOverfull: likewise: more soil has stayed in the window than it has slots for.
     """
 
@@ -61,10 +60,10 @@ class Simulation:
         self.step_count = 0
         self.particle_updates = 0
         self._first_step_at: float | None = None
-        self._is_interrupted = False  # in steps, as by Ctrl-C: its state may be of several times
+        self._is_interrupted = False  # within steps, as by Ctrl-C: arrays may be of several times
         self._healthy_step = 0
         self._changed_step, self._changed_time = 0, 0.0
-        # They hold the run, not this: a run that is over then lets go of its arrays at once.
+        # These hold the run, not this object: so the arrays are freed when the run is over.
         self._watch = make_watch(scene, self._run)
         self._between_steps: list[BetweenSteps] = []
         if isinstance(scene, Scene):
@@ -73,12 +72,12 @@ class Simulation:
 
     @property
     def plan(self) -> Plan:
-        """Its arrays and launches."""
+        """Arrays and launches of the run."""
         return self._run.plan
 
     @property
     def arrays(self) -> dict[str, Any]:
-        """The arrays on the device, by the names of the plan."""
+        """The arrays on the device, by name."""
         return self._run.arrays
 
     @property
@@ -89,30 +88,26 @@ class Simulation:
 
     @property
     def run_time(self) -> float:
-        """Wall-clock time since the first step was begun [s]; 0 before it."""
+        """Wall-clock time since the start of the first step [s]; 0 before."""
         return 0.0 if self._first_step_at is None else time.perf_counter() - self._first_step_at
 
     @property
     def travel(self) -> float:
-        """How far the window has moved down through the soil [m].
-
-        Raises:
-            ValueError: the scene has no window.
-        """
+        """Distance that the window has moved down [m]; `ValueError` without a window."""
         if "window.motion" not in self.plan.arrays:
             raise ValueError(f"the scene {NOTHING_TRAVELS}")
         return float(self._run.array("window.motion")[2])
 
     @property
     def particle_count(self) -> int:
-        """Particles in the grid at the last look of the watch."""
+        """Particles in the grid at the last check of the watch."""
         return self._watch.particle_count
 
     def array(self, name: str) -> NDArray[Any]:
-        """An array of the plan on the host: the device's own memory where they share it.
+        """An array of the plan on the host; on a processor it is the array of the run itself.
 
-        What is written to it there is not checked: an index beyond its range, in "particle.cell"
-        say, ends the process. `assign` checks.
+        Values written to it are not checked: an index out of range, as in "particle.cell", ends the
+        process. `assign` checks.
 
         Raises:
             KeyError: there is no array of that name; the message names the nearest.
@@ -121,19 +116,19 @@ class Simulation:
         return self._run.array(name)
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give an array of the plan other values, or one value everywhere.
+        """Set the values of an array of the plan, or one value everywhere.
 
         Raises:
             KeyError: there is no array of that name; the message names the nearest.
-            ValueError: the values are of another shape or type, not finite, or indices of what
-                there is not.
+            ValueError: the values are of another shape or type, not finite, or indices that are out
+                of range.
         """
         self.plan.check_known(name)
         self.plan.arrays[name].check(name, values)
         self._run.assign(name, values)
 
     def launch(self, launch: Launch) -> None:
-        """Launch a kernel of the plan; a launch of another plan is not checked, as in `array`."""
+        """Launch a kernel of the plan; that the launch is of this plan is not checked."""
         check_kind("launch", launch, Launch)
         self._run.launch(launch)
 
@@ -176,16 +171,12 @@ class Simulation:
             actor.act()
 
     def advance_to_step(self, step: float) -> None:
-        """Take steps until so many have been taken since the start.
-
-        Raises:
-            ValueError: `step` is not finite.
-        """
+        """Take steps up to this number since the start; `ValueError` if it is not finite."""
         check_number("step", step, error=ValueError)
         self.advance(max(0, int(step) - self.step_count))
 
     def advance_to(self, time: float) -> None:
-        """Take steps until a simulated time [s], to the nearest, whatever becomes of the time step.
+        """Take steps to the one nearest to a simulated time [s]; the time step may change.
 
         Raises:
             ValueError: `time` is not finite.
@@ -200,10 +191,10 @@ class Simulation:
             self.advance(min(left, self._healthy_step + CHECK_INTERVAL - self.step_count))
 
     def travel_to(self, travel: float) -> None:
-        """Take steps until the window has moved so far [m] since the start.
+        """Take steps until the window has this travel [m].
 
         Raises:
-            ValueError: `travel` is not finite, or the scene has no window, or a cyclic one.
+            ValueError: `travel` is not finite, or the scene has no window or a cyclic one.
         """
         check_number("travel", travel, unit="m", error=ValueError)
         inflow = next((actor for actor in self._between_steps if isinstance(actor, Inflow)), None)
@@ -215,10 +206,10 @@ class Simulation:
             self.advance(inflow.steps_to(travel))
 
     def check(self) -> None:
-        """Look whether the run is sound, and whether its time step is still the right one.
+        """Check that the run is sound, and adapt the time step where it may change.
 
         Raises:
-            SimulationDiverged: it is not; the message names what, where, when and what may help.
+            SimulationDiverged: the run is not sound; the message says what, where and when.
         """
         control, time_step = self.plan.control, self.plan.time_step
         try:

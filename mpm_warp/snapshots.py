@@ -1,4 +1,4 @@
-"""The soil of a run at some moments: its material points and the nodes of its grid."""
+"""Snapshots of the soil of a run: its material points and the nodes of its grid."""
 
 from collections.abc import Callable, Iterable, Mapping
 
@@ -14,7 +14,7 @@ from mpm_warp.sampling import soil_scene
 from mpm_warp.simulation import Simulation
 
 ROUNDING = 1e-9
-"""Share of a moment that counts as rounding: a run that is so near to it has reached it."""
+"""Distance to a moment, over the moment, that counts as rounding: the moment is reached."""
 
 Variables = Mapping[str, xr.Variable]
 
@@ -23,9 +23,9 @@ class Snapshots:
     """The state of the soil at some moments of a run, in single precision.
 
     Args:
-        at: the moments, as the scene counts them: a cone test by the penetration over the cone
-            radius. Each is taken at the first sample that has reached it. Those beyond the end of
-            a run are taken at its end, as one.
+        at: the moments in the unit of the scene: in a cone test penetration over cone radius. Each
+            is taken at the first sample that has reached it. All beyond the end of a run are taken
+            once, at its end.
 
     Attributes:
         at: the moments, rising, each once.
@@ -48,9 +48,9 @@ class Snapshots:
         self._taken: list[tuple[float, Variables]] = []
 
     def begin(self, axis: str, quantity: tuple[str, str], same: Variables) -> None:
-        """Begin a run; what was taken of another is forgotten.
+        """Begin a run and forget the snapshots of another.
 
-        Moments are called as the `axis`, with a unit and a meaning; `same` is so at all of them.
+        `axis` names the moments, with a unit and a meaning. `same` are variables without moments.
         """
         unit, meaning = quantity
         self._axis = axis, variable([], unit=unit, meaning=meaning, dims=(axis,))
@@ -60,9 +60,9 @@ class Snapshots:
     def take(
         self, moment: float, fields: Callable[[], Variables], *, is_last: bool = False
     ) -> None:
-        """Record fields of a run at a moment, if it has reached one that has not been taken.
+        """Record fields of a run if it has reached a moment that has not been taken.
 
-        They have the same names each time. At its last moment all count as reached.
+        The fields have the same names each time. At the end of a run all moments are reached.
         """
         left = [mark for mark in self._left if moment < mark * (1.0 - ROUNDING)]
         is_new = not (self._taken and self._taken[-1][0] == moment)
@@ -71,10 +71,10 @@ class Snapshots:
         self._left = left
 
     def dataset(self) -> xr.Dataset:
-        """What has been taken so far; empty before the first moment.
+        """The snapshots so far; empty before the first moment.
 
-        Arrays over the material points have the dim `point`, a slot of the run each: not a number
-        where the slot is empty. A slot holds the same soil until that has left the window.
+        Arrays over material points have the dim `point`, one for each slot, NaN if the slot is
+        empty. A slot holds the same soil until the soil has left the window.
         """
         if self._axis is None or not self._taken:
             return xr.Dataset()
@@ -93,11 +93,11 @@ class Snapshots:
 
 
 PLACES = {"point_r", "point_z", "node_r", "node_z"}
-"""Where points and nodes are, in coordinates whose origin the scene has chosen."""
+"""Positions of points and nodes in the coordinates of the scene."""
 
 
 def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
-    """Places of the nodes of a grid that keeps its shape; numbers of points, rows and columns."""
+    """Positions of the nodes of a grid that keeps its shape; numbers of points, rows, columns."""
     grid = soil_scene(simulation).grid
     shape = (grid.row_count + 1, grid.column_count + 1)
     radius, height = np.moveaxis(grid.node_positions.reshape(*shape, 2), -1, 0)
@@ -117,11 +117,11 @@ def grid_places(simulation: Simulation) -> dict[str, xr.Variable]:
 
 
 def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
-    """Material points and nodal velocities of a run as it is now.
+    """Material points and nodal velocities of a run at present.
 
     Raises:
-        TypeError: what is run is not soil in a grid.
-        KeyError: its points do not keep where they entered: the scene has no `History`.
+        TypeError: the scene is not soil in a grid.
+        KeyError: the scene has no `History`, so the place of entry is unknown.
     """
     scene, array = soil_scene(simulation), simulation.array
     travel = simulation.travel if scene.find(MovingGrid) else 0.0
@@ -176,5 +176,4 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
 
 
 def _single(variables: Variables) -> dict[str, xr.Variable]:
-    """The same in single precision."""
     return {name: values.astype(np.float32) for name, values in variables.items()}

@@ -1,7 +1,7 @@
-"""The watch on a run: one that diverges ends with a named error, not with wrong numbers.
+"""The watch on a run: a run that diverges ends with an error, not with wrong numbers.
 
-What is found raises a `Fault` that says what, and where; when, and what may help, is added by who
-has asked.
+A check raises a `Fault` that says what is wrong and where. The simulation adds the time and what
+may help.
 """
 
 import functools
@@ -19,27 +19,27 @@ from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Run, check_time_step
 from mpm_warp.scene import Scene
 
-LOOKED_AT_ONCE = 4_000
-"""Particles that the watch looks at together; the memory of more would be fetched each time."""
-SAMPLED = 2_000
-"""Particles, about, whose mean stress is compared with their volume."""
+BLOCK_SIZE = 4_000
+"""Particles that are checked together; arrays of more would not fit into the fast memory."""
+SAMPLE_SIZE = 2_000
+"""Approximate number of particles whose mean stress is compared with their volume."""
 STRESS_ROUNDINGS = 64
-"""Roundings of the greatest stress by which a step may change the mean stress by itself."""
+"""Allowed error of the change of mean stress, over the rounding of the greatest stress."""
 OVERFULL = 20
-"""Soil in a cell, over that of a full one, that no compression of soil could explain."""
+"""Mass in a cell over that of a full cell, from which the run is not sound."""
 EMPTIED = 0.1
-"""Soil in a block of cells, over that at the start, that no passing of particles could explain."""
+"""Mass in a block of cells over the initial mass, below which the run is not sound."""
 LARGEST_PARTED_SHARE = 0.1
-"""Share of a surface that noise may part where the soil cannot pull as the ground presses."""
-ROUNDED = 1e-3
-"""Normal velocity at a surface, over the greatest there, that is rounding."""
+"""Greatest share of a surface without contact, as by noise, if the soil cannot part from it."""
+SPEED_ROUNDING = 1e-3
+"""Normal velocity at a surface, over the greatest velocity there, that counts as rounding."""
 
 
 class ParticleWatch:
-    """Looks at each particle by itself, and at the time step.
+    """Checks of single particles and of the time step.
 
     Attributes:
-        particle_count: particles at the last look.
+        particle_count: particles at the last check.
     """
 
     def __init__(self, run: Run) -> None:
@@ -47,26 +47,26 @@ class ParticleWatch:
         self.particle_count = run.plan.particle_count
 
     def prepare(self) -> None:
-        """Record what the next step, the last one before a look, is compared with."""
+        """Record values before the next step, after which `look` compares them."""
 
     def look(self) -> None:
-        """Raise `Fault`, which names what and where, if the run is not sound."""
+        """Raise `Fault`, which says what and where, if the run is not sound."""
         plan = self._run.plan
         check_time_step(time_step=plan.time_step, longest=plan.longest_time_step)
         present = self._present
         self.particle_count = len(present)
         if not len(present):
             raise Fault("no material point is left in the grid")
-        for first in range(0, len(present), LOOKED_AT_ONCE):
-            self._look_at_particles(present[first : first + LOOKED_AT_ONCE])
+        for first in range(0, len(present), BLOCK_SIZE):
+            self._look_at_particles(present[first : first + BLOCK_SIZE])
         self._look_at_all(present)
 
     def _look_at_particles(self, particle: Integers) -> None:
-        """Particles are within the grid, finite and slower than the waves that they carry."""
+        """Check that particles are in the grid, finite and slower than pressure waves."""
         lower, upper = self._run.plan.particle_bounds
         position, velocity = self._of("position", particle), self._of("velocity", particle)
         stress, mass = self._of("stress", particle), self._of("mass", particle)
-        # NaN is not within any limit either. A reduction over all components is the fastest.
+        # NaN fails every comparison. A reduction over all components is the fastest.
         looked_at = [
             ("velocity", velocity, np.abs(velocity) < self._run.plan.speed_limit),
             ("stress", stress, np.isfinite(stress)),
@@ -84,11 +84,11 @@ class ParticleWatch:
                 )
 
     def _look_at_all(self, present: Integers) -> None:
-        """Look at what is more than each particle by itself."""
+        """Further checks of a subclass."""
 
     @property
     def _present(self) -> Integers:
-        """The slots that hold a particle."""
+        """Slots that hold a particle."""
         if "particle.cell" not in self._run.plan.arrays:
             return np.arange(self._run.plan.particle_count, dtype=np.int32)
         slots = np.flatnonzero(self._run.array("particle.cell")[:, 0] >= 0)
@@ -102,17 +102,17 @@ class ParticleWatch:
 
 
 class _Before(NamedTuple):
-    """What is recorded before the last step that a look is at."""
+    """Values before the last step."""
 
     particle: Integers  # slots of a sample of the particles
-    cell: Integers  # that each is in
-    trace: Floats  # sum of its normal stresses [Pa]
-    state: Floats | None  # what it remembers, shape [sample_count, state_count]
+    cell: Integers  # the cell of each
+    trace: Floats  # sum of the normal stresses [Pa]
+    state: Floats | None  # state variables, shape [sample_count, state_count]
     speed: float  # of the rigid body down through the soil [m/s]
 
 
 class SoilWatch(ParticleWatch):
-    """Looks at yield, cells, contact and what the last step did to the mean stress, besides."""
+    """Checks yield, cells, contact and the change of mean stress in the last step too."""
 
     def __init__(self, scene: Scene, run: Run) -> None:
         super().__init__(run)
@@ -125,13 +125,13 @@ class SoilWatch(ParticleWatch):
         self._before: _Before | None = None
 
     def prepare(self) -> None:
-        """Record what the next step, the last one before a look, is compared with."""
+        """See `ParticleWatch`."""
         contact = self._scene.find(SurfaceContact)
         speed = 0.0 if contact is None else contact.speed
         if "window.motion" in self._run.plan.arrays:
             speed = float(self._run.array("window.motion")[1])
         present = self._present
-        sample = present[:: 1 + len(present) // SAMPLED]
+        sample = present[:: 1 + len(present) // SAMPLE_SIZE]
         self._before = _Before(
             particle=sample,
             cell=self._cell_of(sample),
@@ -145,7 +145,7 @@ class SoilWatch(ParticleWatch):
         cell = self._cell_of(present)
         mass = self._mass_in(cell, present)
         self._look_at_cells(cell, mass)
-        # Elsewhere soil may leave a cell by right: below a free surface, beside one that parts.
+        # Below a free surface, and beside a surface that parts, cells may lose their soil.
         if not (self._scene.find(FreeSurface) or self._parts):
             self._look_at_blocks(self._soil_in_blocks(mass))
         if self._before is not None:
@@ -164,7 +164,7 @@ class SoilWatch(ParticleWatch):
         self._run.launch(launch)
         margin = self._run.array("yield.margin")
         block = int(np.argmax(margin))
-        if not margin[block] <= 0.0:  # NaN where the law tells no measure or no strength
+        if not margin[block] <= 0.0:  # NaN if the law's measure or strength is NaN
             worst = int(self._run.array("yield.particle")[block])
             stress = self._run.array("particle.stress")[worst]
             raise Fault(
@@ -173,9 +173,9 @@ class SoilWatch(ParticleWatch):
             )
 
     def _look_at_cells(self, cell: Integers, mass: Floats) -> None:
-        """No cell holds more soil than could be pressed into it, by mass and by number.
+        """Check that no cell is overfull, by mass and by number of particles.
 
-        Of a cell that a surface cuts, little may be open, which one particle then fills many times.
+        Mass alone would not do: one particle may overfill the open part of a cell cut by a surface.
         """
         volume = self._run.array("cell.volume")
         count = np.bincount(cell, minlength=len(volume))
@@ -188,7 +188,7 @@ class SoilWatch(ParticleWatch):
             raise Fault(f"soil in cell {worst} is {filling[worst]:.3g} times that of a full one")
 
     def _look_at_blocks(self, soil: Floats) -> None:
-        """No block of cells has lost its soil; it may have had none at the start."""
+        """Check that no block of cells has lost its initial soil."""
         emptied = soil < EMPTIED * self._first_soil
         if emptied.any():
             row, column = np.argwhere(emptied)[0]
@@ -199,33 +199,33 @@ class SoilWatch(ParticleWatch):
             )
 
     def _look_at_mean_stress(self, before: _Before) -> None:
-        """The mean stress has changed by what the law tells of the volume: it does not drift."""
+        """Check that the mean stress has changed as the law says by the change of volume."""
         material, particle = self._scene.material, before.particle
-        # The strain of the step in the cell that each was in.
+        # The strain of the step in the cell of each particle.
         strain = self._run.array("cell.motion").take(before.cell, axis=0)[:, :4]
         after = self._state_of(particle)
         own = np.tile(material.properties, (len(particle), 1))
         if PROPERTIES in self._run.plan.arrays:
             own = self._of("properties", particle)
-        told = material.mean_stress_change(
+        expected = material.mean_stress_change(
             strain[:, 0] + strain[:, 1] + strain[:, 3],
             own,
             None if before.state is None or after is None else (before.state, after),
         )
-        if told is None:
+        if expected is None:
             return
         stress = self._of("stress", particle)
         change = (self._trace_of(particle) - before.trace) / 3.0
-        # The deviator has rounded too, before the return took it away.
+        # The deviator of the trial stress has rounded too, before the return.
         trial = 2.0 * material.ground_shear_modulus * np.abs(strain).max(axis=1)
         # Rows of a transposed copy are fast to reduce.
-        greatest = np.abs(stress.T.copy()).max(axis=0) + np.abs(told) + trial
-        drift = np.abs(change - told) - STRESS_ROUNDINGS * np.finfo(stress.dtype).eps * greatest
+        greatest = np.abs(stress.T.copy()).max(axis=0) + np.abs(expected) + trial
+        drift = np.abs(change - expected) - STRESS_ROUNDINGS * np.finfo(stress.dtype).eps * greatest
         worst = int(np.argmax(drift))
         if not drift[worst] <= 0.0:
             raise Fault(
                 f"mean stress of {self._named(particle[worst])} has changed in a step by "
-                f"{change[worst]:.4g} Pa, its volume by what makes {told[worst]:.4g} Pa"
+                f"{change[worst]:.4g} Pa, its volume by what makes {expected[worst]:.4g} Pa"
             )
 
     def _trace_of(self, particle: Integers) -> Floats:
@@ -247,7 +247,7 @@ class SoilWatch(ParticleWatch):
         return mass.astype(np.float64, copy=False)
 
     def _soil_in_blocks(self, mass: Floats) -> Floats:
-        """Sums over all blocks of 3 x 3 cells, by the row and column in which they begin."""
+        """Sums over all blocks of 3 x 3 cells, by their first row and column."""
         mass = mass.reshape(self._scene.grid.row_count, self._scene.grid.column_count)
         in_rows = mass[:-2] + mass[1:-1] + mass[2:]
         return in_rows[:, :-2] + in_rows[:, 1:-1] + in_rows[:, 2:]
@@ -256,21 +256,20 @@ class SoilWatch(ParticleWatch):
 def check_contact(
     contact: SurfaceContact, velocity: Floats, *, speed: float, on_axis: NDArray[np.bool_]
 ) -> None:
-    """Check that soil and surface move together along their normal, on nearly all of it.
+    """Check that soil, if it cannot part from a surface, moves with it along the normal.
 
-    It is one from which soil cannot part. `velocity` is that of the soil at its nodes in the last
-    step [m/s], shape [node_count, 2], `speed` that of the body down through the soil [m/s]. Nodes
-    `on_axis`, shape [node_count], are left out: the axis holds the soil there too, and should it
-    come apart, blocks of cells lose theirs.
+    `velocity` is that of the soil at the nodes in the last step [m/s], shape [node_count, 2],
+    `speed` that of the body down through the soil [m/s]. Nodes `on_axis`, shape [node_count], are
+    left out: the axis holds the soil there too, and the check of blocks of cells finds a gap.
 
     Raises:
-        Fault: they have come apart, or go through each other.
+        Fault: on too large a share of the surface the normal velocities differ.
     """
     past = velocity + np.array([0.0, speed])
     normal_speed = np.sum(past * contact.normals, axis=1)
-    rounding = ROUNDED * (abs(speed) + np.abs(velocity).max())
+    rounding = SPEED_ROUNDING * (abs(speed) + np.abs(velocity).max())
     lost = ~(np.abs(normal_speed) <= rounding)
-    # The flow may leave a node of the axis no soil for a moment.
+    # A node on the axis may have no soil for a moment.
     lost[on_axis] = False
     share = contact.normal_areas[lost].sum() / contact.normal_areas.sum()
     if share > LARGEST_PARTED_SHARE:
@@ -287,7 +286,7 @@ def _text(values: Floats) -> str:
 
 @functools.singledispatch
 def make_watch(scene: object, run: Run) -> ParticleWatch:
-    """The watch on a run of a scene: of each particle, where its kind has registered no other."""
+    """The watch on a run; kinds of scenes may register their own."""
     return ParticleWatch(run)
 
 

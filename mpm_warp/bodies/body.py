@@ -4,8 +4,8 @@ Loads rise linearly in time, then stay:
 
     f_p = sum over loads min(max((t + dt / 2 - t_0) / T, 0), 1) F_p        then t <- t + dt
 
-They are evaluated at the middle of the step, so the impulse of a load is exact in every step in
-which it only rises or only stays.
+Loads are evaluated at the middle of the step. So their impulse is exact in every step but those in
+which the rise begins or ends.
 
 Shape functions are quadratic B-splines, nine nodes for each particle. Symbols: h cell size, X_0
 lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5 and 1.5.
@@ -44,12 +44,12 @@ from mpm_warp.plan.plan import Plan
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Load(Checked):
-    """Dead forces on the particles of a body, which rise linearly from zero and then stay."""
+    """Forces of constant direction on the particles of a body; they rise linearly, then stay."""
 
     # final force on each particle [N], shape [particle_count, 2]
     forces: Floats = field(metadata=array_of(None, 2))
-    start: float = checked(NOT_NEGATIVE, unit="s")  # time t_0 at which they begin to rise [s], >= 0
-    rise_time: float = checked(POSITIVE, unit="s")  # time T that they take to rise [s], > 0
+    start: float = checked(NOT_NEGATIVE, unit="s")  # time t_0 at which the rise begins [s], >= 0
+    rise_time: float = checked(POSITIVE, unit="s")  # duration T of the rise [s], > 0
 
     def impulse_time(self, time: Floats) -> Floats:
         """Impulse until each time since the start of the run [s], over the final force [s]."""
@@ -59,7 +59,7 @@ class Load(Checked):
 
 
 def add_loads(plan: Plan, loads: Sequence[tuple[slice, Load]]) -> None:
-    """Add the forces of loads, each with the particles of its body, at the beginning of a step."""
+    """Add the forces of loads, each with the slice of the particles of its body."""
     forces = np.zeros((len(loads), plan.particle_count, 2))
     for index, (particles, load) in enumerate(loads):
         forces[index, particles] = load.forces
@@ -79,10 +79,7 @@ def body_loads(
     half_step: real,
     particle_load: wp.array[vec2],
 ):
-    """Forces of all loads on each particle; launched over particles.
-
-    `load_schedule` holds (t_0, T) of each load.
-    """
+    """Forces of all loads; launched over particles. `load_schedule` is (t_0, T) of each load."""
     p = wp.tid()
     middle = load_time[0] + half_step
     total = vec2()
@@ -94,7 +91,7 @@ def body_loads(
 
 @kernel
 def clock(time_step: real, load_time: wp.array[real]):
-    """The time of the loads goes on by a step; launched once, at its end."""
+    """Advance the time of the loads; launched once, at the end of a step."""
     load_time[0] += time_step
 
 
@@ -107,14 +104,13 @@ class Body(Checked):
     volume: Floats = field(metadata=array_of(None, allowed=POSITIVE))
     spacing: float = checked(POSITIVE, unit="m")  # side of a particle's square [m], > 0
     material: LinearElastic  # elastic constants and density
-    # particles that are always at rest, shape [particle_count]; the body is rigid and immovable at
-    # every node that one of them reaches. None where there are none
+    # particles at rest, shape [particle_count]; the body is fixed at every node that one of them
+    # reaches. None: there are none
     held: NDArray[np.bool_] | None = None
-    # tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau times the rate of
-    # strain [s], > 0; None where the body has no damping. It damps a frequency omega by
-    # omega tau / 2 of the critical damping
+    # tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau times its rate [s],
+    # > 0; it damps a frequency omega by omega tau / 2 of the critical damping. None: no damping
     retardation_time: float | None = checked(POSITIVE, unit="s", default=None)
-    loads: tuple[Load, ...] = ()  # forces on the particles
+    loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -140,10 +136,10 @@ class Body(Checked):
 def critical_time_step(
     cell_size: float, material: LinearElastic, retardation_time: float | None, thinning: float = 1.0
 ) -> float:
-    """Time in which a wave crosses a cell, shorter where there is damping [s].
+    """Time in which a wave crosses a cell, reduced by damping [s].
 
-    `thinning` is the volume over that at rest: a body that is drawn out keeps its moduli, its
-    density falls, and its waves become faster.
+    `thinning` is the volume over that at rest: a body that is stretched keeps its moduli, but its
+    density falls, so its waves become faster.
     """
     crossing = cell_size / (material.pressure_wave_speed * math.sqrt(thinning))
     damping_ratio = (retardation_time or 0.0) / crossing
@@ -160,7 +156,7 @@ class UniformGrid(Checked):
     lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
     cell_size: float = checked(POSITIVE, unit="m")  # side of a cell [m], > 0
     cell_counts: tuple[int, int]  # cells along both axes, >= 3 each
-    axisymmetric: bool = False  # whether the axes are (r, z), else plane strain in (x, y)
+    axisymmetric: bool = False  # axes (r, z); else (x, y) in plane strain
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -194,7 +190,7 @@ class UniformGrid(Checked):
 
     @property
     def kernel_arguments(self) -> dict[str, Any]:
-        """The grid as kernels take it: lowest corner, cell size h, nodes along both axes."""
+        """Arguments of kernels: lowest corner, cell size h, nodes along both axes."""
         return {
             "lower": vec2(*self.lower),
             "h": self.cell_size,
@@ -204,16 +200,15 @@ class UniformGrid(Checked):
 
 @wp.func
 def first_node(where: real, node_count: int) -> int:
-    """Lowest of the three nodes of a place, over h from the lowest of all; the others exist too."""
+    """Number of the lowest of the three nodes around a place, which is over h; all three exist."""
     return wp.clamp(int(wp.floor(where - half)), 0, node_count - 3)
 
 
 @wp.func
 def spline(where: real, h: real, node_count: int):
-    """Lowest of the three nodes of a place, and of the three N, dN/dx [1/m] and X - x [m].
+    """`first_node` of a place; N, dN/dx [1/m] and X - x [m] of the three nodes.
 
-    f is limited to its range: a particle that has left the grid stays finite until the watch finds
-    it.
+    f is limited to its range, so a particle outside the grid stays finite until the watch finds it.
     """
     first = first_node(where, node_count)
     f = wp.clamp(where - real(first), half, high)
@@ -228,17 +223,16 @@ def spline(where: real, h: real, node_count: int):
 
 
 MARGIN = 2
-"""Least number of empty cells around the bodies in a grid."""
+"""Least number of empty cells around the bodies."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class InterfaceFrame:
-    """Coordinates along an interface and out of it."""
+    """Coordinates along an interface and normal to it."""
 
-    # from the first axis of the grid to the interface [rad]; only used in plane strain
-    angle: float
-    # radius of an interface that is a cylinder around the axis [m], > 0; it runs along z, and its
-    # outward side is the inner one. None in plane strain
+    angle: float  # from the first axis of the grid to the interface in plane strain [rad]
+    # radius of a cylindrical interface around the axis [m], > 0; it runs along z, its outward side
+    # is the inner one. None: plane strain
     interface_radius: float | None = None
 
     @property
@@ -264,10 +258,10 @@ class InterfaceFrame:
         spacing: float,
         material: LinearElastic,
     ) -> Body:
-        """A rectangle of a whole number of particles at a spacing [m].
+        """A rectangle of particles at a spacing [m].
 
-        It is between two coordinates along the interface, and two distances from it, outward
-        positive [m].
+        `extent` are its ends along the interface, `heights` its distances from it, outward positive
+        [m]; the sides are rounded to whole numbers of particles.
         """
         across, up = (
             low + spacing * (np.arange(round((high - low) / spacing)) + 0.5)
@@ -283,10 +277,9 @@ class InterfaceFrame:
     def grid_around(
         self, bodies: Sequence[Body], *, travel: float, cell_size: float, offset: float
     ) -> UniformGrid:
-        """A grid that holds the bodies, also when the first has gone so far [m] along the line.
+        """A grid that holds the bodies, also after a travel of the first along the interface [m].
 
-        The offset is the distance of the nodes from the origin of the coordinates over the cell
-        size [m], 0 to 1.
+        The offset is the distance of the nodes from the origin over the cell size, 0 to 1.
         """
         travelled = bodies[0].position + travel * self.along
         occupied = np.concatenate([travelled, *(body.position for body in bodies)]) / cell_size

@@ -1,28 +1,28 @@
 """Contact between the fields of two bodies: one impulse at each node, which serves both.
 
-Where the bodies meet is found from their particles. Symbols: A the body, B its base; a_A, a_B
-integrals of N n over their surfaces, n unit normal, outward from A; A_k contact area of node k; w
-weights (1 2 1) x (1 2 1) of a node and its neighbours; l spacing of particles at positions x.
+The particles determine where the bodies touch. Symbols: A the body, B its base; a_A, a_B integrals
+of N n over their surfaces, n unit normal, outward from A; A_k contact area of node k; w weights
+(1 2 1) x (1 2 1) of a node and its neighbours; l spacing of particles at positions x.
 
     n = -b / |b|, b = sum w a_B;    A_k = a_A . n
     s_A = max over A's particles near the node of x . n + l/2,    gap = -(s_A + s_B)
 
-The normal of a node that few particles reach is inaccurate, and an error of some degrees acts as
-friction of as many per cent. So normals are averaged over a neighbourhood.
+The normal of a node near few particles is inaccurate, and an error of some degrees acts as friction
+of some per cent. So normals are averaged over a neighbourhood.
 
-Then m mass, v velocity predicted for each alone, v_S that of both together, d = v_A - v_S; mu
-friction coefficient, a adhesion:
+With m mass, v velocity predicted for each body alone, v_S velocity of both together,
+d = v_A - v_S, mu friction coefficient, a adhesion:
 
     P = A_k sum_j (max(m_A d . n, 0)_j / sum_i A_i)    j near k, i near j: within two cells
     J = law(m_A, d, n, P, mu P + a A_k dt)     while the gap is closed
     v_A <- v_A - J / m_A,    v_B <- v_B + J / m_B
 
-The stresses do not determine how the nodes on both sides of an interface share its normal force. So
-P is the node's share, by area, of the normal impulses around it; their sum is unchanged.
+The stresses do not determine how nodes on both sides of an interface share its normal force. So P
+is the node's share, by area, of the normal impulses around it; their sum does not change.
 
-With v_S = (m_A v_A + m_B v_B) / (m_A + m_B) the law's m_A (v_A - v_S) is the reduced mass
-m_A m_B / (m_A + m_B) times v_A - v_B, the same for either body but for its sign. So one impulse
-serves both, and a held body is one without inverse mass.
+With v_S = (m_A v_A + m_B v_B) / (m_A + m_B), m_A (v_A - v_S) is the reduced mass
+m_A m_B / (m_A + m_B) times v_A - v_B, for the other body with opposite sign. So one impulse serves
+both, and a held body has an inverse mass of 0.
 """
 
 from collections.abc import Sequence
@@ -38,11 +38,11 @@ from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan
 
 NEIGHBOURHOOD = 2
-"""Cells around a node over which pressure is averaged: all nodes that an interface reaches."""
+"""Cells around a node over which pressure is averaged, all nodes that an interface reaches."""
 CLOSED_GAP = 0.05
-"""Gap below which bodies touch, over cell size: a block at rest must not chatter on its base."""
+"""Gap below which bodies touch, over cell size, so that a block at rest does not chatter."""
 FAR = wp.constant(real(-1e30))
-"""Position of the surface of a body that has no particle near a node [m]."""
+"""Extent of a body without particles near a node [m]."""
 A, B = wp.constant(0), wp.constant(1)
 """Rows of the body and its base in arrays over fields."""
 reach = wp.constant(NEIGHBOURHOOD)
@@ -50,21 +50,21 @@ reach = wp.constant(NEIGHBOURHOOD)
 
 @dataclass(frozen=True, kw_only=True)
 class BodyContact(Checked):
-    """Contact between the two bodies of a scene, the second of which is the base of the first.
+    """Contact between the two bodies of a scene; the second is the base of the first.
 
-    The normal is that of the base, whose surface should go on where the body's ends: at its edges
-    a body's own normal turns away. The area is the body's own along that normal.
+    The normal is that of the base, because the normal of a body turns at its edges. So the base
+    should extend beyond the body. The area is that of the body along this normal.
     """
 
-    friction: float = checked(NOT_NEGATIVE, default=0.0)  # Coulomb coefficient, dimensionless, >= 0
-    # shear stress transmitted without normal stress [Pa], >= 0
+    friction: float = checked(NOT_NEGATIVE, default=0.0)  # Coulomb coefficient, >= 0
+    # shear strength of the interface without normal stress [Pa], >= 0
     adhesion: float = checked(NOT_NEGATIVE, unit="Pa", default=0.0)
 
 
 def add_contact(
     plan: Plan, contact: BodyContact, bodies: Sequence[Body], grid: UniformGrid
 ) -> None:
-    """Add the contact of two bodies, after the velocities that each has alone."""
+    """Add the contact of two bodies, after the velocities of each alone."""
     over_nodes = grid.node_counts[::-1]
     plan.add_array("body.half_spacing", "real", np.array([0.5 * body.spacing for body in bodies]))
     for name, kind in (
@@ -124,7 +124,7 @@ def extents(
     contact_area: wp.array[real],
     contact_extent: wp.array[vec2],
 ):
-    """How far two bodies extend towards each other at a node; launched over particles."""
+    """Extents s_A and s_B of two bodies at a node; launched over particles."""
     p = wp.tid()
     b = particle_body[p]
     x = particle_position[p]
@@ -155,8 +155,8 @@ def pressing_of_nodes(
 ):
     """Normal impulse and area of the nodes whose gap is closed; launched over nodes.
 
-    `contact_extent` is where the two bodies reach to; `contact_pressing` holds (max(m_A d . n, 0),
-    A_k). The surfaces of both bodies are cleared for the next step.
+    `contact_extent` holds (s_A, s_B), `contact_pressing` (max(m_A d . n, 0), A_k). The surfaces of
+    both bodies are cleared for the next step.
     """
     k = wp.tid()
     field_surface[A, k] = vec2()
@@ -204,10 +204,10 @@ def body_contact(
     field_velocity: wp.array2d[vec2],
     contact_total: wp.array[vec3],
 ):
-    """The corrector; launched over nodes.
+    """The impulses of contact; launched over nodes.
 
-    `contact_total` adds up, since it was last cleared, the impulse from the body on its base and
-    the work that the slip between them took.
+    `contact_total` adds up the impulse of the body on its base and the work of slip since it was
+    last cleared.
     """
     j, i = wp.tid()
     k = j * node_counts[0] + i

@@ -1,8 +1,8 @@
-"""What a user declares for bodies in contact: particles of several bodies on one uniform grid.
+"""A scene of bodies in contact: particles of several bodies on one uniform grid.
 
-Each body has a velocity field of its own. Where two bodies meet, and along which normal, is found
-from their particles in every step; nothing of it is declared. A part that is None, or empty, costs
-nothing in the run. SI units; plane strain per unit thickness, axisymmetric per radian.
+Each body has a velocity field of its own. In every step the particles determine where two bodies
+touch, and the normal. A field that is None or empty costs nothing in the run. SI units, in plane
+strain per unit thickness, in axisymmetry per radian.
 """
 
 import itertools
@@ -29,7 +29,7 @@ class BodyScene(Checked):
         SceneError: a value is not allowed, a body is not within the grid, or two overlap.
     """
 
-    grid: UniformGrid  # the background grid
+    grid: UniformGrid
     bodies: tuple[Body, ...]  # one or more
     # time step over the critical one, the least `critical_time_step` of all bodies; > 0
     time_step_fraction: float = checked(POSITIVE, default=0.6)
@@ -67,7 +67,7 @@ class BodyScene(Checked):
 
     @property
     def particles_of_bodies(self) -> tuple[slice, ...]:
-        """Where the particles of each body are among all particles."""
+        """Slices of the particles of each body in arrays of all particles."""
         ends = np.cumsum([body.particle_count for body in self.bodies]).tolist()
         return tuple(slice(begin, end) for begin, end in itertools.pairwise([0, *ends]))
 
@@ -77,7 +77,7 @@ class BodyScene(Checked):
         return len(self.bodies), self.grid.node_count
 
     def critical_time_step(self, volume: Floats | None = None) -> float:
-        """The least of all bodies [s], with the volumes of all particles by now; None: at rest."""
+        """The least of all bodies [s], for given volumes of all particles; None: at rest."""
         least = math.inf
         for particles, body in zip(self.particles_of_bodies, self.bodies, strict=True):
             thinning = 1.0 if volume is None else float(np.max(volume[particles] / body.volume))

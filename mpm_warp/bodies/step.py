@@ -1,21 +1,21 @@
 """The step of bodies: from particles to the nodes of the field of their body, contact, and back.
 
-Each body has a velocity field of its own, as if it were alone. Symbols: m mass, V volume, v
-velocity, B affine velocity, sigma stress (xx, yy, xy, zz), f_p load, d_i = x_i - x offset of node
-i, N_i its shape function, h cell size. In axisymmetry x, y are r, z.
+Each body has a velocity field of its own. Symbols: m mass, V volume, v velocity, B affine velocity,
+sigma stress (xx, yy, xy, zz), f_p load, d_i = x_i - x offset of node i, N_i its shape function, h
+cell size. In axisymmetry x, y are r, z.
 
     m_i     = sum m N_i
     (m v)_i = sum m N_i (v + B d_i)
     f_i     = sum N_i f_p - V (sigma_xx dN/dx + sigma_xy dN/dy + sigma_zz N/r,
                                sigma_xy dN/dx + sigma_yy dN/dy)
-    a_i     = sum V (dN/dx + N/r, dN/dy)      by the divergence theorem the integral of N n
+    a_i     = sum V (dN/dx + N/r, dN/dy)      the integral of N n by the divergence theorem
     v_i     = ((m v)_i + dt f_i) / m_i
 
-and back, after contact, L the velocity gradient (xx, xy, yx, yy, zz):
+Then contact, and back, with L the velocity gradient (xx, xy, yx, yy, zz), D its symmetric part:
 
-    v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: linear fields arrive exactly
-    L <- L + dt (L'L / 2 - D D)      the logarithmic strain of a finite step, to second order, D the
-                                     symmetric part of L; without this term a body that turns grows
+    v <- sum N_i v_i,    B <- 4 / h^2 sum N_i v_i d_i'      affine: exact for linear fields
+    L <- L + dt (L'L / 2 - D D)      logarithmic strain of a finite step, to second order; without
+                                     this term a body that turns grows
     x <- x + dt v,       V <- V exp(dt tr L)
     sigma <- R sigma R' + dt (K tr L + 2 G dev L)
     sigma_v = tau (K tr L + 2 G dev L)               viscous stress of a Kelvin-Voigt solid
@@ -59,7 +59,7 @@ four = wp.constant(real(4.0))
 
 @make_plan.register
 def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | None = None) -> Plan:
-    """The plan of a run of bodies, see `make_plan`; none of its launches is split into shares."""
+    """The plan of a run of bodies, see `make_plan`; its launches have no shares."""
     check_whole("share_count", share_count, FROM_ONE)
     critical_time_step = scene.critical_time_step()
     if time_step is None:
@@ -90,7 +90,7 @@ def make_body_plan(scene: BodyScene, share_count: int = 1, time_step: float | No
 
 
 def add_body_to_grid(plan: Plan, scene: BodyScene) -> None:
-    """Add the velocities that each body alone would have at the nodes after the step."""
+    """Add the velocities of the nodes after the step, of each body as if it were alone."""
     grid, damped, loaded = scene.grid, scene.is_damped, bool(scene.loads)
     plan.add_zeros("field.momentum", "vec3", scene.field_shape)
     if damped:
@@ -120,10 +120,7 @@ def _held_nodes(body: Body, grid: UniformGrid) -> Integers:
 
 @functools.cache
 def make_body_to_grid(axisymmetric: bool, damped: bool, loaded: bool, contact: bool) -> Any:
-    """Particles to the nodes of their body's field; launched over particles.
-
-    With a hoop direction, a viscous stress, loads, and surfaces for contact, each where needed.
-    """
+    """The kernel, launched over particles; `contact`: it also sums up the surfaces of bodies."""
 
     @kernel
     def body_to_grid(
@@ -190,8 +187,7 @@ def body_prediction(
 ):
     """Velocity and inverse mass of each node; clears its sums. Launched over (bodies, nodes).
 
-    A node without mass has an inverse mass below zero. A node that is held has the inverse mass 0:
-    no impulse moves it.
+    The inverse mass is -1 at a node without mass and 0 at a held node, which no impulse moves.
     """
     b, node = wp.tid()
     sums = field_momentum[b, node]
@@ -207,7 +203,7 @@ def body_prediction(
 
 
 def add_grid_to_body(plan: Plan, scene: BodyScene) -> None:
-    """Add the motion and the stress of particles, after the velocities of the nodes are final."""
+    """Add the motion and stress update of particles, after contact."""
     materials = [body.material for body in scene.bodies]
     moduli = np.array([(elastic.shear_modulus, elastic.bulk_modulus) for elastic in materials])
     plan.add_array("body.moduli", "vec2", moduli)

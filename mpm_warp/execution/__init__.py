@@ -3,5 +3,5 @@
 THREAD_COUNTS = (1, 2, 4)
 """Numbers of threads that a run may have on a processor; each divides the shares of its plan.
 
-They stand here because the command line offers them and must not wait until Warp is imported.
+They are here because the command line lists them and must not wait for the import of Warp.
 """

@@ -1,4 +1,4 @@
-"""Where a run is computed: a device, and how many threads of a processor."""
+"""Where a run is computed: a device, and the number of threads of a processor."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class Execution:
             change while a run goes on. A GPU ignores it.
 
     Raises:
-        SceneError: there is no such device here, or the number of threads is another.
+        SceneError: this machine has no such device, or the number of threads is not allowed.
     """
 
     device: str = "cpu"

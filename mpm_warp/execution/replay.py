@@ -36,7 +36,7 @@ def next_step(loop: wp.array[wp.int32]):
 class RecordedSteps:
     """The steps of a plan, recorded for a number of threads of a processor.
 
-    `command` gives Warp's recorded command of a launch of the plan, or of a share of one.
+    `command` makes Warp's recorded command of a launch of the plan, or of a share of one.
     """
 
     def __init__(
@@ -57,16 +57,16 @@ class RecordedSteps:
         self._graphs = [self._recorded_loop(plan, thread, command) for thread in range(threads)]
 
     def replay(self, steps: range) -> None:
-        """Take the steps of these numbers, which decide which steps are audited.
+        """Take the steps with these numbers; every 16th is audited.
 
-        After an exception, of a thread or as by Ctrl-C, no steps can be replayed again.
+        After an exception, in a thread or as by Ctrl-C, no further steps can be replayed.
         """
         length = self._steps_per_call
         calls = [steps[first : first + length] for first in range(0, len(steps), length)]
 
         def replay_part(thread: int) -> None:
             for call in calls:
-                # As many as fit in the state of a loop, however long the run.
+                # The number within an interval, so that the state never overflows.
                 first = call.start % AUDIT_INTERVAL
                 self._written[thread][...] = first, first + len(call), True, first == 0
                 wp.capture_launch(self._graphs[thread])
@@ -81,12 +81,12 @@ class RecordedSteps:
             run_together(self._threads, replay_part, leave)
 
     def _recorded_loop(self, plan: Plan, thread: int, command: Callable[[Launch], Any]) -> Any:
-        """Record a loop over any number of steps: what a thread does of them."""
+        """Record a thread's part of a loop over steps."""
         state = self._states[thread]
         goes_on, audited = (state[place : place + 1] for place in (GOES_ON, AUDITED))
 
         def take(launches: Sequence[Launch]) -> None:
-            """Launch the thread's share of each, with barriers before and after shared ones."""
+            # Barriers stand before and after launches that threads share.
             shared_next = [*(launch.is_shared for launch in launches[1:]), True]
             for launch, is_shared_next in zip(launches, shared_next, strict=True):
                 for part in share_of(launch, thread, self._threads, self._share_count):
@@ -108,19 +108,19 @@ class RecordedSteps:
 
 
 FEWEST, MOST_TOGETHER = 16, 64
-"""Least number of steps in a replay whose time counts for the choice of the number of threads, and
-most steps by several threads before the choice is made again."""
+"""Least number of steps of a replay whose time is used to choose the number of threads; greatest
+number of steps by several threads before the next choice."""
 COST_OF_TRIALS = 0.05
-"""Largest share of the run time of one thread that slower trials of several threads may take."""
+"""Largest share of the run time that slower trials of several threads may take."""
 WEIGHT = 0.25
 """Weight of the last replay in the mean time of a step; a single replay may be slow by chance."""
 
 
 class DeviceRun:
-    """The arrays of a plan on a device, filled, and its launches, compiled and recorded.
+    """The arrays of a plan on a device, and its launches, compiled and recorded.
 
-    The plan is for this run alone. `compile_time` is the wall-clock time to compile kernels or to
-    load them [s].
+    No other run may use the plan. `compile_time` is the wall-clock time to compile or load kernels
+    [s].
     """
 
     @in_turn
@@ -136,7 +136,7 @@ class DeviceRun:
 
     @in_turn
     def _load(self) -> None:
-        """Compile the kernels or load them; nothing is recorded yet."""
+        """Compile or load the kernels and forget all recordings."""
         kernels = [*(launch.kernel for launch in self.plan.launches), next_step]
         with kernels_kept():
             wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
@@ -145,16 +145,16 @@ class DeviceRun:
         self._commands: dict[Launch, list[Any]] = {}
 
     def array(self, name: str) -> NDArray[Any]:
-        """The present values of an array; on a processor writing to them changes the run.
+        """The present values of an array; on a processor, changes of them change the run.
 
-        From a GPU they are copied once, until the run goes on: a look asks for many a time.
+        From a GPU they are copied once until the run goes on, because the watch reads them often.
         """
         if name not in self._seen:
             self._seen[name] = self.arrays[name].numpy()
         return self._seen[name]
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give an array other values, or one value everywhere."""
+        """Set the values of an array, or one value everywhere."""
         if not self._device.is_cuda:
             self.array(name)[...] = values
             return
@@ -164,14 +164,14 @@ class DeviceRun:
         self.arrays[name].assign(own)
 
     def change_time_step(self, changed: Plan) -> None:
-        """Go on with the launches of the same plan with another time step."""
+        """Go on with the launches of a plan that differs only in its time step."""
         self.plan.time_step = changed.time_step
         self.plan.step, self.plan.audited_step = changed.step, changed.audited_step
         self._load()
 
     @in_turn
     def launch(self, launch: Launch) -> None:
-        """Launch one kernel of the plan, all of it, now."""
+        """Launch one kernel of the plan now, with all its shares."""
         if self._device.is_cuda:
             for name in launch.arrays:
                 self._seen.pop(name, None)
@@ -183,10 +183,10 @@ class DeviceRun:
 
     @in_turn
     def replay(self, steps: range, threads: int) -> None:
-        """Take steps of these numbers, which decide which are audited.
+        """Take the steps with these numbers on up to `threads` threads; every 16th is audited.
 
-        Fewer than so many threads of a processor are used where the plan has fewer shares, and only
-        one where several were slower, as on a busy machine.
+        A plan with fewer shares uses fewer threads. One thread alone works if several were slower,
+        as on a busy machine.
         """
         if self._device.is_cuda:
             self._seen.clear()
@@ -199,19 +199,19 @@ class DeviceRun:
             steps = steps[count:]
 
     def _replay_together(self, steps: range, threads: int) -> None:
-        """Take steps on so many threads, and note how long that takes."""
+        """Take steps on this number of threads and note the time."""
         if threads not in self._recorded:
             self._recorded[threads] = RecordedSteps(self.plan, self._command, threads, self._device)
         start = time.perf_counter()
         try:
             self._recorded[threads].replay(steps)
         except BaseException:
-            del self._recorded[threads]  # its threads do not meet at barriers any more
+            del self._recorded[threads]  # the barrier counts of its threads differ now
             raise
         self._choice.note(threads, len(steps), time.perf_counter() - start)
 
     def _replay_one_by_one(self, steps: range) -> None:
-        """Launch the graph of a step for each step, as on a GPU."""
+        """Launch the graph of a step for each step, on a GPU."""
         for step in steps:
             audited = step % AUDIT_INTERVAL == 0
             if audited not in self._graphs:
@@ -226,7 +226,7 @@ class DeviceRun:
         dim, arguments = launch.call(self.arrays)
         kinds = [argument.type for argument in launch.kernel.adj.args]
         arguments = [
-            # Warp's code for a processor is slower where an array is None: an empty one stands in.
+            # Warp's code for a processor is slower with None than with an empty array.
             wp.empty((0,) * kind.ndim, dtype=kind.dtype, device=self._device)
             if argument is None
             else argument
@@ -236,12 +236,12 @@ class DeviceRun:
 
 
 class ThreadChoice:
-    """Chooses between one thread and as many as are wanted, by the measured time of a step.
+    """Chooses between one thread and the number wanted, by the measured time of a step.
 
-    Threads wait for each other several times in a step, so one that loses its core to another
-    process delays all, by up to a hundred times. So they are tried for a few steps, and after a
-    trial that was slower not again before one thread has worked for so long that all trials take a
-    small part of the time. The number of threads does not change a result: the clock may choose it.
+    Threads wait for each other several times in a step. A thread that loses its core to another
+    process delays all, by up to a hundred times. So several threads are tried for a few steps.
+    After a slower trial one thread works alone, until all trials are a small part of the time. The
+    number of threads does not change a result, so the clock may choose it.
     """
 
     def __init__(self) -> None:
@@ -249,7 +249,7 @@ class ThreadChoice:
         self._pause = 0.0  # time for which one thread is to work alone [s]
 
     def choose(self, wanted: int, step_count: int) -> tuple[int, int]:
-        """Threads of the next replay, `wanted` or 1, and how many of so many steps it takes."""
+        """Threads of the next replay, `wanted` or 1, and its steps, at most `step_count`."""
         if wanted == 1:
             return 1, step_count
         if 1 not in self._step_time or self._pause > 0.0:
@@ -257,7 +257,7 @@ class ThreadChoice:
         return wanted, min(step_count, MOST_TOGETHER if wanted in self._step_time else FEWEST)
 
     def note(self, threads: int, step_count: int, seconds: float) -> None:
-        """Note the wall-clock time of a replay [s], by so many threads, of so many steps."""
+        """Note the wall-clock time of a replay [s]."""
         if threads == 1:
             self._pause = max(0.0, self._pause - seconds)
         if step_count < FEWEST:

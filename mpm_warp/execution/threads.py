@@ -1,8 +1,8 @@
-"""Threads of a processor that execute the parts of one launch at the same time.
+"""Threads of a processor that execute the shares of one launch at the same time.
 
-Here are the shares of each thread in a launch, the barrier at which they wait for each other, and
-the threads themselves. Warp runs a kernel on one thread of the processor, so each thread launches
-the barrier itself; all of them share its array.
+This file has the shares of each thread in a launch, the barrier at which threads wait for each
+other, and the threads themselves. Warp runs a kernel on one thread of the processor, so each thread
+launches the barrier; all use the same array.
 """
 
 import functools
@@ -22,10 +22,10 @@ Result = TypeVar("Result")
 
 
 def in_turn(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """The same function, which no two threads of the process are in at the same time.
+    """The same function, called by one thread of the process at a time.
 
-    What Warp records into a graph is whatever any thread launches meanwhile. So simulations in
-    several threads of one process take turns; in several processes they do not need to.
+    A graph of Warp records the launches of all threads. So simulations in several threads of a
+    process take turns; in several processes they need not.
     """
 
     @functools.wraps(function)
@@ -37,10 +37,10 @@ def in_turn(function: Callable[Arguments, Result]) -> Callable[Arguments, Result
 
 
 def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> list[Launch]:
-    """What one of several threads does of a launch; every part has items.
+    """The parts of a launch that one of several threads does; none is empty.
 
-    Thread 0 does the launches that are not shared. One that adds up sums has so many shares, a
-    multiple of the number of threads.
+    Thread 0 does launches that are not shared. A launch that adds up sums has `share_count` shares,
+    a multiple of the number of threads.
     """
     if not launch.is_shared:
         parts = [launch.share(0, 1)] if thread == 0 else []
@@ -49,12 +49,12 @@ def share_of(launch: Launch, thread: int, threads: int, share_count: int) -> lis
         parts = [launch.share(number, share_count) for number in numbers]
     else:
         parts = [launch.share(thread, threads)]
-    # Warp records no launch of nothing, as of fewer rows than shares.
+    # Warp records no empty launch, which occurs with fewer rows than shares.
     return [part for part in parts if part.item_count > 0]
 
 
 LEFT = wp.constant(-1)
-"""Number of arrivals given to a thread that has ended, so that others do not wait for it."""
+"""Number of arrivals of a thread that has ended, so that others do not wait for it."""
 
 
 @wp.func_native("""
@@ -80,24 +80,24 @@ def _wait_for_all(arrivals: wp.array[wp.int64], thread: int, left: int): ...
 
 @wp.kernel(module="mpm_warp.barrier", enable_backward=False)
 def barrier(arrivals: wp.array[wp.int64], thread: int):
-    """Wait until all threads have launched this as often as this one.
+    """Wait until all threads have launched the barrier as often as this one.
 
-    What a thread wrote before the barrier, all threads see after it (release and acquire). It waits
-    actively, because the others arrive within a microsecond; after a thousand looks it lets other
-    processes have the core, in case one of the threads has none. `arrivals` holds how many barriers
-    each thread has reached, or `LEFT`.
+    After it all threads see what each wrote before it (release and acquire). The wait is active,
+    because the others arrive within a microsecond. After a thousand looks it yields the core to
+    other processes, in case one of the threads has no core. `arrivals` holds the number of barriers
+    that each thread has reached, or `LEFT`.
     """
     _wait_for_all(arrivals, thread, LEFT)
 
 
 def run_together(count: int, part: Callable[[int], None], leave: Callable[[int], None]) -> None:
-    """Do a work on so many threads: each calls ``part(number)``, the caller's with 0; wait for all.
+    """Call ``part(number)`` on each of `count` threads, 0 on the caller's, and wait for all.
 
-    Parts may wait for each other; ``leave(number)`` is called where one raised: no other part is to
-    wait for it. Works are done in turn, so that the parts of two do not mix.
+    Parts may wait for each other. If a part raises an exception, ``leave(number)`` must tell the
+    others not to wait for it.
 
     Raises:
-        BaseException: the first that a part raised, or one that reached the caller, as by Ctrl-C.
+        BaseException: the first exception of a part or of the caller, as by Ctrl-C.
     """
 
     def attempt(number: int) -> None:
@@ -119,5 +119,5 @@ def run_together(count: int, part: Callable[[int], None], leave: Callable[[int],
 
 @functools.cache
 def _pool(count: int, process: int) -> ThreadPoolExecutor:
-    """So many threads of a process, which end with it; started once: a fork has none at first."""
+    """This number of threads, started once for each process: a forked process has none at first."""
     return ThreadPoolExecutor(count)

@@ -45,7 +45,7 @@ from mpm_warp.parameters import parameter
 
 FLOOR = 1e-6
 """Least effective mean stress, over the initial one."""
-STIFFER = 2.0
+STRESS_ALLOWANCE = 2.0
 """Effective mean stress that the time step allows for, over the greatest of an undrained path. The
 skeleton has about a hundredth of the stiffness of the water."""
 CIRCLE, MATSUOKA_NAKAI = "circle", "matsuoka_nakai"
@@ -178,7 +178,7 @@ class ModifiedCamClay(Material):
     @property
     def pressure_wave_speed(self) -> float:
         """See `Material`; the skeleton is taken stiffer than on any undrained path."""
-        shear, bulk = self._moduli_at(STIFFER * self._stiffest_stress)
+        shear, bulk = self._moduli_at(STRESS_ALLOWANCE * self._stiffest_stress)
         own = math.sqrt((self.water_modulus + bulk + 4.0 / 3.0 * shear) / self.density)
         rows = () if self.variation is None else self.variation.rows or ()
         return max([own, *(row.pressure_wave_speed for row in rows)])

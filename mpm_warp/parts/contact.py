@@ -58,7 +58,7 @@ from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan, ShareRow
 from mpm_warp.scene import Part, Scene
 
-PARTED = 1e-3
+PRESSURE_ROUNDING = 1e-3
 """Mean pressure over the in-situ stress below which there is no contact, but rounding."""
 OF_ADHESION, OF_STRENGTH = 0, 1
 """Components of the sums for adhesion and strength beside a surface."""
@@ -146,19 +146,19 @@ class SurfaceContact(Part):
         plan.add_array("contact.adhesion", "real", self.adhesion_forces * relative)
         plan.add_array("contact.pressure", "real", self.in_situ_stress * self.normal_areas)
         plan.add_zeros("contact.impulse", "vec2", len(self.nodes))
-        rubs, bound = bool(self.friction > 0.0), self.bound_of_friction
+        has_friction, bound = bool(self.friction > 0.0), self.bound_of_friction
         travels = "window.motion" in plan.arrays
         moves = travels or bool(self.speed != 0.0)  # numbers may be those of numpy
         enclosed = "cell.enclosed_modulus" in plan.arrays
-        if rubs:
-            plan.add_array("contact.rubbing", "real", self.in_situ_stress * self.normal_areas)
+        if has_friction:
+            plan.add_array("contact.normal_force", "real", self.in_situ_stress * self.normal_areas)
         if bound is not None:
             plan.add_array("contact.strength", "real", bound * strength)
         plan.add_launch(
-            _make_surface_contact(travels, rubs, bound is not None, moves, enclosed),
+            _make_surface_contact(travels, has_friction, bound is not None, moves, enclosed),
             len(self.nodes),
             friction=self.friction,
-            friction_way=float(scene.grid.cell_lengths.min()),
+            friction_distance=float(scene.grid.cell_lengths.min()),
             speed=self.speed,
         )
 
@@ -205,7 +205,7 @@ class SurfaceContact(Part):
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area on which something has pressed, by mean normal `forces` [N], [n]."""
-        touching = forces > (PARTED - 1.0) * self.in_situ_stress * self.normal_areas
+        touching = forces > (PRESSURE_ROUNDING - 1.0) * self.in_situ_stress * self.normal_areas
         # All is added up as the area in touch is, so that all of it is exactly 1.
         area = float(self.normal_areas @ np.ones_like(touching))
         return float(self.normal_areas @ touching) / area
@@ -238,12 +238,12 @@ def contact_law(
 
 @functools.cache
 def _make_surface_contact(
-    travelling: bool, rubs: bool, bounded: bool, moves: bool, enclosed: bool
+    travelling: bool, has_friction: bool, bounded: bool, moves: bool, enclosed: bool
 ) -> Any:
     """The kernel, launched over the surface's nodes.
 
-    `travelling`: the grid travels with the body. `rubs`: the surface has friction. `bounded`: the
-    strength of the soil limits shear. `moves`: the body has a speed. `enclosed`: `EnclosedSoil`.
+    `travelling`: the grid travels with the body. `bounded`: the strength of the soil limits shear.
+    `moves`: the body has a speed. `enclosed`: the scene has `EnclosedSoil`.
     """
 
     @kernel
@@ -252,8 +252,8 @@ def _make_surface_contact(
         contact_nodes: wp.array[int],
         contact_normals: wp.array[vec2],
         friction: real,
-        friction_way: real,
-        contact_rubbing: maybe(real),
+        friction_distance: real,
+        contact_normal_force: maybe(real),
         contact_strength: maybe(real),
         contact_adhesion: wp.array[real],
         contact_pressure: wp.array[real],
@@ -283,12 +283,12 @@ def _make_surface_contact(
         K = wp.max(node_least_mass[node] - m, zero) * wp.dot(by_force, n)
         pressing = m * wp.dot(d, n) + K + in_situ
         most_shear = contact_adhesion[k] * time_step
-        if wp.static(rubs):
+        if wp.static(has_friction):
             passed = one
             if wp.static(moves):
-                passed = wp.min(wp.abs(sinking) * time_step / friction_way, one)
-            R = contact_rubbing[k] + passed * (pressing / time_step - contact_rubbing[k])
-            contact_rubbing[k] = R
+                passed = wp.min(wp.abs(sinking) * time_step / friction_distance, one)
+            R = contact_normal_force[k] + passed * (pressing / time_step - contact_normal_force[k])
+            contact_normal_force[k] = R
             most_shear += friction * wp.max(R, zero) * time_step
         if wp.static(bounded):
             most_shear = wp.min(most_shear, contact_strength[k] * time_step)

@@ -54,7 +54,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Part, Scene
 
-AHEAD = 0.3
+SOURCE_DISTANCE = 0.3
 """Distance of the source of the initial stress ahead of the body, over R sqrt(G / su), the radius
 of the plastic zone around a long shaft. Here the stress is most like that after a long travel."""
 ISOTROPIC = np.array([1.0, 1.0, 0.0, 1.0])
@@ -183,7 +183,7 @@ class SurroundingGround(Part):
     def stress_at_start(self, scene: Scene, position: Floats) -> Floats:
         """The initial stress, by a source ahead of the body, limited by su [Pa], [..., 4]."""
         plastic_zone = self.source.radius * math.sqrt(self.source.shear_modulus / self.strength)
-        height = self.source.height - AHEAD * plastic_zone
+        height = self.source.height - SOURCE_DISTANCE * plastic_zone
         ahead = replace(self, source=replace(self.source, height=height))
         elastic = ahead.stress(scene, position, 0.0)
         strength = self.strength * scene.material.ratio_at(position, "strength_ratio")

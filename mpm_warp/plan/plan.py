@@ -1,7 +1,7 @@
 """A plan: the exact list of arrays and kernel launches of a run, as data.
 
-It can be printed, compared and tested. Nothing here knows of a scene. A launch may be split into
-shares that run at the same time.
+It can be printed, compared and tested; it knows no scene. A launch may be split into shares that
+run at the same time.
 """
 
 import math
@@ -27,18 +27,18 @@ from mpm_warp.kernel_types import mat22, real, vector
 from mpm_warp.parameters import nearest_name
 
 AUDIT_INTERVAL = 16
-"""Every so many steps one is audited, where a plan has an audited step."""
+"""Steps from one audited step to the next, if a plan has an audited step."""
 WHOLE = {"int": wp.int32, "vec2i": wp.vec2i}
-"""Types of whole numbers."""
+"""Integer types."""
 
 WORTH_SHARING = 200
-"""Fewest items of a launch whose work takes longer than the threads wait for each other."""
+"""Least number of items of a launch that threads share; for fewer the wait takes longer."""
 OFFSET = object()
-"""Argument in whose place a share of a launch gets the number of its first item."""
+"""Stands for the argument that is the number of the first item of a share."""
 SLACK = 1.05
-"""Ratio of the time step to the wanted one up to which it stays: a change takes some time."""
-SURPRISE = 1.1
-"""What the critical time step may fall by between two looks, where none is beyond it before."""
+"""Ratio of the time step and the wanted one up to which it is kept, because a change takes time."""
+LARGEST_FALL = 1.1
+"""Factor by which the critical time step may fall between two checks before the run ends."""
 
 Floats = NDArray[np.float64]
 
@@ -47,15 +47,13 @@ Floats = NDArray[np.float64]
 class Array:
     """One array on the device."""
 
-    kind: str  # name of its type, "vec2" say
+    kind: str  # name of its type, as "vec2"
     dtype: Any  # that type of Warp
-    shape: tuple[int, ...]  # its lengths
-    initial: np.ndarray | None  # what it holds when the run starts; None: zeros
-    # how many there are of what its numbers are indices of, for each component; none where they are
-    # no indices
-    counts: tuple[int, ...] = ()
-    may_be_none: bool = False  # whether indices may be -1 all, for none
-    least: float = -math.inf  # lowest value that may be assigned
+    shape: tuple[int, ...]
+    initial: np.ndarray | None  # initial values; None: zeros
+    counts: tuple[int, ...] = ()  # of an array of indices: the bound of each component
+    may_be_none: bool = False  # whether indices may be -1, which stands for none
+    least: float = -math.inf  # least value that may be assigned
 
     @property
     def byte_count(self) -> int:
@@ -63,13 +61,13 @@ class Array:
         return math.prod(self.shape) * int(wp.types.type_size_in_bytes(self.dtype))
 
     def allocate(self, device: str) -> wp.array[Any]:
-        """The array, filled, on a device; on the processor it is the memory of `initial` itself."""
+        """The array with its initial values on a device; on a processor in the memory of these."""
         if self.initial is None:
             return wp.zeros(self.shape, dtype=self.dtype, device=device)
         return wp.array(self.initial, dtype=self.dtype, device=device, copy=False)
 
     def check(self, name: str, values: object) -> None:
-        """Raise `ValueError` where values, or one for all, do not fit the array of that name."""
+        """Raise `ValueError` if the array `name` cannot take the values, or one for all."""
         given = as_array(values)
         scalar = getattr(self.dtype, "_wp_scalar_type_", self.dtype)
         is_whole = self.kind in WHOLE
@@ -91,14 +89,14 @@ class Array:
 
 @dataclass(frozen=True)
 class ShareRow:
-    """The argument that gives each share of a launch a row of its own of an array."""
+    """The argument by which each share of a launch gets its own row of an array."""
 
     name: str  # of the array
     number: int = 0  # of the share
 
 
 def share_bounds(length: int, count: int) -> NDArray[np.integer[Any]]:
-    """Where each of `count` shares of `length` items begins, and where the last one ends."""
+    """First items of `count` shares of `length` items, and `length`."""
     return length * np.arange(count + 1) // count
 
 
@@ -106,23 +104,23 @@ def share_bounds(length: int, count: int) -> NDArray[np.integer[Any]]:
 class Launch:
     """One kernel launch; texts among the arguments name arrays of the plan.
 
-    A launch that has `OFFSET` among its arguments can be split along its first axis into shares,
-    which may run at the same time: what they write does not overlap, or is their `ShareRow`.
+    A launch with the argument `OFFSET` can be split along its first axis into shares. They may run
+    at the same time: each writes to other items, or to its `ShareRow`.
     """
 
     kernel: Any  # a kernel of Warp
     dim: tuple[int, ...]  # threads along each of its axes
-    arguments: tuple[Any, ...]  # those of the kernel, in its order
+    arguments: tuple[Any, ...]  # in the order of the kernel
 
     @property
     def name(self) -> str:
-        """That of its kernel, whichever of its variants it is."""
-        # Warp names a kernel by the functions that it was defined in, too.
+        """Name of the kernel, the same for all variants."""
+        # Warp's name has the enclosing functions in front.
         return str(self.kernel.key.split("__")[-1])
 
     @property
     def item_count(self) -> int:
-        """How many times the kernel runs."""
+        """Number of threads."""
         return math.prod(self.dim)
 
     @property
@@ -133,7 +131,7 @@ class Launch:
 
     @property
     def adds_up(self) -> bool:
-        """Whether its result depends on how it is split, if only by rounding."""
+        """Whether the number of shares changes the result, by rounding."""
         return any(isinstance(item, ShareRow) for item in self.arguments)
 
     @property
@@ -143,7 +141,7 @@ class Launch:
         return tuple(name for name in names if isinstance(name, str))
 
     def share(self, number: int, count: int) -> "Launch":
-        """One of `count` shares of the launch, as even as can be."""
+        """One of `count` shares of about equal size."""
         begin, end = share_bounds(self.dim[0], count)[number : number + 2].tolist()
         arguments: list[Any] = []
         for item in self.arguments:
@@ -153,7 +151,7 @@ class Launch:
         return replace(self, dim=dim, arguments=tuple(arguments))
 
     def call(self, arrays: Mapping[str, Any]) -> tuple[tuple[int, ...], list[Any]]:
-        """What the kernel is called with, by the arrays on a device: threads, and arguments."""
+        """Threads and arguments of the kernel, with the arrays on a device."""
 
         def on_device(item: Any) -> Any:
             if isinstance(item, ShareRow):
@@ -165,27 +163,27 @@ class Launch:
 
 @dataclass(kw_only=True, eq=False)
 class TimeStepControl:
-    """Keeps the time step at a fraction of the critical one, which the watch finds anew.
+    """Keeps the time step at a fraction of the critical one, which changes during a run.
 
-    Where the critical one has fallen from one look to the next it is expected to fall on as much.
+    If the critical one has fallen between two checks, it is expected to fall by the same factor.
     """
 
-    first: float  # the first time step, which none exceeds [s]
+    first: float  # the first time step, the greatest [s]
     fraction: float  # time step over the critical one, > 0
-    # the critical time step [s], by a function that gives arrays of the run by name
+    # (function from names to arrays of the run) -> critical time step [s]
     critical: Callable[[Callable[[str], NDArray[Any]]], float]
 
     def __post_init__(self) -> None:
         self._critical_before = self.first / self.fraction
 
     def following(self, time_step: float, array: Callable[[str], NDArray[Any]]) -> float:
-        """The time step to go on with [s]; it stays what it is while it is nearly right.
+        """The next time step [s], the present one if it is nearly right.
 
         Raises:
-            Fault: the time step is beyond the critical one by now.
+            Fault: the present time step exceeds the critical one.
         """
         critical = self.critical(array)
-        longest = max(1.0, SURPRISE * self.fraction) * critical
+        longest = max(1.0, LARGEST_FALL * self.fraction) * critical
         check_time_step(time_step=time_step, longest=longest)
         fall = min(1.0, critical / self._critical_before)
         self._critical_before = critical
@@ -194,7 +192,7 @@ class TimeStepControl:
 
 
 def check_time_step(*, time_step: float, longest: float) -> None:
-    """Raise `Fault` where the time step is beyond the longest that is stable [s]."""
+    """Raise `Fault` if the time step exceeds the longest stable one [s]."""
     if not time_step <= longest:
         raise Fault(f"time step of {time_step:.4g} s is beyond the stable {longest:.4g} s")
 
@@ -207,27 +205,23 @@ SMALLER_STEP = "try a smaller time_step_fraction"
 class Plan:
     """All arrays and launches of a run."""
 
-    time_step: float  # length of every step [s], of the first ones where there is a control
-    longest_time_step: float  # beyond which a run is not stable [s]
-    speed_limit: float  # speed of the fastest wave, which no particle exceeds in a sound run [m/s]
-    # lowest and highest coordinates that particles may have [m]
-    particle_bounds: tuple[Floats, Floats]
-    # changes the time step during the run; None where what is stable stays the same
-    control: TimeStepControl | None = None
-    # into how many shares launches may be split: so many sums does a step add up, in one order,
-    # whether the shares run one after the other or at the same time
+    time_step: float  # the first time step; without a control that of all steps [s]
+    longest_time_step: float  # longest stable time step [s]
+    speed_limit: float  # speed of the fastest wave, above that of all particles [m/s]
+    particle_bounds: tuple[Floats, Floats]  # lowest and highest coordinates of particles [m]
+    control: TimeStepControl | None = None  # changes the time step; None: it stays
+    # number of shares of a launch, and of the private sums of launches that add up. The sums are
+    # added in one order, however many threads take part
     share_count: int = 1
-    remedy: str = SMALLER_STEP  # what may help where a run diverges
+    remedy: str = SMALLER_STEP  # what may help if the run diverges
     particle_count: int = 0  # particles at the start
-    # what kernels are given by name beside arrays: numbers of the grid, properties of the soil
-    given: dict[str, Any] = field(default_factory=dict)
-    # by name, "particle.mass" say; the first word says over what they run
+    given: dict[str, Any] = field(default_factory=dict)  # further arguments of kernels, by name
+    # by name, as "particle.mass"; the first word says over what the array runs
     arrays: dict[str, Array] = field(default_factory=dict)
     step: list[Launch] = field(default_factory=list)  # the launches of one step, in order
-    # the same with an audit of energy in it, to be taken now and then; or none
+    # the launches of every 16th step, with further records; empty: all steps are the same
     audited_step: list[Launch] = field(default_factory=list)
-    # launches that the host orders between steps, by name
-    between_steps: dict[str, Launch] = field(default_factory=dict)
+    between_steps: dict[str, Launch] = field(default_factory=dict)  # launches of the host, by name
 
     def __post_init__(self) -> None:
         check_whole("share_count", self.share_count, FROM_ONE)
@@ -235,7 +229,7 @@ class Plan:
 
     @property
     def launches(self) -> list[Launch]:
-        """Every launch of the run, those of a step first."""
+        """All launches of the run, those of a step first."""
         audit = [launch for launch in self.audited_step if launch not in self.step]
         return [*self.step, *audit, *self.between_steps.values()]
 
@@ -248,13 +242,13 @@ class Plan:
         may_be_none: bool = False,
         least: float = -math.inf,
     ) -> str:
-        """Add an array that starts with the given values; returns its name.
+        """Add an array with initial values; returns its name.
 
-        Its `kind` is "real", "vec2", ..., or "int", "vec2i"; the last axes of the values are the
-        components of a vector. What the others are is said in `Array`.
+        The `kind` is "real", "vec2", ..., or "int", "vec2i"; the last axes of the values are the
+        components of a vector. Further arguments are those of `Array`.
 
         Raises:
-            SceneError: the plan has an array of that name, or of one that is the same in kernels.
+            SceneError: the plan has an array of that name, or of the same name in kernels.
         """
         dtype = _type_of(kind)
         components = getattr(dtype, "_shape_", ())
@@ -266,31 +260,30 @@ class Plan:
     def add_zeros(
         self, name: str, kind: str, shape: int | tuple[int, ...], counts: tuple[int, ...] = ()
     ) -> str:
-        """Add an array that starts with zeros, see `add_array`; returns its name."""
+        """Add an array of zeros, see `add_array`; returns its name."""
         lengths = shape if isinstance(shape, tuple) else (shape,)
         return self._add(name, Array(kind, _type_of(kind), lengths, None, counts))
 
     def check_known(self, name: str) -> None:
-        """Raise `KeyError`, which names the nearest, where there is no array of that name."""
+        """Raise `KeyError`, which names the nearest, if there is no array of that name."""
         if not isinstance(name, str) or name not in self.arrays:
             raise KeyError(f"no array {name!r} in this run{nearest_name(str(name), self.arrays)}")
 
     def initial(self, name: str) -> NDArray[Any]:
-        """What an array starts with, where it was given values; they may still be changed."""
+        """The initial values of an array that was added with values; they may be changed."""
         values = self.arrays[name].initial
         assert values is not None, f"{name} starts with zeros"
         return values
 
     def launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> Launch:
-        """A launch; its arguments go by the names that they have in the kernel.
+        """A launch over threads along each axis; arguments are named as in the kernel.
 
-        What is not among them is what the plan has `given`, or the array of the same name,
-        `node_mass` being "node.mass", the length of a step for `time_step`, `OFFSET` for `offset`;
-        and where the plan is without an array that there is `maybe`, None.
-        `over` is the threads along each axis. A text names an array, None stands for an empty one.
+        An argument that is not given is that of `Plan.given`, the time step, `OFFSET`, or the array
+        of the same name: "node.mass" for `node_mass`. If the plan lacks an array of the type
+        `maybe`, its argument is None, an empty array. A text names an array.
 
         Raises:
-            TypeError: an argument is missing, or the kernel has none of that name.
+            TypeError: an argument is missing, or the kernel has no argument of that name.
         """
         kinds = kernel.func.__annotations__
         absent = [name for name, kind in kinds.items() if getattr(kind, "may_be_absent", False)]
@@ -308,14 +301,13 @@ class Plan:
         return Launch(kernel=kernel, dim=dim, arguments=tuple(known[name] for name in kinds))
 
     def add_launch(self, kernel: Any, over: int | tuple[int, ...], **arguments: Any) -> None:
-        """Add a launch to the end of the step; what is given and what not is said in `launch`."""
+        """Add a launch to the end of the step, see `launch`."""
         self.step.append(self.launch(kernel, over, **arguments))
 
     def audit(self, *records: Launch, before: str = "", after: str = "") -> None:
-        """Insert launches into the audited step, a copy of the complete step but for them.
+        """Insert launches into the audited step, which otherwise is a copy of the step.
 
-        They stand right before or right after the launch of the step that has a name, or at the
-        end, after what has been inserted so far.
+        They come directly before or after the launch of the step with this name, or at the end.
         """
         audited = self.audited_step or list(self.step)
         at = len(audited)
@@ -338,24 +330,24 @@ class Plan:
 
 
 def _type_of(kind: str) -> Any:
-    """The type of that name: "real", "mat22", "vec" and a length, or one of `WHOLE`."""
+    """The type of a name: "real", "mat22", "vec" with a length, or one of `WHOLE`."""
     if kind in WHOLE:
         return WHOLE[kind]
     return {"real": real, "mat22": mat22}.get(kind) or vector(int(kind.removeprefix("vec")))
 
 
 class Run(Protocol):
-    """A run of a plan on a device, as what accompanies it between steps sees it."""
+    """A run of a plan on a device, as parts and the watch see it."""
 
     @property
     def plan(self) -> Plan:
-        """What it consists of."""
+        """Arrays and launches of the run."""
 
     def array(self, name: str) -> NDArray[Any]:
-        """An array of the plan on the host: the device's own memory where they share it."""
+        """An array of the plan on the host; on a processor it is the array of the run itself."""
 
     def assign(self, name: str, values: NDArray[np.generic] | float) -> None:
-        """Give an array of the plan other values, or one value everywhere."""
+        """Set the values of an array of the plan, or one value everywhere."""
 
     def launch(self, launch: Launch) -> None:
         """Launch a kernel of the plan."""

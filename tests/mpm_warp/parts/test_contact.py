@@ -188,7 +188,7 @@ def test_friction_is_no_more_than_the_soil_beside_bears(
 def test_a_surface_without_friction_has_nothing_of_it(cone: Scene) -> None:
     bounded = dataclasses.replace(cone[SurfaceContact], strength_forces=np.ones(7))
     plan = make_plan(cone.with_parts(bounded))
-    assert not {"contact.rubbing", "contact.strength"} & set(plan.arrays)
+    assert not {"contact.normal_force", "contact.strength"} & set(plan.arrays)
 
 
 def impulses_under_pressure(
