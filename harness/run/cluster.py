@@ -1,4 +1,4 @@
-"""Running cases on a Dask cluster. Results come back and are written to the archive here."""
+"""Run cases on a Dask cluster. Their results are sent here and written to the archive."""
 
 import importlib.util
 import logging
@@ -25,7 +25,7 @@ from harness.study.cases import Case
 PATIENCE = 10.0
 """Seconds to wait for the scheduler's answer."""
 WORKER_PATIENCE = 600.0
-"""Seconds to wait for another worker when all are gone."""
+"""Seconds to wait for another worker if all have died."""
 NO_CERTIFICATE = (
     "there is no certificate: set DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
     "DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT and DASK_DISTRIBUTED__COMM__TLS__CLIENT__KEY"
@@ -38,7 +38,8 @@ _TURN = threading.Lock()
 def compute_in_turn(case: Case) -> Result:
     """Run a case in a worker of the cluster.
 
-    Threads of one worker take turns, or a case would be charged with the memory of another.
+    Only one thread of a worker computes at a time; otherwise the memory of a case would include
+    that of others.
     """
     with _TURN:
         return compute(case)
@@ -47,10 +48,9 @@ def compute_in_turn(case: Case) -> Result:
 def connect(address: str) -> Client:
     """A client of the scheduler at `address`, such as ``tcp://host:8786``; to be closed.
 
-    Raises:
-        HarnessError: nobody answers there, or one of its workers has not this package.
+    A worker without this package is refused.
     """
-    # What they remark would run into the progress display; what matters is in the error.
+    # Log messages would disturb the progress display; what matters is in the error.
     for name in logging.root.manager.loggerDict:
         if name.startswith(("asyncio", "distributed", "tornado")):
             logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -61,13 +61,13 @@ def connect(address: str) -> Client:
             and security.get_tls_config_for_role("client")["cert"] is None
         ):
             raise HarnessError(f"--dask {address}: {NO_CERTIFICATE}")
-        get_address_host_port(address)  # a client would take 20 s to give up a malformed one
+        get_address_host_port(address)  # a client would try a malformed address for 20 s
         client = Client(address, security=security, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         reason = " ".join(str(error).split())
         remedy = ONE_AUTHORITY if address.startswith("tls:") else ""
         raise HarnessError(f"--dask {address}: cannot be reached: {reason}{remedy}") from None
-    # A worker without this package dies of its first case, and the case would wait for another.
+    # Such a worker would die of its first case, and the case would wait for another worker.
     packages = client.run(importlib.util.find_spec, "harness")
     if lacking := [worker for worker, package in packages.items() if package is None]:
         client.close()
@@ -80,16 +80,13 @@ def connect(address: str) -> Client:
 
 
 def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher: Watcher) -> None:
-    """Run cases on a Dask cluster; each result is in `folder` before `watcher` hears of it.
+    """Run cases on a Dask cluster; each result is written to `folder`, then `watcher` is told.
 
-    A case whose worker dies is run again by another, until the scheduler takes the case itself for
-    the reason; then it is `crashed`. An exception, such as Ctrl-C raises, takes the cases back;
-    the results so far are kept.
-
-    Raises:
-        HarnessError: the scheduler is lost, or all workers, and none comes for `WORKER_PATIENCE`.
+    If a worker dies, another runs its case again. After several deaths the scheduler gives the case
+    up, and it is `crashed`. An exception, such as KeyboardInterrupt, cancels the cases; finished
+    results are kept.
     """
-    # The scheduler takes first what comes first. Not pure: a case asked for again failed before.
+    # The scheduler keeps this order. With `pure` a case that failed would not be run again.
     case_of = {
         client.submit(compute_in_turn, case, pure=False): case for case in costliest_first(cases)
     }
@@ -97,17 +94,17 @@ def run_on_cluster(cases: Sequence[Case], folder: Path, client: Client, watcher:
     while case_of:
         _wait(ended, client, had_worker=len(case_of) < len(cases))
         for future, answer in ended.next_batch():
-            case = case_of.pop(future)  # with it the cluster lets go of the result
+            case = case_of.pop(future)  # without the future the cluster drops the result
             if isinstance(answer, Result):
-                watcher.finished(case, _kept(folder, case, answer))
+                watcher.finished(case, _write(folder, case, answer))
             elif future.status == "error":
-                watcher.finished(case, _kept(folder, case, _loss(answer[1])))
+                watcher.finished(case, _write(folder, case, _failed(answer[1])))
             else:
                 raise HarnessError("the scheduler of the Dask cluster is lost")
 
 
 def _wait(ended: as_completed, client: Client, *, had_worker: bool) -> None:
-    """Wait until a case has ended; for the first worker as long as a queue of jobs may take."""
+    """Wait until a case has ended. There is no limit for the first worker, which may be queued."""
     deadline = math.inf
     while not ended.has_ready():
         time.sleep(0.1)
@@ -123,19 +120,19 @@ def _wait(ended: as_completed, client: Client, *, had_worker: bool) -> None:
             raise HarnessError("the workers of the Dask cluster are lost, and no other has come")
 
 
-def _kept(folder: Path, case: Case, result: Result) -> Outcome:
+def _write(folder: Path, case: Case, result: Result) -> Outcome:
     """Write a result, unless another run has completed the case meanwhile."""
     if is_complete(folder, case):
         return Outcome(COMPLETED, "by another run")
-    # Computed there, with all that this says of the machine, but asked for here.
-    asked = {"command_line": provenance()["command_line"]}
-    outcome, dataset = result.outcome, result.dataset.assign_attrs(asked)
+    # All other provenance is that of the worker.
+    command = {"command_line": provenance()["command_line"]}
+    outcome, dataset = result.outcome, result.dataset.assign_attrs(command)
     write_case(folder, case, dataset, outcome.status, outcome.message, result.fields)
     return outcome
 
 
-def _loss(error: BaseException) -> Result:
-    """What becomes of a case that the cluster gives no result for."""
+def _failed(error: BaseException) -> Result:
+    """The result of a case for which the cluster gave only an error."""
     if isinstance(error, KilledWorker):
         times = error.allowed_failures + 1
         outcome = Outcome(CRASHED, f"each of {times} workers that ran the case died")

@@ -50,9 +50,8 @@ def check_begun(study: Study, out: Path) -> None:
     folder = case_folder(out, study)
     if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
-            f"{folder}: has no case of this study; "
-            "run it first, or give each --set that it was run with; those of another version of "
-            "its scene do not count"
+            f"{folder}: has no case of this study; run it first, or give each --set that it was "
+            "run with; cases of another version of its scene do not count"
         )
 
 
@@ -67,16 +66,16 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     except NothingToCompareError as error:
         tell(str(error))
     dataset = with_experience(dataset, study.compared.experience)
-    _tell_of_another(study_file(out, study), dataset)
+    _tell_of_replaced(study_file(out, study), dataset)
     write_study(study_file(out, study), dataset)
     return dataset
 
 
-def _tell_of_another(path: Path, dataset: xr.Dataset) -> None:
-    """Say in one line that a file which is written holds another study or other cases, if so.
+def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
+    """Print one line if the file that is about to be replaced has another study or other cases.
 
-    Two studies whose files have the same name, in two folders, share the file of their results, and
-    so do two runs of a study with different settings.
+    Two study files of the same name in different folders have the same file of results, and so do
+    two runs of a study with different settings.
     """
     try:
         before = read_attributes(path).get("title", "no title")
@@ -93,7 +92,7 @@ def _tell_of_another(path: Path, dataset: xr.Dataset) -> None:
                 "scene has another version since; `--out FOLDER` keeps two runs apart"
             )
     except ArchiveError:
-        return  # there is no file, or a damaged one
+        return  # there is no file, or it is damaged
 
 
 def _completed_keys(dataset: xr.Dataset) -> set[str]:
@@ -102,7 +101,7 @@ def _completed_keys(dataset: xr.Dataset) -> set[str]:
 
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
-    """The dataset with the error of each case, where no exact solution gives it."""
+    """The dataset with the error of each case, unless an exact solution gives it."""
     method, result = study.parts[0].scene.method, study.compared.reference_result
     reference = None if result is None else read_study(result)
     try:
@@ -119,26 +118,25 @@ def outcomes(study: Study, out: Path) -> list[Outcome]:
 
 
 def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
-    """The outcomes of the cases of a collected dataset; only completed ones have times."""
+    """The outcomes of the cases of a collected dataset; only completed cases have times."""
     seconds = np.nan_to_num(over_cases(dataset, "case_time")).tolist()
-    of_all = [dataset.attrs.get(SOURCES, "")] * len(seconds)
-    sources = over_cases(dataset, SOURCES) if SOURCES in dataset else of_all
+    same_sources = [dataset.attrs.get(SOURCES, "")] * len(seconds)
+    sources = over_cases(dataset, SOURCES) if SOURCES in dataset else same_sources
     reasons = np.where(np.isfinite(uncertainty_of(dataset)), "", reasons_of(dataset)).tolist()
     texts = over_cases(dataset, "status"), over_cases(dataset, "message")
+    rows = zip(*texts, seconds, sources, reasons, strict=True)
     return [
         Outcome(str(status), str(message), seconds=time, sources=str(digest), reason=reason)
-        for status, message, time, digest, reason in zip(
-            *texts, seconds, sources, reasons, strict=True
-        )
+        for status, message, time, digest, reason in rows
     ]
 
 
 def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
-    """Say in one line how many results were computed by other sources of the simulator.
+    """Print one line on how many results were computed by other sources of the simulator.
 
-    The sources may change while the version of the scene stays the same, because a kernel was
-    edited, or only a comment. The harness cannot know whether the numbers change, so it keeps such
-    results. Those whose file does not say their sources count among them.
+    The version of a scene stays the same when a kernel, or only a comment, is edited. Whether the
+    numbers change is unknown, so such results are kept. A result whose file does not state its
+    sources is counted too.
     """
     digests = {part.name: sources_digest(part.scene) for part in study.parts}
     completed = [
@@ -156,7 +154,7 @@ def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
 
 
 def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -> list[str]:
-    """A line a case, of which key and label are given, and one of all."""
+    """The table of `status`: a line for each case, given by key and label, and a summary."""
     rows = [f"{'case':16}  {'status':10}  {'time':>9}  parameters"]
     for (key, label), outcome in zip(cases, outcomes, strict=True):
         time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
@@ -164,12 +162,12 @@ def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -
         why = f": {message}" if message else ""
         status = coloured(f"{outcome.status:10}", is_good=outcome.status == COMPLETED)
         rows.append(f"{key}  {status}  {time:>9}  {label}{why}")
-    meant = [f"U: {HALF_WIDTH}"] if any(end.reason for end in outcomes) else []
-    return [*rows, summary(outcomes), *meant]
+    note = [f"U: {HALF_WIDTH}"] if any(outcome.reason for outcome in outcomes) else []
+    return [*rows, summary(outcomes), *note]
 
 
 def tracebacks(study: Study, out: Path) -> list[str]:
-    """Where in the program the failed cases of a study failed, as far as their files say."""
+    """The tracebacks of the failed cases of a study, from their files."""
     lines = []
     for case in study.cases:
         path = case_file(case_folder(out, study), case)
@@ -181,9 +179,9 @@ def tracebacks(study: Study, out: Path) -> list[str]:
 def summary(outcomes: Sequence[Outcome]) -> str:
     """The number of cases of each status and their total time, in words."""
     counts = Counter(outcome.status for outcome in outcomes)
-    told = ", ".join(f"{count} {status}" for status, count in counts.most_common())
-    seconds = sum(end.seconds for end in outcomes)
-    return f"{counted(len(outcomes), 'case')}: {told}; {seconds:.1f} s in all"
+    statuses = ", ".join(f"{count} {status}" for status, count in counts.most_common())
+    seconds = sum(outcome.seconds for outcome in outcomes)
+    return f"{counted(len(outcomes), 'case')}: {statuses}; {seconds:.1f} s in all"
 
 
 Parameters = Mapping[str, Value | None]
@@ -191,22 +189,19 @@ Parameters = Mapping[str, Value | None]
 
 @dataclass(frozen=True)
 class StrayFile:
-    """A file, or a link, that does not belong to a study, and what it is, in words.
-
-    Its identity distinguishes it from another file that has its name later.
-    """
+    """A file, or a link, that does not belong to a study."""
 
     path: Path
-    what: str
-    identity: tuple[int, int, int]
+    what: str  # description
+    identity: tuple[int, int, int]  # differs from that of a later file with the same name
 
 
 def stray_files(study: Study, out: Path) -> list[StrayFile]:
     """Files that do not belong to the study as it is now.
 
-    They are damaged files, results of cases that the study does not have (with other parameters,
-    or of another version of the scene), and files that a killed process left half-written. A link
-    counts as a file. A folder is none, whatever its name; one line says that it is kept.
+    These are damaged files, results of cases that the study does not have (with other parameters,
+    or of another version of the scene), and half-written files of killed processes. A link counts
+    as a file. A folder is kept, whatever its name, and one line says so.
     """
     check_no_link(out, study)
     folder = case_folder(out, study)
@@ -230,10 +225,9 @@ def stray_files(study: Study, out: Path) -> list[StrayFile]:
 
 
 def remove_stray(found: Iterable[StrayFile]) -> int:
-    """Remove files that were found; returns how many, and says of each other one why not.
+    """Remove files; return how many were removed. For each of the others one line says why not.
 
-    A file that was written since under the name of one that was found is kept: a run may have
-    completed the case meanwhile.
+    A file that was replaced since it was found is kept, because a run may have completed the case.
     """
     count = 0
     for file in found:
@@ -252,32 +246,32 @@ def remove_stray(found: Iterable[StrayFile]) -> int:
 
 
 def _identity(path: Path) -> tuple[int, int, int]:
-    about = path.lstat()
-    return about.st_ino, about.st_mtime_ns, about.st_size
+    stat = path.lstat()
+    return stat.st_ino, stat.st_mtime_ns, stat.st_size
 
 
 def _described(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
     """Describe a file in the folder of a study's cases that belongs to none of these cases.
 
-    `keys` are those of the cases, `shared` the parameters that are the same in all, by scene.
+    `keys` are those of the cases; `shared` has, by scene, the parameters that are the same in all.
     """
     try:
-        said = read_attributes(path)
-        parameters = dict(json.loads(said["parameters"]))
-        key, scene = str(said["case_key"]), str(said["scene"])
-        told = f"{scene} version {said['scene_version']}, {said['status']}"
+        attributes = read_attributes(path)
+        parameters = dict(json.loads(attributes["parameters"]))
+        key, scene = str(attributes["case_key"]), str(attributes["scene"])
+        result = f"{scene} version {attributes['scene_version']}, {attributes['status']}"
     except (ArchiveError, KeyError, TypeError, ValueError):
         return "not a case file, or a damaged one"
     if key in keys:
         return f"a copy of case {key}"
     if scene not in shared:
-        return f"no case of this study: {told}: another scene"
+        return f"no case of this study: {result}: another scene"
     others = [
         f"{name}={value}"
         for name, value in parameters.items()
         if (name, value) not in shared[scene].items()
     ]
-    return f"no case of this study: {told}: {', '.join(others) or 'the same parameters'}"
+    return f"no case of this study: {result}: {', '.join(others) or 'the same parameters'}"
 
 
 def _shared_parameters(cases: Sequence[Case]) -> dict[str, Parameters]:

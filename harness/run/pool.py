@@ -1,7 +1,4 @@
-"""From cases to results: a pool of worker processes, each replaced when it dies.
-
-A worker's beginning stands here too: it sees to its own end where its parent is gone.
-"""
+"""A pool of worker processes that run cases; a worker that dies is replaced."""
 
 import contextlib
 import math
@@ -27,13 +24,13 @@ from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
 LONGEST_WAIT = 1.0
-"""Seconds to wait for news at a time."""
+"""Longest time to wait for a message [s]."""
 ABANDONED = 1
-"""Exit code of a worker whose parent is gone; nobody is left who would read it."""
+"""Exit code of a worker whose parent process has ended."""
 GRACE = 2.0
-"""Seconds that workers have to end after they were asked to."""
+"""Time that a worker has to end after SIGTERM [s]; then it is killed."""
 SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Environment that keeps numerical libraries of a worker to one thread."""
+"""Environment variables that limit the numerical libraries of a worker to one thread."""
 
 # A fresh interpreter: a forked one would share the state of Warp and of the netCDF library.
 _PROCESSES = multiprocessing.get_context("spawn")
@@ -56,13 +53,13 @@ def run_cases(
     watcher: Watcher,
     options: RunOptions = DEFAULTS,
 ) -> None:
-    """Run cases in worker processes; each result is in `folder` before `watcher` hears of it.
+    """Run cases in worker processes; each result is written to `folder`, then `watcher` is told.
 
-    Cases are begun in this order, at most `worker_count` at a time. One that fails does not stop
-    the others. An exception, such as that of Ctrl-C, ends the workers; the results so far are kept.
-    A case that another run has completed meanwhile is not run again.
+    Cases begin in this order, at most `worker_count` at a time. A case that fails does not stop the
+    others. An exception, such as KeyboardInterrupt, ends the workers; finished results are kept. A
+    case that another run has completed meanwhile is not run again.
     """
-    # Starting this process of multiprocessing unblocks signals that are held: it must come first.
+    # Starting the resource tracker unblocks signals that are held, so it must come first.
     resource_tracker.ensure_running()
     waiting = deque(cases)
     workers: list[WorkerProcess] = []
@@ -76,28 +73,28 @@ def run_cases(
             watcher.finished(case, Outcome(COMPLETED, "by another run"))
         return None
 
-    def hear(worker: "WorkerProcess") -> None:
-        news = worker.news()
-        if isinstance(news, float):
-            watcher.advanced(worker.case, news)
-        elif news.status == MISSING:
-            raise ArchiveError(news.message)  # results that cannot be kept need not be computed
+    def receive(worker: "WorkerProcess") -> None:
+        message = worker.receive()
+        if isinstance(message, float):
+            watcher.advanced(worker.case, message)
+        elif message.status == MISSING:  # results cannot be written, so no more are computed
+            raise ArchiveError(message.message)
         else:
-            watcher.finished(worker.case, news)
+            watcher.finished(worker.case, message)
 
     try:
         while waiting or workers:
             while len(workers) < worker_count and (following := next_case()):
                 workers.append(WorkerProcess(folder, options))
                 ready.append((workers[-1], following))
-            # A worker takes the number of threads with its first report, which may come late.
+            # A running worker reads its number of threads at its next report, so this comes first.
             for worker in workers:
                 worker.allow(options.threads or share_of_cores(len(workers)))
             for worker, following in ready:
                 worker.begin(following)
             ready.clear()
-            for worker in _with_news(workers):
-                hear(worker)
+            for worker in _wait_for_messages(workers):
+                receive(worker)
                 if worker.is_at_work:
                     continue
                 following = next_case() if worker.process.is_alive() else None
@@ -111,20 +108,21 @@ def run_cases(
 
 
 def share_of_cores(cases_at_work: int) -> int:
-    """Threads of each of the cases that share the cores that this process may use."""
+    """Threads of each case if so many cases share the usable cores."""
     cores = usable_cores() // cases_at_work
     return max((count for count in THREAD_COUNTS if count <= cores), default=1)
 
 
 def cases_at_once(threads: int | None) -> int:
-    """Number of cases that fit these cores with so many threads each; None means one."""
+    """Number of cases with so many threads each that fit the usable cores; None means one."""
     return max(1, usable_cores() // (threads or 1))
 
 
-def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
-    """Wait for workers that have something to say or have taken too long.
+def _wait_for_messages(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
+    """Wait a while; return the workers that have sent a message or exceeded their time limit.
 
-    While this process is stopped, as by Ctrl-Z, so are its workers: that is no time of theirs.
+    While this process is stopped, by Ctrl-Z for example, so are its workers. That time of theirs
+    does not count.
     """
     begin = time.monotonic()
     left = min((worker.deadline - begin for worker in workers), default=0.0)
@@ -132,11 +130,11 @@ def _with_news(workers: Sequence["WorkerProcess"]) -> list["WorkerProcess"]:
     waited = time.monotonic() - begin
     for worker in workers if waited > 2.0 * LONGEST_WAIT else ():
         worker.began += waited
-    return [worker for worker in workers if worker.has_news]
+    return [worker for worker in workers if worker.has_message]
 
 
 class WorkerProcess:
-    """A worker process as the parent sees it, with the case that it was given last."""
+    """A worker process, seen from the parent, and the case that it was given last."""
 
     def __init__(self, folder: Path, options: RunOptions = DEFAULTS) -> None:
         self.folder = folder
@@ -147,7 +145,7 @@ class WorkerProcess:
         self.process = _PROCESSES.Process(
             target=serve_while_parent_lives, args=(theirs, folder, options), daemon=True
         )
-        # The worker inherits this before its libraries load; those of this process have.
+        # The worker inherits these; the libraries of this process have loaded already.
         os.environ.update(dict.fromkeys(SINGLE_THREADED, "1"))
         with _interrupts_held():  # the worker inherits the mask: no SIGINT, no SIGHUP
             self.process.start()
@@ -159,7 +157,7 @@ class WorkerProcess:
         self.case = case
         self.is_at_work = True
         self.fraction = 0.0
-        self.began = math.inf  # until all is imported, set up and compiled
+        self.began = math.inf  # until imports, set-up and compilation are done
         self._send(case)
 
     def allow(self, threads: int) -> None:
@@ -169,7 +167,7 @@ class WorkerProcess:
             self._send(threads)
 
     def _send(self, message: Case | int) -> None:
-        with contextlib.suppress(ConnectionError):  # a worker that has died shows in `news`
+        with contextlib.suppress(ConnectionError):  # `receive` notices that a worker has died
             self.connection.send(message)
 
     @property
@@ -178,37 +176,37 @@ class WorkerProcess:
         return self.began + self.options.time_limit
 
     @property
-    def has_news(self) -> bool:
+    def has_message(self) -> bool:
         """Whether it has sent a message, or its case has taken too long."""
         return self.connection.poll() or time.monotonic() >= self.deadline
 
-    def news(self) -> float | Outcome:
+    def receive(self) -> float | Outcome:
         """The message of the worker on its case: the fraction done, or how it ended."""
         if not self.connection.poll():
-            assert self.has_news
+            assert self.has_message
             end_all([self])
             return self._lost(TIMED_OUT, f"ended after {self.options.time_limit:g} s")
         try:
-            news: float | Outcome | None = self.connection.recv()
+            message: float | Outcome | None = self.connection.recv()
         except (EOFError, OSError):
             self.process.join()
             code = self.process.exitcode or 0
             end = signal.Signals(-code).name if code < 0 else f"code {code}"
             return self._lost(CRASHED, f"worker {'killed by' if code < 0 else 'ended with'} {end}")
-        if news is None:  # the case is taken on
+        if message is None:  # it has accepted the case
             return 0.0
-        if isinstance(news, float):
-            self.fraction = news
+        if isinstance(message, float):
+            self.fraction = message
             self.began = min(self.began, time.monotonic())
         else:
             self.is_at_work = False
-        return news
+        return message
 
     def _lost(self, status: str, end: str) -> Outcome:
-        """How the case of a dead worker ended."""
+        """The outcome of the case of a dead worker, which is written to its file."""
         self.is_at_work = False
         if is_complete(self.folder, self.case, self.options.repeats):
-            return Outcome(COMPLETED)  # it wrote the result, and died before it could say so
+            return Outcome(COMPLETED)  # it died after it had written the result
         seconds = max(0.0, time.monotonic() - self.began)
         message = f"{end}, at {self.fraction:.0%} of the case"
         dataset = xr.Dataset({"case_time": case_time(seconds)})
@@ -217,10 +215,10 @@ class WorkerProcess:
 
 
 def end_all(workers: Sequence["WorkerProcess"]) -> None:
-    """End worker processes at once, and remove what they were writing."""
+    """End worker processes at once, and remove their half-written files."""
     with _interrupts_held():
         for worker in workers:
-            # An idle one has nothing half-written, and would take 0.4 s to unload its libraries.
+            # An idle worker has no half-written file, and takes 0.4 s to end by itself.
             if worker.is_at_work:
                 worker.process.terminate()
             else:
@@ -238,17 +236,17 @@ def end_all(workers: Sequence["WorkerProcess"]) -> None:
 
 @contextlib.contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Let Ctrl-C, SIGTERM and SIGHUP wait until the block is over.
+    """Delay Ctrl-C, SIGTERM and SIGHUP until the end of the block.
 
-    Python's handlers are replaced, because any thread may receive a signal of the process, also a
-    thread of a numerical library. SIGINT and SIGHUP are blocked as well, and a worker inherits
-    that: a terminal sends them to the whole group, but it is the parent that decides.
+    Python's handlers are replaced, because any thread of the process may receive a signal, also one
+    of a numerical library. SIGINT and SIGHUP are blocked too, and a worker inherits that: a
+    terminal sends them to all processes, but only the parent decides what to do.
     """
-    came: list[int] = []
+    received: list[int] = []
     handlers = {
-        number: signal.signal(number, lambda number, frame: came.append(number))
+        number: signal.signal(number, lambda number, frame: received.append(number))
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-        # A worker inherits what is ignored, as SIGHUP under `nohup`, and nothing else.
+        # A signal that is ignored, such as SIGHUP under `nohup`, stays so in a worker.
         if signal.getsignal(number) is not signal.SIG_IGN
     }
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
@@ -258,18 +256,18 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for number, handler in handlers.items():
             signal.signal(number, handler)
-        for late in came:
+        for late in received:
             signal.raise_signal(late)
 
 
 def serve_while_parent_lives(connection: Connection, folder: Path, options: RunOptions) -> None:
-    """Run cases as `harness.run.worker.serve` does, until the parent process is gone.
+    """Run cases by `harness.run.worker.serve` until the parent process ends; then exit at once.
 
-    To be called first in a fresh process. The process then ends at once, whatever it computes. A
-    file that it was writing is half-written under another name, and the next run removes it.
+    This is the first function of a worker. A file that is half-written when it exits has a
+    temporary name, and the next run removes it.
     """
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    # Loads Warp and all scenes, which takes seconds.
+    # This import loads Warp and all scenes, which takes seconds.
     from harness.run.worker import serve
 
     serve(connection, folder, options)
@@ -279,5 +277,5 @@ def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None, "a worker has a parent"
     wait([parent.sentinel])
-    # Not an exception, which would have to wait until the step is done.
+    # An exception would only take effect after the present step.
     os._exit(ABANDONED)

@@ -1,4 +1,4 @@
-"""Running a case again from what its file says, to check that every bit is the same."""
+"""Run a case again by the parameters in its file, and check that every bit is the same."""
 
 import json
 import tempfile
@@ -21,22 +21,17 @@ from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
 from mpm_warp.scenes import scene_class
 
 PROVENANCE = [name for name in OF_CASE if name not in ("command_line", "cores", "time_written")]
-"""Attributes whose change may explain a difference."""
+"""Attributes that may explain a difference between two runs."""
 
 
 def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
-    """A case and its result, from its own file or from a collected one.
-
-    Raises:
-        ArchiveError: there is no such case, or another version of the simulator computed it, or
-            the file lacks what is needed.
-    """
+    """A case and its result, from its own file or from the result of a study."""
     if path.name.endswith(ENDING):
         own = path.with_name(f"{path.name.removesuffix(ENDING)}.nc")
         raise ArchiveError(f"{path}: holds the snapshots of a case; its results are in {own.name}")
     dataset = read_result(path)
     if "study" in dataset.attrs:
-        dataset = _cell(path, dataset, key)
+        dataset = _case_of_study(path, dataset, key)
     elif "case_key" not in dataset.attrs:
         raise ArchiveError(f"{path}: is neither the file of a case nor the result of a study")
     elif key is not None and key != dataset.attrs["case_key"]:
@@ -50,7 +45,7 @@ def read_for_rerun(path: Path, key: str | None) -> tuple[Case, xr.Dataset]:
 
 
 def _case(path: Path, dataset: xr.Dataset) -> Case:
-    """The case of a result that comes from the file of a case, or from a collected dataset."""
+    """The case with this result, which is from a case file or a collected dataset."""
     try:
         scene, key = str(dataset.attrs["scene"]), str(dataset.attrs["case_key"])
         version = int(dataset.attrs["scene_version"])
@@ -65,7 +60,7 @@ def _case(path: Path, dataset: xr.Dataset) -> Case:
         )
     try:
         if "study" in dataset.attrs:
-            given = _parameters_of_cell(dataset, parameters_of(known))
+            given = _stored_parameters(dataset, parameters_of(known))
             parameters = identifying_parameters(known, complete_parameters(known, given)[0])
         else:
             parameters = dict(json.loads(dataset.attrs["parameters"]))
@@ -79,24 +74,24 @@ def _incomplete(path: Path, what: str) -> ArchiveError:
 
 
 def rerun(case: Case, watcher: Watcher, options: RunOptions = DEFAULTS) -> xr.Dataset:
-    """Run a case in a worker process, as a study does, and leave no file."""
+    """Run a case in a worker process, as a study does, without keeping a file."""
     with tempfile.TemporaryDirectory(prefix="harness-rerun-") as name:
         folder = Path(name)
         prepare(folder)
         run_cases([case], folder, 1, watcher, options)
         again = read_case(folder, case)
-    assert again is not None, "what cannot be written ends the run"
+    assert again is not None, "a file that cannot be written ends the run"
     return again
 
 
 def verdict(before: xr.Dataset, again: xr.Dataset) -> tuple[bool, str]:
-    """Whether both results of a case are the same to the last bit, and that in words."""
+    """Whether both results of a case have the same bits, and this verdict in words."""
     statuses = [_status(dataset) for dataset in (before, again)]
     if statuses != [COMPLETED, COMPLETED]:
         return False, f"not to be compared: {statuses[0]} before, {statuses[1]} again"
-    is_cell = "status" in before.variables
+    is_collected = "status" in before.variables
     names = differing(
-        _as_before(before, again) if is_cell else before,
+        _as_in_case_file(before, again) if is_collected else before,
         again,
         measures_machine=scene_class(before.attrs["scene"]).runs_alone,
     )
@@ -115,8 +110,8 @@ def _status(dataset: xr.Dataset) -> str:
     return str(dataset.status.item() if "status" in dataset.variables else dataset.attrs["status"])
 
 
-def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
-    """A case of a collected dataset; what the dataset says of each case becomes an attribute."""
+def _case_of_study(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
+    """One case of a collected dataset; its provenance becomes attributes."""
     keys = dataset.case_key
     if key is None and keys.size == 1:
         key = keys.values.item()
@@ -124,18 +119,18 @@ def _cell(path: Path, dataset: xr.Dataset, key: str | None) -> xr.Dataset:
     if key is None or not len(places):
         problem = "no case is named" if key is None else f"no case {key}"
         near = did_you_mean(key or "", map(str, keys.values.flat))
-        # There may be thousands of keys, and none of them means anything to a reader.
+        # There may be thousands of keys, and a key means nothing to a reader.
         listed = f"; there are {keys.size}, `harness status {path}` lists them"
         raise ArchiveError(f"{path}: {problem}{near or listed}")
-    cell = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
+    case = dataset.isel(dict(zip(keys.dims, places[0], strict=True)))
     own = ("case_key", "scene", "scene_version", *OF_CASE)
-    return cell.assign_attrs({name: cell[name].item() for name in own if name in cell})
+    return case.assign_attrs({name: case[name].item() for name in own if name in case})
 
 
-def _parameters_of_cell(cell: xr.Dataset, definitions: Mapping[str, Parameter]) -> dict[str, Value]:
-    """The parameters of a case of a collected dataset, without those that the scene fills in."""
-    names = parameter_names(cell)
-    stored = {name: cell[names[name]].item() for name in definitions}
+def _stored_parameters(case: xr.Dataset, definitions: Mapping[str, Parameter]) -> dict[str, Value]:
+    """The parameters of a case of a collected dataset, without those that the scene derives."""
+    names = parameter_names(case)
+    stored = {name: case[names[name]].item() for name in definitions}
     return {
         name: definition.kind(stored[name])
         for name, definition in definitions.items()
@@ -143,18 +138,18 @@ def _parameters_of_cell(cell: xr.Dataset, definitions: Mapping[str, Parameter]) 
     }
 
 
-def _as_before(cell: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
-    """A case of a collected dataset as its own file had it: no padding, each number in its type."""
-    scene, variables = cell.attrs["scene"], {}
+def _as_in_case_file(case: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
+    """A case of a collected dataset as in its own file: without padding, in the original types."""
+    scene, variables = case.attrs["scene"], {}
     of_scene = {name: f"{scene}_{name}" for name in again.variables}
-    stored = {name: own if own in cell.variables else name for name, own in of_scene.items()}
+    stored = {name: own if own in case.variables else name for name, own in of_scene.items()}
     for name, array in again.variables.items():
-        if stored[name] in cell.variables:
+        if stored[name] in case.variables:
             dims = {dim: stored.get(dim, dim) for dim in array.dims}
-            places = {dim: again[own].values for own, dim in dims.items() if dim in cell.indexes}
-            values = cell[stored[name]].sel(places).values
-            # What has no integer stays as it is, and differs.
-            is_kept = array.dtype.kind in "iu" and not np.isfinite(values).all()
-            kept = values if is_kept else values.astype(array.dtype)
-            variables[name] = xr.Variable(array.dims, kept)
+            places = {dim: again[own].values for own, dim in dims.items() if dim in case.indexes}
+            values = case[stored[name]].sel(places).values
+            # NaN has no integer: such values keep their type, so that they differ.
+            if array.dtype.kind not in "iu" or np.isfinite(values).all():
+                values = values.astype(array.dtype)
+            variables[name] = xr.Variable(array.dims, values)
     return xr.Dataset(variables)

@@ -1,4 +1,4 @@
-"""Memory and time of cases: predicted before a run, measured after it, and the limits here."""
+"""Memory and time of cases: predicted before a run, measured after it, and their limits."""
 
 import functools
 import math
@@ -34,7 +34,7 @@ The first run of a kernel, which compiles it, briefly takes 50 MB more.
 SNAPSHOT_BYTES = 150.0
 """Memory of a material point in a snapshot while it is taken, collected and written [byte]."""
 SHARE_OF_MACHINE = 0.9
-"""Fraction of the machine's memory that all cases may take by default."""
+"""Fraction of the machine's memory that all running cases may take by default."""
 CONTAINER_LIMITS = (
     Path("/sys/fs/cgroup/memory.max"),
     Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
@@ -69,18 +69,15 @@ class TooLarge(SceneError):
 
 def default_memory_limit() -> float:
     """Memory for all running cases by default: most of this machine or container [byte]."""
-    told = [file.read_text().strip() for file in CONTAINER_LIMITS if file.is_file()]
-    limits = [memory_of_machine(), *(int(text) for text in told if text.isdecimal())]
+    texts = [file.read_text().strip() for file in CONTAINER_LIMITS if file.is_file()]
+    limits = [memory_of_machine(), *(int(text) for text in texts if text.isdecimal())]
     return SHARE_OF_MACHINE * min(limits)
 
 
 def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
-    """Refuse a scene that needs too much memory, before anything is built.
+    """Refuse a scene whose process would need more memory than `limit` [byte].
 
-    Args:
-        scene: the scene.
-        limit: memory that its process may take [byte].
-        snapshot_count: number of snapshots, which are kept in memory until the end.
+    Snapshots are kept in memory until the end.
     """
     size = scene.run_size()
     if size is not None and (needed := predicted_memory(scene, size, snapshot_count)) > limit:
@@ -112,7 +109,7 @@ def tell_of_long_cases(cases: Sequence[Case]) -> None:
 
 
 def tell_of_likely_failures(cases: Sequence[Case]) -> None:
-    """Print one line if some cases will probably not complete, with the cause for the first one."""
+    """Print one line if some cases will probably not complete, with the cause of the first one."""
     reasons = {case.label: likely_failure(case) for case in cases}
     likely = {label: reason for label, reason in reasons.items() if reason}
     if likely:
@@ -130,7 +127,7 @@ def likely_failure(case: Case) -> str:
 
 
 UPDATE_RATE = 20e6
-"""Particle updates a second on one thread, as `harness bench` measures them."""
+"""Particle updates per second on one thread, as `harness bench` measures them."""
 
 
 def predicted_time(case: Case) -> float:
@@ -143,7 +140,7 @@ def predicted_time(case: Case) -> float:
 
 
 def spoken_time(seconds: float) -> str:
-    """A time with two digits, in a unit that suits it."""
+    """A time with two digits, in seconds, minutes, hours or days."""
     for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2 * length:
             return f"{seconds / length:.2g} {unit}"
@@ -151,17 +148,17 @@ def spoken_time(seconds: float) -> str:
 
 
 def costliest_first(cases: Sequence[Case]) -> list[Case]:
-    """Cases in the order in which several workers are done soonest; equal ones as they were.
+    """Cases by predicted time, the longest first; equal ones keep their order.
 
-    A costly case that begins last keeps one worker busy when the others have nothing left. With
-    the longest first, the time in all is at most 4/3 of the shortest possible (Graham 1969, SIAM
+    A long case that begins last would keep one worker busy while the others are idle. With the
+    longest first, the total time is at most 4/3 of the shortest possible (Graham 1969, SIAM
     J. Appl. Math. 17(2):416-429).
     """
     return sorted(cases, key=predicted_time, reverse=True)
 
 
 def check_device(device: str) -> None:
-    """Check that a device is there."""
+    """Refuse a device that this machine does not have."""
     if device != "cpu" and device not in device_names():
         known = ", ".join(device_names())
         raise HarnessError(f"--device {device}: there is none here; known: {known}")
@@ -205,9 +202,9 @@ def case_time(seconds: float) -> xr.Variable:
 
 
 def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
-    """The dataset with warm run times [s]: all of them, their median as `run_time`, their minimum.
+    """The dataset with run times after compilation [s]: samples, minimum, median as `run_time`.
 
-    Set-up and compilation stay those of the run that is in `dataset`, the first of its process.
+    Times of set-up and compilation stay those of `dataset`, the first run of its process.
     """
     loop, least = "wall-clock time of the time loop", "least time of the time loop"
     times = np.array(samples)
@@ -223,7 +220,7 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
 
 
 def _reset_peak_memory() -> bool:
-    """Let the peak count from now on; False where that cannot be, as outside of Linux."""
+    """Let the peak memory count from now on; False where that is impossible, as outside Linux."""
     try:
         _RESET.write_text("5")
     except OSError:
@@ -232,7 +229,7 @@ def _reset_peak_memory() -> bool:
 
 
 def _peak_memory(reset: bool) -> int:
-    """Peak resident memory [byte], since the reset if there was one."""
+    """Peak resident memory of the process [byte], since the reset if there was one."""
     if reset:
         lines = _STATUS.read_text().splitlines()
         return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM:"))

@@ -1,6 +1,6 @@
-"""A study is run: what is not done yet, on this machine or on a cluster; then it is collected.
+"""Run the cases of a study that are not done, here or on a cluster, and collect their results.
 
-Progress is a bar on a terminal, and a line for each case that has ended.
+Progress is shown as a bar on a terminal, and as a line for each case that has ended.
 """
 
 import os
@@ -35,13 +35,13 @@ from harness.study.cases import Case
 from harness.study.study import Study
 
 NOTICED = 0.05
-"""Seconds to start or to compile that are shown, at least."""
+"""Shortest time to start or to compile that is shown [s]."""
 
 
 class Display(AbstractContextManager["Display"]):
-    """A `Watcher` that shows so many cases as they run, with a bar where the stream is a terminal.
+    """A `Watcher` that shows the progress of `total` cases, with a bar if `stream` is a terminal.
 
-    It is a context that leaves the terminal's line clean.
+    At the end of its context the bar is removed.
     """
 
     def __init__(self, total: int, stream: TextIO) -> None:
@@ -59,68 +59,65 @@ class Display(AbstractContextManager["Display"]):
             smoothing=0,  # the time left follows from the mean speed so far
             bar_format="{bar:24} {desc}after {elapsed}, {remaining} left",
         )
-        self.bar._time = time.monotonic  # by its own clock it would stand still if that is set back
+        self.bar._time = time.monotonic  # its own clock may be set back, and the bar would stop
         self.bar.start_t = self.bar.last_print_t = time.monotonic()
 
     def __exit__(self, *_: object) -> None:
         self.bar.close()
 
     def advanced(self, case: Case, fraction: float) -> None:
-        """A running case has come to `fraction`, 0 to 1."""
+        """Show that the fraction 0 to 1 of a case is done."""
         self.running[case.key] = fraction
         self._update()
 
     def finished(self, case: Case, outcome: Outcome) -> None:
-        """A case has ended, well or not."""
+        """Print the line of a case that has ended."""
         self.done += 1
         self.running.pop(case.key, None)
         status = coloured(outcome.status, is_good=outcome.status == COMPLETED, stream=self.stream)
         label, message = map(shortened, (case.label, outcome.message))
-        told = ", ".join(filter(None, (status, outcome.headline, message)))
-        line = f"[{self.done}/{self.total}] {label}: {told}, {_times(outcome)}"
+        result = ", ".join(filter(None, (status, outcome.headline, message)))
+        line = f"[{self.done}/{self.total}] {label}: {result}, {_times(outcome)}"
         self._update()
         tqdm.write(line, file=self.stream)
         self.stream.flush()
 
     def _update(self) -> None:
-        """Bring the bar to the cases done, and the mean progress of those running."""
-        told = [f"{self.done}/{self.total} cases"]
-        if self.running:
-            mean = sum(self.running.values()) / len(self.running)
-            # Nothing is computed before all is imported, set up and compiled.
-            told.append(
-                f"{len(self.running)} {f'running, at {mean:.0%}' if mean else 'setting up'}"
-            )
-        self.bar.set_description_str(", ".join([*told, ""]), refresh=False)
-        self.bar.update(self.done + sum(self.running.values()) - self.bar.n)
+        """Set the bar to the number of cases done, running ones by their fraction."""
+        progress = sum(self.running.values())
+        text = f"{self.done}/{self.total} cases, "
+        if count := len(self.running):
+            # Imports, set-up and compilation come before the first step.
+            state = f"running, at {progress / count:.0%}" if progress else "setting up"
+            text += f"{count} {state}, "
+        self.bar.set_description_str(text, refresh=False)
+        self.bar.update(self.done + progress - self.bar.n)
 
 
 def _times(outcome: Outcome) -> str:
-    """The time that a case computed, and apart from it those to start and to compile."""
+    """The computing time of a case, and in brackets the times to start and to compile."""
     start, compiling = outcome.start_seconds, outcome.compile_seconds
-    apart = [
+    others = [
         f"{seconds:.1f} s to {what}"
         for seconds, what in ((start, "start"), (compiling, "compile"))
         if seconds >= NOTICED
     ]
     computing = f"{outcome.seconds - start - compiling:.1f} s"
-    return f"{computing} ({', '.join(apart)})" if apart else computing
+    return f"{computing} ({', '.join(others)})" if others else computing
 
 
 RunCases = Callable[[Sequence[Case], Path, Watcher], None]
-"""Runs cases, keeps their results in a folder, and reports to a watcher."""
+"""A function that runs cases, writes their files to a folder, and reports to a watcher."""
 
 
 def on_this_machine(
     study: Study, worker_count: int | None, options: RunOptions = DEFAULTS
 ) -> RunCases:
-    """How to run the cases of a study in worker processes here; None: as many as there are cores.
+    """A function that runs the cases of a study in worker processes on this machine.
 
-    If the study asks for timed runs, or its scenes measure the machine, one process runs alone,
-    with one thread where no number is given. The memory of the options is for all cases at work.
-
-    Raises:
-        HarnessError: there is no such device, or cases to be timed are to run at the same time.
+    The default number of workers is that of the cores. Only one case runs at a time if the study
+    asks for timed runs, or its scenes measure the machine; a timed case has one thread by default.
+    The memory limit of the options is for all running cases together.
     """
     check_device(options.device)
     repeats = study.timing_repeats
@@ -135,7 +132,7 @@ def on_this_machine(
 
     def run(cases: Sequence[Case], folder: Path, watcher: Watcher) -> None:
         run_cases(
-            # One worker takes as long in any order, and the order of the study can be followed.
+            # One worker needs the same time in any order; the user can follow that of the study.
             costliest_first(cases) if workers > 1 else cases,
             folder,
             workers,
@@ -152,11 +149,7 @@ def on_this_machine(
 
 
 def on_cluster(study: Study, address: str) -> RunCases:
-    """How to run the cases of a study on the Dask cluster whose scheduler has this address.
-
-    Raises:
-        HarnessError: the study asks for timed runs, Dask is missing, or nobody answers there.
-    """
+    """A function that runs the cases of a study on the Dask cluster with this scheduler."""
     if study.timing_repeats:
         raise HarnessError("[timing] repeats: cases are timed on this machine, without --dask")
     try:
@@ -174,11 +167,11 @@ def on_cluster(study: Study, address: str) -> RunCases:
 
 
 def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Dataset:
-    """Run the cases of a study that are not done, or all of them if `fresh`, and collect it.
+    """Run the cases of a study that are not done, or all if `fresh`; return the collected results.
 
-    A case is done when it has completed, and been timed as often as its study asks for. Done cases
-    that were computed by other sources of the simulator are kept, and one line says so. However
-    the run ends, what is done is in the archive, and collected.
+    A case is done if it has completed, with all timed runs that the study asks for. Done cases
+    computed by other sources of the simulator are kept, and a line says so. Completed cases are
+    also collected if the run is interrupted.
     """
     folder = case_folder(out, study)
     check_no_link(out, study)
@@ -187,30 +180,30 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     prepare(folder)
     if fresh:
         discard(folder, study.cases)
-    stand = results.outcomes(study, out)
-    pending = _pending(study, stand, folder)
+    outcomes = results.outcomes(study, out)
+    pending = _pending(study, outcomes, folder)
     done_count = len(study.cases) - len(pending)
     try:
         tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
-        results.tell_of_other_sources(study, stand)
+        results.tell_of_other_sources(study, outcomes)
         tell_of_long_cases(pending)
         tell_of_likely_failures(pending)
         with Display(len(pending), sys.stderr) as display:
             run(pending, folder, display)
     except (KeyboardInterrupt, HarnessError, OSError) as error:
-        stand = results.outcomes(study, out)
+        outcomes = results.outcomes(study, out)
         can_write = not isinstance(error, ArchiveError)
-        if can_write and any(outcome.status == COMPLETED for outcome in stand):
+        if can_write and any(outcome.status == COMPLETED for outcome in outcomes):
             results.collect_and_write(study, out)
-        tell(f"interrupted; {results.summary(stand)}; the same command goes on with the rest")
+        tell(f"interrupted; {results.summary(outcomes)}; the same command goes on with the rest")
         raise
     return results.collect_and_write(study, out)
 
 
-def _pending(study: Study, stand: Sequence[Outcome], folder: Path) -> list[Case]:
-    """The cases that are to be run; damaged files of theirs are removed."""
+def _pending(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Case]:
+    """The cases that are not completed; their damaged files are removed."""
     pending = []
-    for case, outcome in zip(study.cases, stand, strict=True):
+    for case, outcome in zip(study.cases, outcomes, strict=True):
         if outcome.status == DAMAGED:
             tell(f"{outcome.message}; the case is run again")
             discard(folder, [case])

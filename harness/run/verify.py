@@ -1,4 +1,4 @@
-"""Checks of scenes against their exact solutions, each at several resolutions."""
+"""Check scenes against their exact solutions, each at several resolutions."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -30,10 +30,7 @@ class Check:
 
     @property
     def runs(self) -> list[CatalogueScene]:
-        """The scene at each resolution; the coarsest of several is run once more before the others.
-
-        So no run time includes the compilation of kernels.
-        """
+        """The scene at each resolution; of several the coarsest comes twice, to compile kernels."""
         verification, scene = self.verification, scene_class(self.scene)
         first = verification.resolutions[:1] if len(verification.resolutions) > 1 else ()
         return [
@@ -50,7 +47,7 @@ class Check:
 
 @dataclass(frozen=True, kw_only=True)
 class Verified:
-    """The results of a check, one for each resolution; None where the run failed, and then why."""
+    """The results of a check by resolution: a dataset, or None and a message if the run failed."""
 
     check: Check
     results: tuple[xr.Dataset | None, ...]
@@ -71,7 +68,7 @@ class Verified:
 
     @property
     def shortfalls(self) -> tuple[str, ...]:
-        """A phrase for each bound that is missed; empty if the check is passed."""
+        """A text for each bound that is missed; empty if the check has passed."""
         verification = self.check.verification
         failed = [
             f"{name} {value:.3g} > {bound:g}"
@@ -85,10 +82,9 @@ class Verified:
 
 
 def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Check, ...]:
-    """The checks, or the extreme ones, of these scenes; by default of all with an exact solution.
+    """The checks, or the extreme ones, of the named scenes; each named scene must have one.
 
-    Raises:
-        HarnessError: a scene that is named has none of these checks.
+    Without names the checks are those of all scenes with an exact solution.
     """
     scenes = {name: scene_class(name) for name in names} or loaded_scenes()
     checks = tuple(
@@ -108,15 +104,11 @@ def checks_of(names: Sequence[str] = (), *, extreme: bool = False) -> tuple[Chec
 
 
 QUICK_TIME = 20.0
-"""Longest time of a quick check, about [s]."""
+"""Longest predicted time of a quick check [s]."""
 
 
 def quick(checks: Sequence[Check]) -> tuple[Check, ...]:
-    """The cheapest check of each scene, of those that take little time.
-
-    Raises:
-        HarnessError: there is none.
-    """
+    """The cheapest check of each scene, without those that take longer than `QUICK_TIME`."""
     by_scene: dict[str, Check] = {}
     for check in sorted(checks, key=lambda it: it.predicted_time):
         by_scene.setdefault(check.scene, check)
@@ -151,7 +143,7 @@ def verified_in_turn(checks: Sequence[Check]) -> Iterator[Verified]:
 
 
 def verify(check: Check) -> Verified:
-    """Run a check; a run that raises an exception has no result but a message."""
+    """Run a check; a run that raises an exception has a message instead of a result."""
     outcomes: list[tuple[xr.Dataset | None, str]] = []
     for scene in check.runs:
         try:
@@ -168,7 +160,7 @@ HEADING = ROW.format("scene", "resolution", "error", "bound", "order", "run time
 
 
 def table_rows(verified: Verified) -> str:
-    """Lines of the table: one for each resolution; the last one has the verdict."""
+    """Lines of the table, one for each resolution; the last one has the verdict."""
     verification, label = verified.check.verification, verified.check.label
     errors, run_times = verified.values("error"), verified.values("run_time")
     rows = [

@@ -1,4 +1,4 @@
-"""Worker processes: they run cases one after another and write their files."""
+"""What a worker process does: it runs cases one after another and writes their files."""
 
 import contextlib
 import signal
@@ -61,16 +61,10 @@ def compute(
     execution: Execution | None = None,
     options: RunOptions = DEFAULTS,
 ) -> Result:
-    """Run a case in this process.
+    """Run a case in this process; `progress` is called now and then with the fraction done.
 
     An exception of the scene becomes the outcome of the case and is not raised. Its attribute
     ``status``, if it has one, is the status of the case.
-
-    Args:
-        case: the case.
-        progress: is called now and then with the fraction done.
-        execution: device and threads; by default one thread of the processor.
-        options: limits and repeats.
     """
     execution = execution or Execution()
     provenance()  # reads the commit now, because sources may be edited while the case runs
@@ -79,8 +73,8 @@ def compute(
     snapshots = Snapshots(case.snapshots) if case.snapshots else None
     try:
         dataset = _run(case, progress, execution, options, snapshots)
-        if (missing := _without_headline(dataset)) is not None:
-            status, message = UNFINISHED, missing
+        if message := _missing_headline(dataset):
+            status = UNFINISHED
     except Exception as error:
         curves = getattr(error, "curves", None)
         dataset = xr.Dataset() if curves is None else curves
@@ -129,11 +123,9 @@ def run_case(
     execution: Execution | None = None,
     options: RunOptions = DEFAULTS,
 ) -> Outcome:
-    """Run a case in this process and write its file, completed or not.
+    """Run a case by :func:`compute` and write its file to the folder, completed or not.
 
-    A result that another run has completed meanwhile is kept: it may have snapshots too.
-
-    The arguments are those of :func:`compute`, and the folder of the study's cases.
+    A result that another run has completed meanwhile is kept, because it may have snapshots.
     """
     result = compute(case, progress, execution, options)
     outcome = result.outcome
@@ -146,14 +138,13 @@ def run_case(
 def serve(connection: Connection, folder: Path, options: RunOptions) -> None:
     """Run the cases that come over `connection` until the parent closes it.
 
-    The parent sends cases, and numbers of threads, which apply at once, also to a running case. The
-    worker sends None when it accepts a case, then the fraction done (0 when the computation
-    begins), and at the end the :class:`Outcome`. Call this once in a fresh process, because it
-    changes how the process reacts to signals.
+    The parent sends cases, and numbers of threads, which also apply to a running case. The worker
+    sends None when it accepts a case, then the fraction done (0 when the computation begins), and
+    at the end the :class:`Outcome`. The signal handlers of the process are changed.
     """
-    # Ctrl-C reaches all processes of the group, but only the parent decides what to do.
+    # The terminal sends Ctrl-C to all processes, but only the parent decides what to do.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # An exception, unlike the signal's default action, removes a half-written file.
+    # On an exception, unlike the signal's default action, a half-written file is removed.
     signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     load_libraries()
 
@@ -179,8 +170,8 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return [name for name in with_role(dataset, Role.HEADLINE) if dataset[name].ndim == 0]
 
 
-def _without_headline(dataset: xr.Dataset) -> str | None:
-    """Why a dataset is no complete result: its headline is missing or not finite; None if it is."""
+def _missing_headline(dataset: xr.Dataset) -> str:
+    """Why a dataset has no complete headline: it is missing or not finite; "" if it has one."""
     names = _headlines(dataset)
     if not names:
         return "the scene gives no headline, its main result"
@@ -190,7 +181,7 @@ def _without_headline(dataset: xr.Dataset) -> str | None:
                 f"{spoken(name)} is not a finite number: the run was too short for it, or the "
                 "scene has none for these parameters; try a longer run"
             )
-    return None
+    return ""
 
 
 def _run(
@@ -200,9 +191,9 @@ def _run(
     options: RunOptions,
     snapshots: Snapshots | None,
 ) -> xr.Dataset:
-    """Run the scene, and again for timed runs; return its dataset with sources and run times.
+    """The dataset of a run of the scene, with the times of further runs if they are asked for.
 
-    Snapshots are taken only in the first run, which is not timed.
+    Snapshots are taken in the first run only, which is not timed.
     """
     scene = scene_class(case.scene)
     if scene.version != case.scene_version:  # as on a cluster with another installation
@@ -212,7 +203,7 @@ def _run(
     limit = options.memory_limit or default_memory_limit()
     check_memory(case.built(), limit, len(case.snapshots))
     run_count = options.repeats + 1
-    sources = sources_digest(scene)  # before they can be edited
+    sources = sources_digest(scene)  # computed before the sources can be edited
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
         def report(fraction: float) -> None:
@@ -232,9 +223,9 @@ def _run(
 
 
 def _reporter(connection: Connection, execution: Execution) -> Progress:
-    """A function that sends the fraction done now and then, and receives numbers of threads.
+    """A function that sends the fraction done every `REPORT_INTERVAL`, and receives threads.
 
-    It ends the process if the parent is gone.
+    It ends the process if the parent has ended.
     """
     next_report = 0.0
 
@@ -249,6 +240,6 @@ def _reporter(connection: Connection, execution: Execution) -> Progress:
             while connection.poll():
                 execution.threads = connection.recv()
         except (EOFError, ConnectionError):
-            sys.exit()  # not an Exception, so it is no outcome of the case
+            sys.exit()  # SystemExit is not an Exception, so it does not become an outcome
 
     return report

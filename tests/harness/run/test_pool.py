@@ -224,10 +224,10 @@ def test_the_time_of_a_case_begins_with_its_computation(begun: Begun, small: Stu
     """Not when the worker has taken it on: it imports, sets up and compiles first."""
     worker = begun(RunOptions(time_limit=1.0))
     worker.connection.poll(60)
-    assert worker.news() == 0.0
+    assert worker.receive() == 0.0
     assert worker.deadline == math.inf
     worker.connection.poll(60)
-    assert worker.news() == 0.0
+    assert worker.receive() == 0.0
     assert worker.deadline <= time.monotonic() + 1.0
 
 
@@ -241,11 +241,11 @@ def test_while_all_processes_are_stopped_no_time_of_a_case_passes(
         patched.setattr(worker.connection, "poll", lambda: False)
         patched.setattr(time, "monotonic", lambda: clock[-1])
         patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left + 3600.0))
-        assert pool._with_news([worker]) == []
+        assert pool._wait_for_messages([worker]) == []
         patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left))
-        assert pool._with_news([worker]) == []
+        assert pool._wait_for_messages([worker]) == []
         clock.append(clock[-1] + 5.0)
-        assert pool._with_news([worker]) == [worker]
+        assert pool._wait_for_messages([worker]) == [worker]
 
 
 def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
@@ -255,7 +255,7 @@ def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
     monkeypatch.setattr(pool, "GRACE", 120.0)  # on a machine under load it takes its time
     busy, idle = begun(), WorkerProcess(folder)
     busy.connection.poll(60)
-    assert busy.news() == 0.0
+    assert busy.receive() == 0.0
     end_all([busy, idle])
     assert busy.process.exitcode == 128 + signal.SIGTERM
     assert idle.process.exitcode == -signal.SIGKILL
