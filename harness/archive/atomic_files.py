@@ -1,4 +1,4 @@
-"""Writing files whole or not at all: first under a temporary name, then renamed."""
+"""Write files whole or not at all: first under a temporary name, then renamed."""
 
 import contextlib
 import csv
@@ -17,7 +17,7 @@ PARTIAL = ".part"
 """Ending of a file that is still being written."""
 
 FORMULA = ("=", "+", "-", "@")
-"""First characters of a cell by which a spreadsheet recognises a formula."""
+"""A spreadsheet takes a cell for a formula if it begins with one of these."""
 SIGNED_NUMBER = r"[-+]\d+(\.\d+)?(e[-+]\d+)?%?"
 """Pattern of numbers with a sign, which are not formulas."""
 
@@ -27,11 +27,11 @@ class ArchiveError(HarnessError):
 
 
 class DamagedError(ArchiveError):
-    """A file has changed since the harness wrote it, or was cut."""
+    """A file was changed after the harness wrote it, or was cut."""
 
 
 def prepare(folder: Path) -> None:
-    """Make the folder, check that a file can be written there, and remove abandoned ones."""
+    """Make the folder, check that a file can be written there, and remove half-written files."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError:
@@ -49,11 +49,7 @@ def prepare(folder: Path) -> None:
 
 
 def write_whole(content: bytes | memoryview, path: Path) -> None:
-    """Write a file whole or not at all.
-
-    Raises:
-        ArchiveError: it cannot be written; an earlier file of this name is unchanged.
-    """
+    """Write a file whole; if that fails, an earlier file of this name is unchanged."""
     try:
         with _partial(path.parent) as (partial, file):
             file.write(content)
@@ -113,10 +109,9 @@ def remove_file(path: Path) -> None:
 
 @contextlib.contextmanager
 def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
-    """A new file, open for writing, with the user's default permissions.
+    """A new file with a random name, open for writing; it is removed if it is not renamed.
 
-    Its name is random. An existing file is never overwritten and a link never followed. At the end
-    it is removed unless it has been renamed.
+    An existing file is never overwritten, and a link is never followed.
     """
     path = folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW

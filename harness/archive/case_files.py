@@ -1,11 +1,11 @@
 """Case files: one file for the result of each case, and one for its snapshots.
 
-The results of a study's cases are ``OUT/<study>/cases/<key>.nc``. A case has been run if the file
-with its key is there; time stamps play no role.
+The result of a case is ``OUT/<study>/cases/<key>.nc``. A case has been run if the file with its key
+exists; time stamps play no role.
 
-Snapshots are in a file of their own, ``<key>.fields.nc``. `status` and `collect` read every case
-file as a whole, and snapshots may be a hundred times as large as the rest. Nor could points and
-nodes of different cases share a dimension in a collected dataset.
+Snapshots are in a file of their own, ``<key>.fields.nc``, because `status` and `collect` read whole
+case files, and snapshots may be a hundred times as large as the rest. Besides, points and nodes of
+different cases cannot share a dimension in a collected dataset.
 """
 
 import json
@@ -49,7 +49,7 @@ class Outcome:
 
 
 def case_folder(out: Path, study: Study) -> Path:
-    """Where the case files of a study are."""
+    """The folder of the case files of a study."""
     return out / study.name / "cases"
 
 
@@ -87,16 +87,10 @@ def write_case(
     message: str = "",
     fields: xr.Dataset | None = None,
 ) -> None:
-    """Write the snapshots of a case and then its result, so that a result implies its snapshots.
+    """Write the snapshots of a case, `fields`, and then its result, so that it implies them.
 
-    Args:
-        folder: folder of the case files.
-        case: the case.
-        dataset: what the scene returned; empty if it did not complete. Its attributes override
-            the provenance of this process, for cases computed on another machine.
-        status: how the case ended.
-        message: why it did not complete.
-        fields: snapshots; None removes those of an earlier run.
+    Attributes of the dataset override the provenance of this process, for cases computed on another
+    machine. Without `fields`, snapshots of an earlier run are removed.
     """
     attributes = {
         "case_key": case.key,
@@ -107,21 +101,17 @@ def write_case(
         "message": message,
         "format_version": FORMAT_VERSION,
     }
-    kept = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
+    result = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
     if fields is None:
         remove_file(fields_file(folder, case))
     else:
-        asked = {ASKED: json.dumps(case.snapshots)}
-        write_netcdf(fields.assign_attrs(kept.attrs | asked), fields_file(folder, case))
-    write_netcdf(kept, case_file(folder, case))
+        requested = {REQUESTED: json.dumps(case.snapshots)}
+        write_netcdf(fields.assign_attrs(result.attrs | requested), fields_file(folder, case))
+    write_netcdf(result, case_file(folder, case))
 
 
 def read_case(folder: Path, case: Case) -> xr.Dataset | None:
-    """The result of a case, or None if it has not been run.
-
-    Raises:
-        ArchiveError: the file cannot be used (see `opened`) or belongs to another case.
-    """
+    """The result of a case, or None if it has not been run."""
     path = case_file(folder, case)
     if not path.exists():
         return None
@@ -131,13 +121,7 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
 
 
 def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
-    """How a case ended, as its file says.
-
-    Args:
-        folder: folder of the case files.
-        case: the case.
-        repeats: timed runs that are required; with fewer a completed case is `untimed`.
-    """
+    """How a case ended, by its file; `untimed` if it has fewer timed runs than `repeats`."""
     path = case_file(folder, case)
     if not path.exists():
         return Outcome(MISSING)
@@ -147,11 +131,11 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
             seconds = float(variables.get("case_time", 0.0))
             timed = variables["repeat"].size if "repeat" in variables else 0
             half_widths, reasons = (
-                [it.values for it in variables.values() if it.attrs.get("role") == role]
+                [values for values in variables.values() if values.attrs.get("role") == role]
                 for role in (Role.UNCERTAINTY, Role.REASON)
             )
-            is_known = any(np.isfinite(half_width).all() for half_width in half_widths)
-            reason = "" if is_known else "; ".join(map(str, reasons))
+            is_known = any(np.isfinite(half_width.values).all() for half_width in half_widths)
+            reason = "" if is_known else "; ".join(str(reason.values) for reason in reasons)
         _check_owner(path, case, attributes)
     except ArchiveError as error:
         return Outcome(DAMAGED, str(error))
@@ -177,8 +161,8 @@ def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
 
 ENDING = ".fields.nc"
 MOST_NAMED = 5
-"""Cases that an error lists if none has a key similar to the requested one."""
-ASKED = "snapshots"
+"""Number of cases that an error lists if none has a key similar to the requested one."""
+REQUESTED = "snapshots"
 """Attribute with the requested moments as JSON; a run may end before the last ones."""
 
 
@@ -194,35 +178,26 @@ def has_fields(folder: Path, case: Case) -> bool:
     path = fields_file(folder, case)
     try:
         attributes = read_attributes(path, any_version=False) if path.exists() else {}
-        taken = set(json.loads(attributes.get(ASKED, "[]")))
+        taken = set(json.loads(attributes.get(REQUESTED, "[]")))
     except (ArchiveError, TypeError, ValueError):
         return False
     return str(attributes.get("case_key")) == case.key and set(case.snapshots) <= taken
 
 
 def read_fields(path: Path) -> xr.Dataset:
-    """The snapshots in a file.
-
-    Raises:
-        ArchiveError: it is missing, damaged, or has no snapshots.
-    """
+    """The snapshots in a file."""
     if not path.exists():
         raise ArchiveError(f"{path}: no such file")
     fields = read_netcdf(path, as_result=False)
-    if ASKED not in fields.attrs:
+    if REQUESTED not in fields.attrs:
         raise ArchiveError(f"{path}: holds no snapshots")
     return fields
 
 
 def find_fields(file: Path, key: str | None) -> Path:
-    """The file of a case's snapshots.
+    """The file of a case's snapshots, found by the file of a study, of the case, or by itself.
 
-    Args:
-        file: file of a study's results, of the case, or of its snapshots.
-        key: key of the case; None if only one case has snapshots.
-
-    Raises:
-        ArchiveError: there are no such snapshots; the message lists those that exist.
+    The key of the case is needed if several cases of the study have snapshots.
     """
     if file.name.endswith(ENDING):
         return file
@@ -241,6 +216,6 @@ def find_fields(file: Path, key: str | None) -> Path:
     if not found:
         raise ArchiveError(f"{file}: no case has snapshots; run {study} with --snapshots")
     problem = "several cases have snapshots; name one" if key is None else f"case {key} has none"
-    listed = f"; cases with snapshots: {', '.join(keys[:MOST_NAMED])}"
     more = f" and {len(keys) - MOST_NAMED} more" if len(keys) > MOST_NAMED else ""
-    raise ArchiveError(f"{file}: {problem}{did_you_mean(key or '', keys) or listed + more}")
+    listed = f"; cases with snapshots: {', '.join(keys[:MOST_NAMED])}{more}"
+    raise ArchiveError(f"{file}: {problem}{did_you_mean(key or '', keys) or listed}")

@@ -36,11 +36,11 @@ COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
 FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED = "missing", "damaged"
-"""Statuses that the harness gives to cases. The errors of a scene give others."""
+"""Statuses that the harness gives to cases. Errors of scenes give others."""
 
 
 class Role(StrEnum):
-    """How the harness uses a variable; see the head of this file and harness/README.md."""
+    """How the harness uses a variable; see the docstring of this module and harness/README.md."""
 
     HEADLINE, UNCERTAINTY, SETTLED = "headline", "uncertainty", "settled"
     REASON, BUILT = "reason", "built"
@@ -51,7 +51,7 @@ class Role(StrEnum):
 
 
 CASE = "case"
-"""The dim of cases, unless the varied parameters are the dims."""
+"""The dim of cases, if the varied parameters are not the dims."""
 PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 CHANGED = "changed"
@@ -151,8 +151,7 @@ def reasons_of(dataset: xr.Dataset) -> list[str]:
     """Why each case has no uncertainty; "" where it has one or no reason is stored."""
     reasons = [""] * dataset["status"].size
     for name in with_role(dataset, Role.REASON):
-        told = over_cases(dataset, name).tolist()
-        pairs = zip(reasons, told, strict=True)
+        pairs = zip(reasons, over_cases(dataset, name).tolist(), strict=True)
         reasons = [known or (str(value) if is_there(value) else "") for known, value in pairs]
     return reasons
 
@@ -170,15 +169,12 @@ def known_digits(value: float, half_width: float) -> str:
 def stated(value: float, half_width: float, reason: str = "") -> str:
     """A number with its half width, "10.49 +- 0.08", or with why it has none, "10.5, no U: Delta".
 
-    Args:
-        value: the number.
-        half_width: its half width of 95 %; NaN where none is known.
-        reason: why none is known, from `reasons_of`.
+    A half width that is NaN is unknown; the reason is one of `reasons_of`.
     """
-    told = known_digits(value, half_width)
+    number = known_digits(value, half_width)
     if math.isfinite(half_width) and half_width > 0.0:
-        return f"{told} +- {known_digits(half_width, half_width)}"
-    return ", ".join(filter(None, (told, without_half_width(reason))))
+        return f"{number} +- {known_digits(half_width, half_width)}"
+    return ", ".join(filter(None, (number, without_half_width(reason))))
 
 
 def without_half_width(reason: str) -> str:
@@ -216,10 +212,8 @@ def varied_names(dataset: xr.Dataset) -> list[str]:
 def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
     """The values of a variable as a flat array with one entry per case.
 
-    Args:
-        dataset: the result of a study.
-        variable: name of a variable, a number, or an array over all, some or none of the dims of
-            cases. A name that the dataset lacks gives NaN for every case.
+    The variable is given by its name, as a number, or as an array over all, some or none of the
+    dims of cases. A name that the dataset lacks gives NaN for every case.
     """
     values = dataset.get(variable, np.nan) if isinstance(variable, str) else variable
     of_all = xr.DataArray(values).broadcast_like(dataset["status"])
@@ -227,10 +221,9 @@ def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:
 
 
 def alike(dataset: xr.Dataset, names: Iterable[str]) -> dict[tuple[object, ...], list[int]]:
-    """Groups of cases that have the same values of some variables.
+    """Indices of the cases that have the same values of some variables, by these values.
 
-    Returns:
-        Indices of the cases of each group, by these values. None stands for a missing value.
+    None stands for a missing value.
     """
     columns = [over_cases(dataset, name).tolist() for name in names]
     groups: dict[tuple[object, ...], list[int]] = {}

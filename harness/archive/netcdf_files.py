@@ -1,16 +1,15 @@
 """The netCDF files of the archive; all are written, opened and read here.
 
 Every file ends with a digest: after the netCDF data come the mark ``sha256: `` and the SHA-256 of
-all bytes before it. The digest is checked before the netCDF library sees the file. A damaged file
-can make HDF5 raise any exception, loop forever, request gigabytes, or end the process. So a file
-is refused if its digest is wrong, if its digest is missing although an attribute announces one, or
-if it was cut. A file of another program announces no digest and is read without this check.
+all bytes before it. It is checked before the netCDF library opens the file, because a damaged file
+can make HDF5 raise any exception, loop forever, request gigabytes, or end the process. A file is
+refused if its digest is wrong, if its digest is missing although an attribute announces one, or if
+it was cut. A file of another program announces no digest and is read without this check; a file
+that another program has rewritten is refused even if its numbers are the same.
 
-Why not something else. HDF5's own checksum (Fletcher32) does not cover attributes, names and dims.
-A digest of the contents would need all variables to be read first: 23 ms a case file; this one
-takes 0.1 ms, and ``status`` need not read all variables. Programs that read netCDF do not notice
-the digest, because HDF5 stops where the superblock says that the file ends. A file that another
-program has rewritten is refused even if its numbers are the same.
+HDF5's own checksum (Fletcher32) does not cover attributes, names and dims. A digest of the contents
+would need all variables to be read first, 23 ms a case file; this one takes 0.1 ms. Programs that
+read netCDF do not notice it, because HDF5 stops at the end that the superblock states.
 """
 
 import hashlib
@@ -52,19 +51,15 @@ _STRING_SIZE = 64
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
-    """Write a netCDF file with its digest.
-
-    Raises:
-        ArchiveError: it cannot be written; an earlier file of this name is unchanged.
-    """
-    # The file is made in memory, because on a full disk the netCDF library only says "HDF error"
-    # and keeps the broken file open, so that its space is not freed until the process ends.
+    """Write a netCDF file with its digest, whole or not at all."""
+    # The file is made in memory. On a full disk the netCDF library only says "HDF error" and keeps
+    # the broken file open, so that its space is not freed until the process ends.
     image = _image(dataset.assign_attrs({DIGEST: _STATEMENT}))
     write_whole(b"".join((image, _digest(image))), path)
 
 
 def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
-    """Read a file of the archive into memory, checked as `opened` does it; dates stay numbers."""
+    """Read a file of the archive into memory, with the checks of `opened`; dates stay numbers."""
     with opened(path, as_result=as_result) as stored:
         encoded = xr.Dataset(stored.variables, attrs=stored.attributes)
         found = xr.decode_cf(encoded, concat_characters=False, decode_times=False).load()
@@ -82,15 +77,9 @@ def read_attributes(path: Path, *, any_version: bool = True) -> dict[str, Any]:
 def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterator[Stored]:
     """Check a file of the archive and open it; values of variables are read on demand.
 
-    Args:
-        path: the file.
-        as_result: whether to require the structure of a result. Files of snapshots have another
-            one: their dims are points and nodes, and they have no headline.
-        any_version: whether to accept other format versions.
-
-    Raises:
-        ArchiveError: it is not a file, is damaged, has another format version or not the structure
-            of a result, or claims to hold more than its bytes or this machine's memory allow.
+    It must be undamaged, of this format version unless `any_version` is set, and of a size that its
+    bytes and this machine's memory allow. With `as_result` it must have the structure of a result;
+    files of snapshots have none: their dims are points and nodes, and they have no headline.
     """
     try:
         content = _content(path)
@@ -111,25 +100,25 @@ def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterato
                 raise ArchiveError(f"{path}: is not a complete result: {fault}")
             yield stored
     except UNREADABLE as error:
-        told = getattr(error, "strerror", None) or error
-        reason = " ".join(str(told).split()) or type(error).__name__
+        message = str(getattr(error, "strerror", None) or error)
+        reason = " ".join(message.split()) or type(error).__name__
         raise ArchiveError(f"{path}: cannot be read: {reason}") from None
 
 
 def _check_kinds(file: netCDF4.Dataset) -> None:
     """Refuse lists, enumerations and repeated dims, which xarray reads only in part."""
-    for name, it in file.variables.items():
-        if it.dtype is not str and not isinstance(it.datatype, np.dtype):
+    for name, variable in file.variables.items():
+        if variable.dtype is not str and not isinstance(variable.datatype, np.dtype):
             raise ValueError(f"{name} is not an array of numbers or texts")
-        if len(set(it.dimensions)) < len(it.dimensions):
+        if len(set(variable.dimensions)) < len(variable.dimensions):
             raise ValueError(f"{name} has a dim twice")
 
 
 def _check_size(stored: Stored, byte_count: int) -> None:
     """Refuse a file that claims to hold more than its bytes or this machine's memory allow."""
     sizes = [
-        it.size * (_STRING_SIZE if it.dtype.kind == TEXT else it.dtype.itemsize)
-        for it in stored.variables.values()
+        values.size * (_STRING_SIZE if values.dtype.kind == TEXT else values.dtype.itemsize)
+        for values in stored.variables.values()
     ]
     if sum(sizes) > min(memory_of_machine(), _LARGEST_RATIO * byte_count):
         raise ValueError(f"its variables would take {sum(sizes):.3g} bytes, more than it can hold")
@@ -142,12 +131,12 @@ def memory_of_machine() -> int:
 
 def _content(path: Path) -> bytes:
     """The bytes of a regular file that fits into memory."""
-    about = path.stat()
-    if not stat.S_ISREG(about.st_mode):
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
         # Opening a FIFO would wait for its writer, and a device may be endless.
-        what = "a folder" if stat.S_ISDIR(about.st_mode) else "not a regular file"
+        what = "a folder" if stat.S_ISDIR(status.st_mode) else "not a regular file"
         raise ValueError(f"it is {what}")
-    if about.st_size > memory_of_machine():
+    if status.st_size > memory_of_machine():
         raise ValueError("it is larger than the memory of this machine")
     return path.read_bytes()
 
@@ -187,7 +176,7 @@ def _image(dataset: xr.Dataset) -> memoryview:
 
 
 def _end(content: bytes | memoryview) -> int:
-    """End of an HDF5 file [byte], from its superblock (HDF5 File Format Specification, II.A)."""
+    """Size of an HDF5 file [byte], from its superblock (HDF5 File Format Specification, II.A)."""
     start = 28 if int.from_bytes(content[8:9], "little") >= 2 else 40
     return int.from_bytes(content[start : start + 8], "little")
 

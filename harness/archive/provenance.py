@@ -38,13 +38,13 @@ OF_CASE = (
 
 
 def provenance() -> dict[str, str]:
-    """Attributes for a result file that is written now by this process."""
+    """Provenance of a file that this process writes now, as attributes."""
     time = datetime.now(UTC).isoformat(timespec="seconds")
     return {"Conventions": "CF-1.11", **_of_process(), "time_written": time}
 
 
 def provenance_of_collector() -> dict[str, str]:
-    """Attributes of the process that collects cases, which other machines may have computed."""
+    """Provenance of a process that collects cases, which other machines may have computed."""
     conventions, *others = provenance().items()  # "Conventions" describes the file itself
     return dict([conventions, *((f"collected_{name}", value) for name, value in others)])
 
@@ -54,8 +54,8 @@ def sources_digest(scene: type) -> str:
     """16 hexadecimal digits that identify the code that computes a scene.
 
     The digest is over all ``.py`` files of the package `mpm_warp`, and the file that defines the
-    scene if that is elsewhere. It takes some 10 ms and is computed once per process, because a
-    process keeps using the sources that it has loaded.
+    scene if it is elsewhere. It takes some 10 ms and is computed once, because a process keeps the
+    sources that it has loaded.
     """
     package = Path(mpm_warp.__path__[0])
     files = sorted(package.rglob("*.py"))

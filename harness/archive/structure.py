@@ -1,8 +1,7 @@
-"""Checks that a file has the structure of a result, so that code can rely on its variables.
+"""Check that a file has the structure of a result, so that other code can rely on its variables.
 
-The digest of a file proves that it is unchanged, not that the harness wrote it. These checks are
-for files from other programs. They read only the values of dims and headlines, so that the status
-of a case is quick to find.
+The checks are for files of other programs, because a digest proves only that a file is unchanged.
+They read only the values of dims and headlines, so that `status` is fast.
 """
 
 import json
@@ -74,7 +73,7 @@ def _faults(result: Stored) -> Iterator[str]:
         if name in texts or _role(form) in (Role.REASON, Role.BUILT):
             if form.dtype.kind != TEXT:
                 yield f"{name} is not a text"
-        # If the scene is unknown, so is which of its parameters are texts.
+        # Which parameters are texts is known only if the scene is known.
         elif form.dtype.kind not in NUMBERS and (
             form.dtype.kind != TEXT or (is_known and "units" in form.attrs)
         ):
@@ -93,16 +92,16 @@ def _faults(result: Stored) -> Iterator[str]:
 
 def _faulty_study(result: Stored, over: tuple[Hashable, ...]) -> Iterator[str]:
     """Faults in what every collected dataset must have."""
-    said, forms = result.attributes, result.variables
+    attributes, forms = result.attributes, result.variables
     try:
-        tolerances = json.loads(str(said.get(TOLERANCES, "{}")))
+        tolerances = json.loads(str(attributes.get(TOLERANCES, "{}")))
     except ValueError:
         tolerances = None
     sound = {
-        # Pictures are named by the study, so that its name must not lead to another folder.
-        "study": isinstance(said["study"], str) and re.fullmatch(STUDY_NAME, said["study"]),
-        "scene": isinstance(said.get("scene"), str),
-        "scene_version": isinstance(said.get("scene_version"), int | np.integer),
+        # Names of pictures begin with that of the study, so it must not contain a folder.
+        "study": isinstance(study := attributes["study"], str) and re.fullmatch(STUDY_NAME, study),
+        "scene": isinstance(attributes.get("scene"), str),
+        "scene_version": isinstance(attributes.get("scene_version"), int | np.integer),
         TOLERANCES: isinstance(tolerances, dict)
         and all(isinstance(tolerance, int | float) for tolerance in tolerances.values()),
         **{name: name in forms and forms[name].dims == over for name in PER_CASE},
@@ -137,21 +136,21 @@ def _faulty_dims(forms: Forms, name: str, over: tuple[Hashable, ...]) -> Iterato
 
 
 def _faulty_attributes(forms: Forms, name: str) -> Iterator[str]:
-    said = forms[name].attrs
+    attributes = forms[name].attrs
     for key in _TEXTS:
-        if not isinstance(said.get(key, ""), str):
+        if not isinstance(attributes.get(key, ""), str):
             yield f"{key} of {name} is not a text"
-    limit = said.get("limit", 0.0)
+    limit = attributes.get("limit", 0.0)
     if not isinstance(limit, int | float | np.number) or not math.isfinite(limit):
         yield f"limit of {name} is not a number"
     role = _role(forms[name])
-    if "role" in said and role not in _ROLES:
+    if "role" in attributes and role not in _ROLES:
         yield f"the role of {name} is unknown"
-    if role == Role.EXACT and str(said.get("exact_of")) not in forms:
+    if role == Role.EXACT and str(attributes.get("exact_of")) not in forms:
         yield f"{name} is the exact value of no variable"
     # Missing numbers are NaN in the file, never another fill value.
-    is_filled = str(said.get("_FillValue", "nan")) != "nan"
-    if is_filled or any(key in said for key in _ENCODED):
+    is_filled = str(attributes.get("_FillValue", "nan")) != "nan"
+    if is_filled or any(key in attributes for key in _ENCODED):
         yield f"the numbers of {name} are packed or have a fill value"
 
 
@@ -168,16 +167,16 @@ def _faulty_headline(result: Stored) -> Iterator[str]:
 
 def _text_parameters(forms: Forms, scenes: list[str]) -> Iterator[str]:
     """Names of the variables that hold parameters that are texts."""
-    stored = {
-        parameter_of(stored_name): stored_name
-        for stored_name in forms
-        if _role(forms[stored_name]) == Role.PARAMETER
+    texts = {
+        name
+        for scene in scenes
+        if scene in scene_names()
+        for name, definition in parameters_of(scene_class(scene)).items()
+        if definition.kind is str
     }
-    for scene in scenes:
-        if scene in scene_names():
-            for name, definition in parameters_of(scene_class(scene)).items():
-                if definition.kind is str and name in stored:
-                    yield stored[name]
+    for stored, form in forms.items():
+        if _role(form) == Role.PARAMETER and parameter_of(stored) in texts:
+            yield stored
 
 
 def _role(form: xr.Variable) -> str:

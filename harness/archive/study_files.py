@@ -1,4 +1,4 @@
-"""The result of a study, ``OUT/<study>.nc``: it is collected from the cases, written and read."""
+"""The result of a study, ``OUT/<study>.nc``: collect it from the cases, write and read it."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
@@ -42,8 +42,8 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     """Collect the results of a study's cases in one dataset.
 
     Dims. The dims of a full design are the varied parameters in the study's order. A study with
-    another design, several scenes or exclusions has the dim `case`; what varies, `scene` included,
-    is a coordinate along it. The scene's own dims follow; each is the union over all cases.
+    another design, several scenes or exclusions has the dim `case`; varied parameters, and `scene`,
+    are coordinates along it. The scene's own dims follow; each is the union over all cases.
 
     Parameters. Each is a variable: a coordinate if the study varies it, a scalar if it is the same
     in all cases, and a variable over the cases if the scene derives it from varied ones. It is NaN
@@ -51,14 +51,14 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     ``<name>_parameter``. If two scenes have a result of one name over different dims, the second
     is called ``<scene>_<name>``.
 
-    Attributes. If cases give a variable different long names, their common beginning is kept; of
-    descriptions up to three are joined.
+    Attributes. If a variable has different long names in the cases, their common beginning is kept;
+    up to three different descriptions are joined.
 
-    Failed cases. Scalars of a case that did not complete are NaN; its curves go up to where it
+    Failed cases. Scalars of a case that did not complete are NaN; its curves end where the run
     ended. `status` and `message` say why, also if its file cannot be used.
 
-    Provenance. Where, when and with what cases were computed are attributes if all computed cases
-    agree, and otherwise variables over the cases, "" where a case file does not say.
+    Provenance. Where, when and with what the cases were computed are attributes if all agree, and
+    otherwise variables over the cases, "" if a case file does not say.
     """
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
@@ -71,15 +71,15 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
         varied = study.parts[0].varied
         axes = {names[name]: v for name, v in varied.items() if isinstance(v, tuple)}
 
-    own = {name: variable for name, variable in gathered.variables.items() if name != CASE}
-    origins, origin = _origins(results)
+    of_scenes = {name: variable for name, variable in gathered.variables.items() if name != CASE}
+    differing_origins, common_origins = _origins(results)
     inputs, coordinates = _parameters(study, definitions, names, axes)
-    inputs |= _as_built(inputs, own)
-    variables = own | _records(study, results, names) | origins | inputs
+    inputs |= _as_built(inputs, of_scenes)
+    variables = of_scenes | _records(study, results, names) | differing_origins | inputs
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
-    # The order of the varied parameters, which coordinates in a file do not keep.
-    order = " ".join(names[it] for it in study.parts[0].varied)
+    # A file does not keep the order of its coordinates, the varied parameters.
+    order = " ".join(names[name] for name in study.parts[0].varied)
     return xr.Dataset(
         {name: _over_grid(variable, sizes) for name, variable in variables.items()},
         {name: _over_grid(variable, sizes) for name, variable in coordinates.items()},
@@ -91,7 +91,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene_version": study.cases[0].scene_version,
             "format_version": FORMAT_VERSION,
             **({STABILITY_MAP: order} if study.stability_map else {}),
-            **origin,
+            **common_origins,
         },
     )
 
@@ -114,7 +114,7 @@ def _records(
         "case_key": ("name of the case's file", [case.key for case in study.cases]),
     }
     if study.design.kind == ONE_AT_A_TIME:
-        changed = [" ".join(names[it] for it in case.changed) for case in study.cases]
+        changed = [" ".join(names[name] for name in case.changed) for case in study.cases]
         texts[CHANGED] = "parameter that the study changes in the case", changed
     records: Variables = {
         name: _over_cases(meaning, values) for name, (meaning, values) in texts.items()
@@ -130,17 +130,17 @@ def _over_cases(meaning: str, values: Sequence[object]) -> xr.Variable:
 
 
 def _origins(results: Sequence[xr.Dataset | None]) -> tuple[Variables, dict[str, str]]:
-    """Provenance of the cases: variables for what differs, attributes for what all agree on."""
+    """Provenance of the cases: as variables if it differs, as attributes if it is common to all."""
     differing: Variables = {}
-    agreed: dict[str, str] = {}
+    common: dict[str, str] = {}
     for name in OF_CASE:
-        said = _attributes(results, name)
-        known = set(said) - {""}
+        values = _attributes(results, name)
+        known = set(values) - {""}
         if len(known) > 1:
-            differing[name] = _over_cases(spoken(name), said)
+            differing[name] = _over_cases(spoken(name), values)
         elif known:
-            agreed[name] = known.pop()
-    return differing, agreed
+            common[name] = known.pop()
+    return differing, common
 
 
 def _parameters(
@@ -160,9 +160,8 @@ def _parameters(
         stored, labels = names[name], parameter_attributes(definition)
         labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
         values = [of_case.get(name) for of_case in given]
-        # A case without the parameter has NaN or an empty text.
-        nothing = "" if definition.kind is str else np.nan
-        filled = np.array([nothing if value is None else value for value in values])
+        missing = "" if definition.kind is str else np.nan
+        filled = np.array([missing if value is None else value for value in values])
         if stored in axes:
             coordinates[stored] = xr.Variable(stored, list(axes[stored]), labels)
         elif len(set(values)) == 1:
@@ -176,7 +175,7 @@ def _parameters(
 
 
 def _without_replaced(case: Case) -> Mapping[str, Value | None]:
-    """The parameters of a case; None for those that others replace, as a profile does."""
+    """The parameters of a case; None for those that others replace, such as a profile."""
     try:
         replaced = scene_class(case.scene).replaced(case.parameters)
     except ParameterError:  # a random case that its scene refuses
@@ -184,17 +183,17 @@ def _without_replaced(case: Case) -> Mapping[str, Value | None]:
     return {**case.parameters, **dict.fromkeys(replaced)}
 
 
-def _as_built(inputs: Variables, own: Variables) -> Variables:
+def _as_built(inputs: Variables, of_scenes: Variables) -> Variables:
     """`material` as it was built, if a scene built another law than its parameter names."""
-    if "material" not in inputs or "built_law" not in own:
+    if "material" not in inputs or "built_law" not in of_scenes:
         return {}
-    asked, law = inputs["material"], own["built_law"]
-    named = np.vectorize(material_as_built)(asked.values, law.values)
-    if np.all(named == asked.values):
+    given, law = inputs["material"], of_scenes["built_law"]
+    built = np.vectorize(material_as_built)(given.values, law.values)
+    if np.all(built == given.values):
         return {}
-    if len(set(named.flat)) == 1:
-        return {"material": xr.Variable((), named.flat[0], asked.attrs)}
-    return {"material": xr.Variable(law.dims, named, asked.attrs)}
+    if len(set(built.flat)) == 1:
+        return {"material": xr.Variable((), built.flat[0], given.attrs)}
+    return {"material": xr.Variable(law.dims, built, given.attrs)}
 
 
 def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Variables:
@@ -203,7 +202,7 @@ def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Vari
     if CASE in axes:
         coordinates[CASE] = _over_cases(CASE, range(len(study.cases)))
     for name in ("scene", "scene_version") if len(study.parts) > 1 else ():
-        coordinates[name] = _over_cases(spoken(name), [getattr(it, name) for it in study.cases])
+        coordinates[name] = _over_cases(spoken(name), [getattr(case, name) for case in study.cases])
     return coordinates
 
 
@@ -217,17 +216,17 @@ def _result(folder: Path, case: Case) -> xr.Dataset | None:
 
 def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
     """The results of the scenes over the dim `case`, padded with NaN."""
-    known = {
-        place: result if result.attrs["status"] == COMPLETED else _curves(result)
-        for place, result in enumerate(results)
+    usable = {
+        case: result if result.attrs["status"] == COMPLETED else _curves(result)
+        for case, result in enumerate(results)
         if result is not None
     }
-    told = {place: result for place, result in known.items() if result.variables}
-    if not told:
+    usable = {case: result for case, result in usable.items() if result.variables}
+    if not usable:
         return xr.Dataset()
     dims: dict[Hashable, tuple[Hashable, ...]] = {}
     own = []
-    for result in told.values():
+    for result in usable.values():
         variables = result.drop_vars(with_role(result, Role.PARAMETER)).reset_coords()
         others = {
             name: f"{result.attrs['scene']}_{name}"
@@ -244,36 +243,37 @@ def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:
         join="outer",
         combine_attrs="override",
     )
-    places = joined.assign_coords({CASE: list(told)})
-    of_all = places.reindex({CASE: range(len(results))}).transpose(CASE, ...)
+    numbered = joined.assign_coords({CASE: list(usable)})
+    of_all = numbered.reindex({CASE: range(len(results))}).transpose(CASE, ...)
     texts = [name for name, variable in of_all.data_vars.items() if variable.dtype.kind == "O"]
     gathered = of_all.assign({name: of_all[name].fillna("").astype(str) for name in texts})
     for name, variable in gathered.data_vars.items():
-        variable.attrs |= _said_of_all(name, [it[name].attrs for it in own if name in it])
-        if len({it.attrs["scene"] for it in own}) > 1:
-            having = dict.fromkeys(it.attrs["scene"] for it in own if name in it)
-            variable.attrs[GIVEN_BY] = " ".join(having)
+        having = [result for result in own if name in result]
+        variable.attrs |= _common_attributes(name, [result[name].attrs for result in having])
+        if len({result.attrs["scene"] for result in own}) > 1:
+            scenes = dict.fromkeys(result.attrs["scene"] for result in having)
+            variable.attrs[GIVEN_BY] = " ".join(scenes)
     return gathered
 
 
 MOST_DESCRIPTIONS = 3
-"""Different descriptions of one result that are joined; of more none is kept."""
+"""Number of different descriptions of one result that are joined; of more none is kept."""
 
 
-def _said_of_all(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    """Long name and description that hold for all cases, where the cases have different ones."""
+def _common_attributes(name: Hashable, of_cases: Sequence[Mapping[str, str]]) -> dict[str, str]:
+    """Long name and description that hold for all cases, if the cases have different ones."""
     names, descriptions = (
-        list(dict.fromkeys(said.get(word, "") for said in of_cases))
-        for word in ("long_name", "description")
+        list(dict.fromkeys(attributes.get(key, "") for attributes in of_cases))
+        for key in ("long_name", "description")
     )
-    said = {}
+    common = {}
     if len(names) > 1:
         heads = {long_name.partition(", ")[0] for long_name in names}
-        said["long_name"] = heads.pop() if len(heads) == 1 else spoken(name)
+        common["long_name"] = heads.pop() if len(heads) == 1 else spoken(name)
     if len(descriptions) > 1:
         few = filter(None, descriptions if len(descriptions) <= MOST_DESCRIPTIONS else [])
-        said["description"] = " / ".join(few) or "by the scene or law of the case"
-    return said
+        common["description"] = " / ".join(few) or "by the scene or law of the case"
+    return common
 
 
 def _curves(result: xr.Dataset) -> xr.Dataset:
@@ -282,7 +282,7 @@ def _curves(result: xr.Dataset) -> xr.Dataset:
 
 
 def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str = "") -> list[str]:
-    """An attribute of the files of all cases."""
+    """An attribute of the files of all cases, with a default."""
     return [
         otherwise if result is None else str(result.attrs.get(name, otherwise))
         for result in results
@@ -290,7 +290,7 @@ def _attributes(results: Sequence[xr.Dataset | None], name: str, otherwise: str 
 
 
 MOST_NAMED = 10
-"""Files of a folder that an error lists if none has a name similar to the requested one."""
+"""Number of files that an error lists if none has a name similar to the requested one."""
 
 
 def study_file(out: Path, study: Study) -> Path:
@@ -299,10 +299,7 @@ def study_file(out: Path, study: Study) -> Path:
 
 
 def check_place(path: Path) -> None:
-    """Refuse to overwrite a file that is not the result of a study.
-
-    A damaged or empty result may be overwritten, because the case files are elsewhere.
-    """
+    """Refuse to overwrite a file that is not a result, a damaged or an empty one of a study."""
     try:
         if not path.exists() or path.stat().st_size == 0 or "study" in read_attributes(path):
             return
@@ -322,19 +319,15 @@ def write_study(path: Path, dataset: xr.Dataset) -> None:
 
 
 def read_study(path: Path) -> xr.Dataset:
-    """Read the result of a study.
-
-    Raises:
-        ArchiveError: the file is missing, damaged, or not the result of a study.
-    """
+    """Read the result of a study."""
     dataset = read_result(path)
     if "study" not in dataset.attrs:
-        raise ArchiveError(f"{path}: is not the result of a study{_what_else(path, dataset)}")
+        raise ArchiveError(f"{path}: is not the result of a study{_content(path, dataset)}")
     return dataset
 
 
-def _what_else(path: Path, dataset: xr.Dataset) -> str:
-    """What a file holds instead of a study's result, and how to use it."""
+def _content(path: Path, dataset: xr.Dataset) -> str:
+    """What a file has instead of a study's result, and how to use it."""
     if "site" in dataset.attrs:
         again = f"`harness interpret {dataset.attrs['site']}.toml` writes it again, with a page"
         return f", but of a measured test; {again}; in Python `xarray.open_dataset` reads it"

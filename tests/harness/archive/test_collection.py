@@ -263,7 +263,7 @@ def test_a_result_is_not_replaced_by_one_of_nothing(
     line = refusal(["collect", str(small.source), "--set", "rigidity_index=50", *out])
     assert line == (
         f"harness: {case_folder(result.parent, small)}: has no case of this study; "
-        "run it first, or give each --set that it was run with; those of another version of its "
+        "run it first, or give each --set that it was run with; cases of another version of its "
         "scene do not count"
     )
     assert result.read_bytes() == before
