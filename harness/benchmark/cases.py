@@ -1,8 +1,8 @@
-"""Cases of the benchmark, and submissions: what each code found, with its uncertainty and time.
+"""Cases of the benchmark, and submissions: the results of a code with their uncertainty and time.
 
-A submission is a folder of two files. `meta.toml` says who computed with what, and `results.csv`
-has a row a case: ``case,value,uncertainty,seconds``. What is not known stays empty. That of this
-program runs each case by its scene, and keeps it as soon as it is done.
+A submission is a folder of two files. `meta.toml` says who computed and by what means.
+`results.csv` has a row for each case: ``case,value,uncertainty,seconds``. An unknown number stays
+empty. This program writes its own submission case by case.
 """
 
 import csv
@@ -25,7 +25,7 @@ from mpm_warp.parameters import nearest_name
 from mpm_warp.scenes import scene_class
 
 META_KEYS: Mapping[str, str] = {
-    "author": "who computed, and may be asked",
+    "author": "who computed the results, for questions",
     "code": "name of the code, or of the formula",
     "version": "of the code",
     "method": "material points, finite elements, ...; element or shape functions, contact",
@@ -37,8 +37,8 @@ META_KEYS: Mapping[str, str] = {
 }
 """Keys of `meta.toml`, all required texts, with their meaning."""
 COLUMNS = ("case", "value", "uncertainty", "seconds")
-"""Of `results.csv`: an uncertainty is the half width of an interval of 95 %, in the unit of the
-value; seconds are those of the wall clock."""
+"""Columns of `results.csv`: the uncertainty is the half width of 95 % in the unit of the value;
+seconds are wall-clock time."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,16 +49,16 @@ class BenchmarkCase:
     phase: int  # 1 exact anchors, 2 cone factors, 3 layers and gradients
     title: str
     unit: str
-    exact: tuple[float, float] | None  # between which values it is known to be, where it is known
+    exact: tuple[float, float] | None  # bounds of the exact value; None if it is unknown
     scene: str
     result: str  # the variable of the scene's dataset, "NAME" or "NAME @ COORDINATE=NUMBER"
     fixed: Mapping[str, float | str]  # parameters of the scene
-    accuracy: Mapping[str, Mapping[str, float | str]]  # further ones for each of `ACCURACIES`
+    accuracy: Mapping[str, Mapping[str, float | str]]  # further parameters by `ACCURACIES`
 
 
 @dataclass(frozen=True)
 class Result:
-    """The result of a case: value, uncertainty and time; the last two are NaN if not given."""
+    """The result of a case: value, uncertainty and time [s]; the last two are NaN if not given."""
 
     value: float
     uncertainty: float
@@ -67,18 +67,18 @@ class Result:
 
 @dataclass(frozen=True)
 class Submission:
-    """What one code found: its name, that of its folder; `META_KEYS`; and results by case."""
+    """The results of one code."""
 
-    name: str
-    meta: Mapping[str, str]
-    results: Mapping[str, Result]
+    name: str  # name of its folder
+    meta: Mapping[str, str]  # values of `META_KEYS`
+    results: Mapping[str, Result]  # by case
 
 
 ACCURACIES = ("quick", "standard", "fine")
 
 
 def benchmark_folder() -> Path:
-    """Folder of the benchmark's cases and of the submissions that ship."""
+    """Folder of the benchmark's cases, and of the submissions that come with this program."""
     return studies_folder() / "benchmark"
 
 
@@ -102,12 +102,9 @@ def benchmark_cases() -> tuple[BenchmarkCase, ...]:
 
 
 def read_submissions(folder: Path) -> list[Submission]:
-    """The submissions of a folder, by name; or the one that the folder itself is.
+    """The submissions in a folder, sorted by name, or the one that the folder itself is.
 
-    A hidden folder, as .git, is none.
-
-    Raises:
-        StudyError: there is none, or one is malformed.
+    Hidden folders are ignored.
     """
     if (folder / "meta.toml").exists() or (folder / "results.csv").exists():
         return [read_submission(folder)]
@@ -118,7 +115,7 @@ def read_submissions(folder: Path) -> list[Submission]:
 
 
 def read_submission(folder: Path) -> Submission:
-    """Read a submission; a `StudyError` says what is missing or not allowed."""
+    """Read a submission."""
     table = Table(f"{folder / 'meta.toml'}:", read_toml(folder / "meta.toml"))
     table.allow(*META_KEYS)
     meta = {key: table.text(key, f"; {meaning}") for key, meaning in META_KEYS.items()}
@@ -126,7 +123,7 @@ def read_submission(folder: Path) -> Submission:
 
 
 def read_results(path: Path) -> dict[str, Result]:
-    """The rows of `results.csv` by case; a `StudyError` says what is missing or malformed."""
+    """The rows of `results.csv` by case."""
     lines = read_text(path, "a table of results").splitlines()
     rows = [[cell.strip() for cell in row] for row in csv.reader(lines)]
     if not rows or tuple(rows[0]) != COLUMNS:
@@ -164,13 +161,9 @@ def _numbers(where: str, cells: Sequence[str]) -> list[float]:
 
 
 def run_benchmark(folder: Path, accuracy: str) -> int:
-    """Write a submission of all cases; those that the folder has already are not run again.
+    """Write a submission of all cases; return how many did not complete, each told in a line.
 
-    Returns:
-        How many cases did not complete; a line says why.
-
-    Raises:
-        StudyError: results are there that cannot be read, or are another submission's.
+    Cases with a result in the folder are not run again. A folder of another submission is refused.
     """
     prepare(folder)
     path, meta, failed = folder / "results.csv", folder / "meta.toml", 0
@@ -207,7 +200,7 @@ def computed(case: BenchmarkCase, accuracy: str) -> Result:
 
 
 def _at(values: xr.DataArray, place: str) -> float:
-    """A number of a result: itself, or where its coordinate has the value that `place` says."""
+    """The number of a scalar, or of a curve at `place`, such as "depth=10"."""
     if values.ndim:
         coordinate, _, number = place.partition("=")
         values = values.interp({coordinate: float(number)})
@@ -222,16 +215,16 @@ def _rows(results: Mapping[str, Result]) -> Iterator[Sequence[str]]:
 
 
 def _meta(accuracy: str) -> str:
-    came = provenance()
+    origin = provenance()
     meta = {
         "author": "the mpm_warp developers",
         "code": "mpm_warp",
-        "version": came["mpm_warp_version"],
+        "version": origin["mpm_warp_version"],
         "method": "material points with B-bar cells of linear functions, adhesive contact",
         "mesh": f"accuracy {accuracy}; see the column of that name in cases.csv",
         "domain": "by the scenes, corrected to an infinite one where an uncertainty is stated",
         "speed": "by the scenes; the effect of inertia is part of the uncertainty",
-        "machine": f"{came['processor']}, {came['cores']} cores",
+        "machine": f"{origin['processor']}, {origin['cores']} cores",
         "uncertainty": "by laws of the error that were measured over meshes, windows and speeds",
     }
     return "".join(f'{key} = "{value}"\n' for key, value in meta.items())

@@ -1,10 +1,11 @@
-"""Scores of submissions: how far each is from what is known, measured by the uncertainties.
+"""Scores of submissions: their differences from a yardstick, over the uncertainties.
 
     E = value - yardstick,   d = |E| / sqrt(U^2 + U_y^2)
 
-The yardstick of a case is its exact value, with U_y = 0; where that is known between two bounds, E
-counts from the nearer one. Where no exact value is known, it is the value of one submission with
-its own U: a yardstick, not the truth. d <= 1: the two agree within what they state (ASME V&V 20).
+The yardstick of a case is its exact value, with U_y = 0. If only two bounds of it are known, E is 0
+between them and counts from the nearer one outside. If no exact value is known, the yardstick is
+the value of one submission with its own U. If d <= 1, both agree within their uncertainties (ASME
+V&V 20).
 """
 
 import math
@@ -22,17 +23,13 @@ from mpm_warp.parameters import nearest_name
 
 @dataclass(frozen=True)
 class Score:
-    """One result of a submission beside its yardstick.
-
-    The error is E over the size of the yardstick, not a number where there is none or it is 0; the
-    distance is d, not a number where one of the two states no uncertainty.
-    """
+    """One result of a submission beside its yardstick."""
 
     submission: str
     case: BenchmarkCase
     result: Result
-    error: float
-    distance: float
+    error: float  # E over the size of the yardstick; NaN if there is none or it is 0
+    distance: float  # d; NaN if the result or its yardstick has no uncertainty
 
 
 def scores(
@@ -40,13 +37,10 @@ def scores(
 ) -> list[Score]:
     """All results of all submissions beside the yardsticks of their cases, case by case.
 
-    Where no exact value is known, the submission called `against` is the yardstick.
-
-    Raises:
-        StudyError: it is not there, or two have one name, so that their results would be one's.
+    The submission called `against` is the yardstick of cases without an exact value.
     """
-    twice = [name for name, count in Counter(it.name for it in submissions).items() if count > 1]
-    if twice:
+    names = Counter(submission.name for submission in submissions)
+    if twice := [name for name, count in names.items() if count > 1]:
         raise StudyError(f"two submissions are called {twice[0]}; rename one of their folders")
     by_name = {submission.name: submission for submission in submissions}
     if against not in by_name:
@@ -62,22 +56,23 @@ def scores(
 
 
 def _score(submission: Submission, case: BenchmarkCase, yardstick: Submission) -> Score:
-    result, beside = submission.results[case.name], None
+    result, expected = submission.results[case.name], None
     if case.exact is not None:
-        beside = Result(float(np.clip(result.value, *case.exact)), 0.0, math.nan)
+        expected = Result(float(np.clip(result.value, *case.exact)), 0.0, math.nan)
     elif submission is not yardstick:
-        beside = yardstick.results.get(case.name)
+        expected = yardstick.results.get(case.name)
     error = distance = math.nan
-    if beside is not None:
-        difference = result.value - beside.value
-        error = difference / abs(beside.value) if beside.value else math.nan
-        distance = abs(difference) / math.hypot(result.uncertainty, beside.uncertainty)
+    if expected is not None:
+        difference = result.value - expected.value
+        error = difference / abs(expected.value) if expected.value else math.nan
+        distance = abs(difference) / math.hypot(result.uncertainty, expected.uncertainty)
     return Score(submission.name, case, result, error, distance)
 
 
 def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
-    """The cone factors of the literature as submissions without uncertainty, where they hold."""
-    cones = [it for it in cases if (it.scene, it.result) == ("cone_penetration", "cone_factor")]
+    """Cone factors of the literature as submissions without uncertainty, where they are valid."""
+    computes = ("cone_penetration", "cone_factor")
+    cones = [case for case in cases if (case.scene, case.result) == computes]
     found = []
     for reference in CONE_FACTORS:
         results = {}
@@ -101,7 +96,7 @@ def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
 
 
 def summary_rows(found: Sequence[Score]) -> list[list[str]]:
-    """A row a submission: cases, share inside its interval, errors, seconds; a heading first."""
+    """A heading, and a row for each submission: cases, share with d <= 1, errors, seconds."""
     rows = [["submission", "cases", "stated U", "inside", "median |E|", "largest |E|", "seconds"]]
     for name in dict.fromkeys(scored.submission for scored in found):
         own = [scored for scored in found if scored.submission == name]
@@ -124,13 +119,13 @@ def summary_rows(found: Sequence[Score]) -> list[list[str]]:
 
 
 def case_rows(found: Sequence[Score]) -> list[list[str]]:
-    """A row a result; a heading first."""
+    """A heading, and a row for each result."""
     forms = {"value": ".5g", "U": ".2g", "E": "+.1%", "d": ".2f", "seconds": ".3g"}
     rows = [["case", "submission", *forms]]
     for scored in found:
         own = scored.result
         numbers = own.value, own.uncertainty, scored.error, scored.distance, own.seconds
         pairs = zip(numbers, forms.values(), strict=True)
-        told = [format(number, form) if math.isfinite(number) else "" for number, form in pairs]
-        rows.append([scored.case.name, scored.submission, *told])
+        texts = [format(number, form) if math.isfinite(number) else "" for number, form in pairs]
+        rows.append([scored.case.name, scored.submission, *texts])
     return rows

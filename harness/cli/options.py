@@ -133,16 +133,16 @@ def make_parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=_version())
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
-    for name, told in HELP.items():
+    for name, entry in HELP.items():
         command = commands.add_parser(
             name,
-            help=told.summary,
-            description=textwrap.fill(told.description, 80),
+            help=entry.summary,
+            description=textwrap.fill(entry.description, 80),
             epilog=epilog(name),
         )
-        command.set_defaults(function=told.function)
+        command.set_defaults(function=entry.function)
         exclusive = command.add_mutually_exclusive_group() if name in ("run", "new") else command
-        for option in told.options:
+        for option in entry.options:
             place = exclusive if option.key in EXCLUSIVE else command
             place.add_argument(*option.names, **_as_argument(option))
         debug = "if the program itself fails, print where"

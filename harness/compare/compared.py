@@ -63,23 +63,21 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
 
 
 def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:
-    """Add cone factors of references to a result.
+    """Add `reference_<id>` and `deviation_<id>` = computed / reference - 1 of each reference.
 
-    Returns:
-        The dataset with `reference_<id>` and `deviation_<id>` = computed / reference - 1 for
-        each id, over the dims of `cone_factor`. References that ship are also evaluated outside
-        their range, which the attribute `validity` states.
+    Their dims are those of `cone_factor`. References that ship are also evaluated outside their
+    range, which the attribute `validity` states.
     """
     if not references:
         return dataset
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
-    told = ("source", "formula", "criterion", "method", "how_known", "validity")
+    fields = ("source", "formula", "criterion", "method", "how_known", "validity")
     added = {}
     for reference in references:
         # Plain values, because arithmetic on arrays would pass on the attributes of a parameter.
         value = xr.DataArray(reference.evaluate(conditions)).broadcast_like(computed)
         values = value.transpose(*computed.dims).values
-        known = {"units": "1", **{name: getattr(reference, name) for name in told}}
+        known = {"units": "1", **{name: getattr(reference, name) for name in fields}}
         if isinstance(reference, OwnReference):
             known |= {OWN_LABEL: reference.label, "range": json.dumps(reference.ranges)}
         label = f"cone factor of {reference.label}"
@@ -142,7 +140,7 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
         return dataset
     bands = {}
     for entry in map(experience_entry, entry_ids):
-        said = {
+        attributes = {
             "units": "1",
             "long_name": f"{entry.factor} by {entry.label}",
             "role": Role.EXPERIENCE,
@@ -154,7 +152,7 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
             "source": entry.source,
             "how_known": entry.how_known,
         }
-        bands[f"{Role.EXPERIENCE}_{entry.id}"] = (BOUND, list(entry.bounds), said)
+        bands[f"{Role.EXPERIENCE}_{entry.id}"] = (BOUND, list(entry.bounds), attributes)
     ends = (BOUND, ["least", "greatest"], {"long_name": "end of a band"})
     return dataset.assign_coords({BOUND: ends}).assign(bands)
 

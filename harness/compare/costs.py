@@ -54,18 +54,9 @@ class Recommendation:
 
 
 def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
-    """The cheapest settings whose error is small enough in every case with them.
+    """The cheapest settings whose relative error is small enough in every case; None if none are.
 
-    Args:
-        scene: name of the scene.
-        largest_error: largest allowed relative error.
-        files: results to search; those of other scenes or without errors are ignored.
-
-    Returns:
-        The settings, or None if none are good enough.
-
-    Raises:
-        HarnessError: no result of the scene has errors, or a file is damaged.
+    Files of other scenes or without errors are ignored, but one of the scene must have errors.
     """
     known = scene_class(scene)
     method = {name: parameters_of(known)[name] for name in method_of(known)}
@@ -99,12 +90,12 @@ def _of_scene(scene: str, dataset: xr.Dataset) -> xr.Dataset:
     if "scene" not in dataset.coords:
         return dataset
     cases = dataset.isel(case=np.flatnonzero(dataset["scene"].values == scene))
-    of_all = {
+    constant = {
         name: variable.variable[0]
         for name, variable in cases.coords.items()
         if name != CASE and np.unique(variable.values).size == 1
     }
-    return cases.assign_coords(of_all).assign_attrs(scene=scene)
+    return cases.assign_coords(constant).assign_attrs(scene=scene)
 
 
 def _varied(method: Collection[str], dataset: xr.Dataset) -> list[str]:

@@ -1,4 +1,4 @@
-"""Which parameters of a result are not as its scenes have them by default."""
+"""Which parameters of a result differ from the defaults of its scenes."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -14,23 +14,21 @@ from mpm_warp.scenes import scene_class, scene_names
 
 
 def not_by_default(dataset: xr.Dataset) -> dict[str, str]:
-    """The parameters that are the same in all cases and are not the defaults of their scenes.
+    """Parameters that are the same in all cases and differ from the defaults of their scenes.
 
-    A default may be worked out from other parameters: then those of the first case are taken.
-
-    Returns:
-        What they are called in the dataset, by name.
+    The values are their names in the dataset. A default that the scene derives from other
+    parameters is that of the first case.
     """
     stored = parameter_names(dataset)
     defaults: dict[str, Value | None] = {}
     for scene in sorted(set(scenes_of(dataset)) & set(scene_names())):
         defaults |= _defaults(dataset, scene_class(scene), stored)
     return {
-        name: own
-        for name, own in stored.items()
+        name: variable
+        for name, variable in stored.items()
         if name in defaults
-        and dataset[own].ndim == 0
-        and is_there(value := dataset[own].item())
+        and dataset[variable].ndim == 0
+        and is_there(value := dataset[variable].item())
         and not _same(value, defaults[name])
     }
 
@@ -38,7 +36,7 @@ def not_by_default(dataset: xr.Dataset) -> dict[str, str]:
 def _defaults(
     dataset: xr.Dataset, scene: type, stored: Mapping[str, str]
 ) -> dict[str, Value | None]:
-    """The defaults of a scene, and what it derives from the parameters of the first case."""
+    """The defaults of a scene; derived ones are those of the first case."""
     definitions = parameters_of(scene)
     derivable: Mapping[str, Value] = scene().derived()
     defaults = {
@@ -54,12 +52,12 @@ def _defaults(
     }
     try:
         return dataclasses.asdict(scene(**given)) | defaults
-    except ParameterError:  # a case that the scene refuses has nothing derived
+    except ParameterError:  # the scene refuses the case, so it derives nothing
         return defaults
 
 
 def defaults_of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
-    """Defaults of the parameters that the law of the first case has of its own, by name."""
+    """Defaults of the own parameters of the first case's law, by name."""
     name = str(over_cases(dataset, "material")[0]) if "material" in dataset else ""
     if name not in loaded_laws():
         return {}

@@ -65,14 +65,9 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
 
     Before parameters are compared, the scene fills in what a result lacks: defaults of parameters
     that were added later, and derived ones. A parameter that the scene no longer has is compared
-    if both results have it, or if it varies.
-
-    Returns:
-        The largest difference of each scalar result, without measured times and memory; and a line
-        for each case that only one result has or has completed.
-
-    Raises:
-        NothingToCompareError: they have no case in common, or no scalar result.
+    if both results have it, or if it varies. Returned are the largest difference of each scalar
+    result, without measured times and memory, and a line for each case that only one result has or
+    has completed.
     """
     shared = parameter_names(first).keys() & parameter_names(second).keys()
     ours, theirs = _identities(first, shared), _identities(second, shared)
@@ -168,10 +163,10 @@ def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity,
     """The index of each case, by its scene and all its parameters."""
     names = parameter_names(dataset)
     columns = [over_cases(dataset, stored).tolist() for stored in names.values()]
-    of_cases = scenes_of(dataset)
-    scenes = {name: scene_class(name) for name in of_cases}
+    names_of_scenes = scenes_of(dataset)
+    scenes = {name: scene_class(name) for name in names_of_scenes}
     places = {}
-    for place, (name, *values) in enumerate(zip(of_cases, *columns, strict=True)):
+    for place, (name, *values) in enumerate(zip(names_of_scenes, *columns, strict=True)):
         scene = scenes[name]
         given = {
             key: given_value
@@ -245,9 +240,9 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
             are_alike = units[first] is not None and units[first] == units[second]
             if are_alike and values[second][0]:
                 reason = "; ".join(filter(None, (reasons[first], reasons[second])))
-                told = stated(*ratio(values[first], values[second]), reason)
+                text = stated(*ratio(values[first], values[second]), reason)
                 names = ", ".join(filter(None, [f"{spoken(one)} over {spoken(other)}", label]))
-                notes.append(f"{names}: {told}")
+                notes.append(f"{names}: {text}")
     return notes
 
 
@@ -267,10 +262,10 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
         return []
     order = np.argsort(places)
     least, greatest = ((float(value[0]), float(value[1])) for value in values[order[[0, -1]]])
-    told = [f"difference {stated(*difference(greatest, least))}"]
-    told += [f"ratio {stated(*ratio(greatest, least))}"] if least[0] else []
-    told += [f"slope of the straight line {stated(*slope(places, values))}"]
-    return [f"{name} from {places.min():g} to {places.max():g}: {', '.join(told)}"]
+    effects = [f"difference {stated(*difference(greatest, least))}"]
+    effects += [f"ratio {stated(*ratio(greatest, least))}"] if least[0] else []
+    effects += [f"slope of the straight line {stated(*slope(places, values))}"]
+    return [f"{name} from {places.min():g} to {places.max():g}: {', '.join(effects)}"]
 
 
 def _units_of_results(dataset: xr.Dataset) -> list[str | None]:

@@ -31,7 +31,7 @@ def error_name(dataset: xr.Dataset) -> str | None:
 def states_its_error(dataset: xr.Dataset) -> np.ndarray:
     """Whether each case states its own uncertainty; all true if no case of the result does.
 
-    A case that does not may be near the reference by chance, because two errors cancel.
+    A case without one may be near the reference only because two errors cancel.
     """
     known: np.ndarray = np.isfinite(uncertainty_of(dataset))
     return known if known.any() else np.ones_like(known)
@@ -65,18 +65,12 @@ def with_finest_error(
     relative uncertainty becomes `error_floor`, below which an error means nothing. A case whose
     headline has not settled gets no error and is never the most accurate one.
 
-    Args:
-        dataset: the result of a study of one scene.
-        method: names of the parameters of the method.
-        reference: the result of a reference study.
-
-    Raises:
-        NothingToCompareError: no case corresponds to one of the reference.
+    The dataset has one scene; `method` has the names of the parameters of its method.
     """
     headlines = with_role(dataset, Role.HEADLINE)
     if ERROR in dataset or not (method and headlines and "particle_updates" in dataset):
         return dataset
-    values, _, sound = _what_is_known(dataset)
+    values, _, is_settled = _settled_headlines(dataset)
     given = {} if reference is None else _best_known(reference, method)
     groups = _alike(dataset, method)
     if given and not given.keys() & groups.keys():
@@ -85,18 +79,18 @@ def with_finest_error(
     error, floor = np.full(values.shape, np.nan), np.full(values.shape, np.nan)
     for soil in groups.keys() & {*given, *best}:
         known = given.get(soil) or best[soil]
-        others = groups[soil][sound[groups[soil]]]
+        others = groups[soil][is_settled[groups[soil]]]
         if soil not in given:
             others = others[others != known.case]
         error[others] = np.abs(values[others] / known.value - 1.0)
         floor[others] = known.half_width / known.value
-    told = (
+    description = (
         "relative difference from the most accurate of the cases that differ only in the method: "
         "that with the smallest U, or else with most particle updates, which has no error itself"
         if reference is None
         else f"relative difference from the result of the study {reference.attrs['study']}"
     )
-    of_error = {"long_name": f"error of the {spoken(headlines[0])}", "description": told}
+    of_error = {"long_name": f"error of the {spoken(headlines[0])}", "description": description}
     of_floor = {
         "long_name": "relative uncertainty of the reference of the error",
         "description": "an error below it cannot be distinguished from 0",
@@ -123,21 +117,21 @@ class _Known(NamedTuple):
 
 def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object, ...], _Known]:
     """The most accurate case of each group of cases that differ only in the method."""
-    values, half_width, sound = _what_is_known(dataset)
+    values, half_width, is_settled = _settled_headlines(dataset)
     cost = over_cases(dataset, "particle_updates")
     best = {}
     for soil, group in _alike(dataset, method).items():
-        cases = group[sound[group]]
-        stating = cases[np.isfinite(half_width[cases])]
-        if len(stating):
-            cases = stating[[np.argmin(half_width[stating])]]
+        cases = group[is_settled[group]]
+        with_half_width = cases[np.isfinite(half_width[cases])]
+        if len(with_half_width):
+            cases = with_half_width[[np.argmin(half_width[with_half_width])]]
         if len(cases):
             case = int(cases[np.argmax(cost[cases])])
             best[soil] = _Known(case, float(values[case]), float(half_width[case]))
     return best
 
 
-def _what_is_known(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _settled_headlines(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Headline and half width of each case, and whether the headline is finite and has settled."""
     values = over_cases(dataset, with_role(dataset, Role.HEADLINE)[0])
     settled = over_cases(dataset, next(iter(with_role(dataset, Role.SETTLED)), 1.0)) != 0.0

@@ -1,6 +1,6 @@
 """The error of the mesh by least squares over several meshes, after Eca and Hoekstra (2014).
 
-A value on meshes of cells h is fitted by
+A value on meshes with cells of width h is fitted by
 
     value = limit + a h^p
 
@@ -15,6 +15,7 @@ e = |fit - limit| and r = |value - fit|. Then the half width of 95 % of a mesh i
 Source: L. Eca, M. Hoekstra, J. Comput. Phys. 262 (2014) 104-130.
 """
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -34,14 +35,14 @@ from harness.compare.result_table import (
 from mpm_warp.uncertainty.laws import CURVATURE_POWER
 
 ORDERS = np.linspace(0.05, 8.0, 1591)
-"""Candidate orders of a fit, in steps of 0.005."""
+"""Orders that a fit tries, in steps of 0.005."""
 LEAST, GREATEST = 0.5, 2.0
 """Range of fitted orders that are accepted."""
 FEWEST = 4
-"""Meshes that a fit needs."""
+"""Number of meshes that a fit needs."""
 SIMULATED, CORRECTED = "cone_factor_simulated", "cone_factor"
 """The result that is fitted, and the one shown beside it."""
-TRUSTED, DOUBTED = 1.25, 3.0
+SAFE, UNSAFE = 1.25, 3.0
 """Safety factor F with an accepted order, and without."""
 
 
@@ -50,7 +51,7 @@ class Fit:
     """A fit of values over meshes."""
 
     order: float  # the accepted order, or the mean of both fitted orders if none was accepted
-    is_taken: bool  # whether an order from `LEAST` to `GREATEST` was accepted
+    is_accepted: bool  # whether an order was from `LEAST` to `GREATEST`
     limit: float  # the value for h = 0
     half_widths: np.ndarray  # of each value, 95 %, shape [n]
 
@@ -59,33 +60,35 @@ def fit(sizes: Sequence[float], values: Sequence[float]) -> Fit:
     """Fit values on at least four meshes with cells of width h = `sizes` > 0."""
     size, value = np.array(sizes), np.array(values)
     weights = [np.ones(size.size), size.size / size / (1.0 / size).sum()]
-    free = [
+    # Each fit is its scatter, fitted values, limit and order.
+    best = [
         min(
-            ((order, *_line([size**order], value, weight, 3)) for order in ORDERS.tolist()),
-            key=lambda it: it[1],
+            ((*_fitted([size**order], value, weight, 3), order) for order in ORDERS.tolist()),
+            key=_scatter,
         )
         for weight in weights
     ]
-    taken = [tried_fit for tried_fit in free if LEAST <= tried_fit[0] <= GREATEST]
-    order = float(np.mean([tried_fit[0] for tried_fit in free]))
-    if taken:
-        order, scatter, fitted, limit = min(taken, key=lambda it: it[1])
+    accepted = [one for one in best if LEAST <= one[3] <= GREATEST]
+    if accepted:
+        scatter, fitted, limit, order = min(accepted, key=_scatter)
     else:
-        terms = [[size], [size**2]] + [[size, size**2]] * any(
-            tried_fit[0] < LEAST for tried_fit in free
-        )
-        tried = [_line(of, value, weight, 1 + len(of)) for of in terms for weight in weights]
-        scatter, fitted, limit = min(tried, key=lambda it: it[0])
+        order = float(np.mean([one[3] for one in best]))
+        sums = [[size], [size**2]] + [[size, size**2]] * any(one[3] < LEAST for one in best)
+        fits = [_fitted(sum_, value, weight, 1 + len(sum_)) for sum_ in sums for weight in weights]
+        scatter, fitted, limit = min(fits, key=_scatter)
     spread = np.ptp(value) / (size.size - 1)
     error, residual = np.abs(fitted - limit), np.abs(value - fitted)
     if scatter < spread:
-        half = (TRUSTED if taken else DOUBTED) * error + scatter + residual
+        half = (SAFE if accepted else UNSAFE) * error + scatter + residual
     else:
-        half = DOUBTED * scatter / spread * (error + scatter + residual)
-    return Fit(order, bool(taken), limit, half)
+        half = UNSAFE * scatter / spread * (error + scatter + residual)
+    return Fit(order, bool(accepted), limit, half)
 
 
-def _line(
+_scatter = operator.itemgetter(0)
+
+
+def _fitted(
     terms: Sequence[np.ndarray], value: np.ndarray, weight: np.ndarray, unknowns: int
 ) -> tuple[float, np.ndarray, float]:
     """Scatter, fitted values and limit of a sum of terms, by weighted least squares."""
@@ -108,10 +111,9 @@ def least_squares_table(dataset: xr.Dataset) -> str:
         cases = [case for case in group if is_known[case]]
         if np.unique(sizes[cases]).size >= FEWEST:
             found = fit(sizes[cases].tolist(), values[cases].tolist())
-            told = map(stated, values[cases].tolist(), found.half_widths.tolist())
-            texts[0, cases] = list(told)
+            texts[0, cases] = list(map(stated, values[cases].tolist(), found.half_widths.tolist()))
             texts[1, cases] = f"{found.limit:.2f}"
-            texts[2, cases] = f"{found.order:.1f}{'' if found.is_taken else ', not taken'}"
+            texts[2, cases] = f"{found.order:.1f}{'' if found.is_accepted else ', not accepted'}"
     if (texts == MISSING).all():
         raise NothingToCompareError(
             f"least squares: needs cone factors with {FEWEST} values of {RESOLUTION} and all else "
@@ -125,7 +127,7 @@ def least_squares_table(dataset: xr.Dataset) -> str:
     ]
     notes = [
         "U by least squares: mesh only, by Eca & Hoekstra, J. Comput. Phys. 262 (2014) 104;",
-        f"an order outside {LEAST:g} to {GREATEST:g} is not taken, and U is then large",
+        f"an order outside {LEAST:g} to {GREATEST:g} is not accepted, and U is then large",
         "its own U: of the corrected value, from mesh, speed, window and noise; the error of",
         f"the mesh is B h + Q h^{CURVATURE_POWER:g} + C g^1.5 h^1.3, whose terms partly cancel, so",
         "that no single power of h fits it",

@@ -1,6 +1,7 @@
 """The result of a study as a text table: beside published cone factors, or exact solutions."""
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -123,9 +124,13 @@ def parameter_columns(dataset: xr.Dataset) -> list[Column]:
 
 def half_width_column(dataset: xr.Dataset, name: str, heading: str) -> Column:
     """A column of numbers, each with its half width or with why it has none."""
-    told = zip(over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset), strict=True)
-    texts = [stated(it, *of) if np.isfinite(it) else MISSING for it, *of in told]
-    return column(heading, texts)
+    return _stated(heading, over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset))
+
+
+def _stated(heading: str, *columns: Iterable[Any]) -> Column:
+    """A column of numbers with half widths, or with reasons why they have none; all by case."""
+    rows = zip(*columns, strict=True)
+    return column(heading, (stated(*row) if np.isfinite(row[0]) else MISSING for row in rows))
 
 
 def _with_runs(dataset: xr.Dataset, columns: Iterable[Column]) -> Iterable[Column]:
@@ -150,12 +155,8 @@ def _text(value: object) -> str:
 
 
 def cone_factor_table(dataset: xr.Dataset) -> str:
-    """The table of cone factors.
-
-    Raises:
-        NothingToCompareError: there are none.
-    """
-    cone_factor_of(dataset)
+    """The table of cone factors."""
+    cone_factor_of(dataset)  # an error if there are none
     references = stored_references(dataset)
     columns = [
         *_cone_factor_columns(dataset),
@@ -177,10 +178,10 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         if name in dataset:
             yield _numbers(dataset, name, form, heading)
     if f"{PRESSURE}_uncertainty" in dataset:
-        half_widths = over_cases(dataset, f"{PRESSURE}_uncertainty")
-        why = _reasons_of_pressure(dataset)
-        told = zip(over_cases(dataset, PRESSURE), half_widths, why, strict=True)
-        yield column("u2_over su", (stated(*it) if np.isfinite(it[0]) else MISSING for it in told))
+        pressure, half_widths = (
+            over_cases(dataset, name) for name in (PRESSURE, f"{PRESSURE}_uncertainty")
+        )
+        yield _stated("u2_over su", pressure, half_widths, _reasons_of_pressure(dataset))
     if "cone_factor_shear" in dataset:
         shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
         deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
@@ -205,8 +206,8 @@ def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
 
 def _envelope_column(dataset: xr.Dataset) -> Column:
     conditions = conditions_of(dataset)
-    told = (COMPARED, *envelope(conditions), envelope_applies(conditions))
-    rows = zip(*(over_cases(dataset, name) for name in told), strict=True)
+    quantities = (COMPARED, *envelope(conditions), envelope_applies(conditions))
+    rows = zip(*(over_cases(dataset, quantity) for quantity in quantities), strict=True)
     texts = [_bracketed(_place(*numbers), applies) for *numbers, applies in rows]
     return column("in the_envelope", texts)
 
@@ -232,26 +233,26 @@ def reason_notes(dataset: xr.Dataset) -> list[str]:
 
     Reasons of u2 follow where they differ from that of the cone factor.
     """
-    of_cases, of_pressure = reasons_of(dataset), _reasons_of_pressure(dataset)
-    own = [why if why != reason else "" for why, reason in zip(of_pressure, of_cases, strict=True)]
-    return [*_told(dataset, of_cases), *_told(dataset, own, " of u2")]
+    reasons, of_pressure = reasons_of(dataset), _reasons_of_pressure(dataset)
+    own = [why if why != reason else "" for why, reason in zip(of_pressure, reasons, strict=True)]
+    return [*_reason_lines(dataset, reasons), *_reason_lines(dataset, own, " of u2")]
 
 
 def _reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
     reasons = over_cases(dataset, f"{PRESSURE}_why_no_uncertainty")
-    return [it if isinstance(it, str) else "" for it in reasons]
+    return [reason if isinstance(reason, str) else "" for reason in reasons]
 
 
-def _told(dataset: xr.Dataset, reasons: list[str], what: str = "") -> list[str]:
+def _reason_lines(dataset: xr.Dataset, reasons: list[str], what: str = "") -> list[str]:
     if not any(reasons):
         return []
     labels, notes = labels_of(dataset), []
     for reason in dict.fromkeys(filter(None, reasons)):
         cases = [label for label, own in zip(labels, reasons, strict=True) if own == reason]
         counted = f"{len(cases)} of {len(reasons)} cases"
-        of_cases = f" of {', '.join(cases) if len(cases) <= MOST_CASES else counted}"
+        suffix = f" of {', '.join(cases) if len(cases) <= MOST_CASES else counted}"
         every = len(cases) == len(reasons)
-        notes.append(f"no uncertainty{what}{'' if every else of_cases}: {reason}")
+        notes.append(f"no uncertainty{what}{'' if every else suffix}: {reason}")
     return notes
 
 
@@ -340,7 +341,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
 
 def _note(dataset: xr.Dataset, name: str) -> str:
     """The long name, unit and description of a variable."""
-    said = dataset[name].attrs
-    unit = "" if said.get("units", "1") == "1" else f" [{said['units']}]"
-    description = f"; {said['description']}" if "description" in said else ""
-    return f"{name}: {said.get('long_name', spoken(name))}{unit}{description}"
+    attributes = dataset[name].attrs
+    unit = "" if attributes.get("units", "1") == "1" else f" [{attributes['units']}]"
+    description = f"; {attributes['description']}" if "description" in attributes else ""
+    return f"{name}: {attributes.get('long_name', spoken(name))}{unit}{description}"

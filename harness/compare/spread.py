@@ -117,12 +117,7 @@ def _spread(name: str, inputs: Mapping[str, Floats], values: Floats, half_widths
 
 
 def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float]:
-    """First-order share of each input in the variance of `values`.
-
-    Args:
-        inputs: independent inputs by name, each of shape [cases].
-        values: results, shape [cases].
-    """
+    """First-order share of each independent input, shape [cases], in the variance of `values`."""
     from scipy.stats import sobol_indices
 
     drawn = [_straightened(numbers) for numbers in inputs.values()]
@@ -135,17 +130,18 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
     matrix = terms(np.stack(drawn))
     weights, *_ = np.linalg.lstsq(matrix, values, rcond=None)
     leverage = np.linalg.norm(np.linalg.qr(matrix)[0], axis=1) ** 2
-    kept_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
-    told = max(0.0, 1.0 - float(np.mean(kept_out**2) / values.var()))
+    # The error at each case of a fit to all others.
+    left_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
+    explained = max(0.0, 1.0 - float(np.mean(left_out**2) / values.var()))
     if len(drawn) == 1:  # SciPy needs at least two inputs
-        return dict.fromkeys(inputs, told)
+        return dict.fromkeys(inputs, explained)
     found = sobol_indices(
         func=lambda points: terms(points) @ weights,
         n=SAMPLES,
         dists=[SimpleNamespace(ppf=functools.partial(np.quantile, it)) for it in drawn],
         rng=np.random.default_rng(1),
     )
-    shares = told * np.maximum(found.first_order, 0.0)
+    shares = explained * np.maximum(found.first_order, 0.0)
     return dict(zip(inputs, shares.tolist(), strict=True))
 
 
@@ -181,9 +177,9 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
         ("numerical U", f"{half:.2g}" if half else "not known"),
     ]
     shares = sorted(spread.shares.items(), key=lambda it: -it[1])
-    told = ", ".join(f"{name} {share:.0%}" for name, share in shares)
+    text = ", ".join(f"{name} {share:.0%}" for name, share in shares)
     too_few = f"unknown: {spread.needed} samples are needed"
-    return [*rows, ("share of the variance", told or too_few)]
+    return [*rows, ("share of the variance", text or too_few)]
 
 
 def spread_notes(dataset: xr.Dataset) -> list[str]:
@@ -194,5 +190,5 @@ def spread_notes(dataset: xr.Dataset) -> list[str]:
             "",
             f"{spread.name} by the distributions of its inputs, {len(spread.values)} samples:",
         ]
-        notes += [f"  {what}: {told}" for what, told in spread_rows(spread)]
+        notes += [f"  {what}: {value}" for what, value in spread_rows(spread)]
     return notes

@@ -67,7 +67,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     scale = Normalize(min(ends.values(), default=0.0), max(ends.values(), default=1.0))
     scenes = scenes_of(dataset)
     kinds = list(dict.fromkeys(scenes))
-    of_kind = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
+    scene_colours = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
     few, several = len(drawn) <= MOST_LABELS, len(kinds) > 1
     labelled = drawn if few else _furthest(dataset, ends)
     studied = Studied.of(dataset)
@@ -80,7 +80,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
         elif labelled[:1] == [case]:
             colour, width = INK, 1.8
         else:
-            colour = of_kind[scenes[case]] if several else shade(float(scale(ends[case])))
+            colour = scene_colours[scenes[case]] if several else shade(float(scale(ends[case])))
         named = _with_scene(dataset, case) if few and several else None
         axes.plot(x, curves[case], color=colour, lw=width, label=named)
         if case in labelled and studied and studied.varied:
@@ -90,7 +90,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))
     label_ends(axes, marks, size=7)
     if several and not few:
-        for kind, colour in of_kind.items():
+        for kind, colour in scene_colours.items():
             axes.plot([], [], color=colour, label=spelt(spoken(kind)))
     elif not few:
         colours = ScalarMappable(scale, SHADES)

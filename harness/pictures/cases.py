@@ -131,7 +131,7 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     _histogram(counts, spread)
     counts.set_xlabel(axis_label(dataset, spread.name))
     _bars(shares, dataset, spread)
-    told = [
+    inputs = [
         f"{name.replace('_', ' ')}: {text}"
         for name in varied_names(dataset)
         if (text := dataset[name].attrs.get(DISTRIBUTION))
@@ -143,7 +143,7 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
         f"{len(spread.values)} samples; {spread.mean:.3g} +- {spread.combined:.2g} is the mean "
         f"with the {spread.called}.",
         f"Shade: 90 % of the samples; line: median; bar: mean, {spread.called}{below}.",
-        f"Inputs: {'; '.join(told)}.",
+        f"Inputs: {'; '.join(inputs)}.",
     )
 
 
@@ -169,5 +169,5 @@ def _bars(axes: Axes, dataset: xr.Dataset, spread: Spread) -> None:
     axes.set_yticks(np.arange(len(shares)), names, fontsize=8)
     axes.set_xlabel("share of the variance [%]")
     if not shares:
-        words = f"told from {spread.needed} cases on"
+        words = f"{spread.needed} cases are needed"
         axes.text(0.5, 0.5, words, ha="center", transform=axes.transAxes)

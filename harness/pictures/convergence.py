@@ -117,8 +117,8 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     for (cases, label), line in series(studied.groups(name, h)):
         x, y = h[cases], studied.computed[cases]
         observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
-        told, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
-        studied.draw(axes, h, cases, **line.style, ls=dashes, label=told)
+        text, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
+        studied.draw(axes, h, cases, **line.style, ls=dashes, label=text)
     if is_error:
         axes.set(xscale="log", yscale="log")
     _dress(axes, studied, name, is_error)

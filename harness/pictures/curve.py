@@ -41,7 +41,7 @@ from harness.study.compared import OwnReference
 BY_COMPRESSION = f"{COMPARED}_by_compression"
 """Cone factors by su in triaxial compression."""
 MOST_CURVES = 5
-"""Curves beside a map."""
+"""Largest number of curves beside a map."""
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, used in turn, so that overlapping bands can be told apart."""
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
@@ -227,19 +227,10 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
 def _draw_literature(
     axes: Axes, studied: Studied, along: Values, cases: np.ndarray, colour: str | None
 ) -> list[CurveEnd]:
-    """Draw the envelope and the references for a series of cases.
+    """Draw envelope and references for a series of cases; return the labelled ends of the curves.
 
-    A curve is solid where its reference is valid, and dashed elsewhere.
-
-    Args:
-        axes: where to draw.
-        studied: the result.
-        along: the parameter on the horizontal axis.
-        cases: the cases of the series.
-        colour: if given, only the envelope is drawn, in this colour.
-
-    Returns:
-        The ends of the curves, with the names of the references.
+    A curve is solid where its reference is valid, and dashed elsewhere. If a colour is given, only
+    the envelope is drawn, in this colour.
     """
     x, conditions = _over(studied, along, cases)
 
@@ -252,9 +243,10 @@ def _draw_literature(
         own = colour or "0.6"
         band = axes.fill_between(x, lower, upper, inside, color=own, alpha=0.2, lw=0)
         band.set_label(once(axes, "envelope of the literature (no confidence interval)"))
-        # A band has no width if the references are valid for a single value, as of the apex angle.
-        beside = np.pad(inside, 1)
-        alone = inside & ~beside[:-2] & ~beside[2:]
+        # Where the references are valid at a single value, such as an apex angle of 60 degrees, the
+        # band has no width.
+        padded = np.pad(inside, 1)
+        alone = inside & ~padded[:-2] & ~padded[2:]
         if alone.any():
             axes.vlines(x[alone], lower[alone], upper[alone], color=own, alpha=0.4, lw=5)
     ends: list[CurveEnd] = []

@@ -1,4 +1,4 @@
-"""The pictures `tornado`, the effect of each parameter by itself, and `effects`, from a fit."""
+"""The pictures `tornado`, the effect of each parameter alone, and `effects`, from a fit."""
 
 import math
 import textwrap
@@ -52,17 +52,17 @@ def much_varied(dataset: xr.Dataset) -> Studied | None:
 
 
 def has_few_cases(studied: Studied) -> bool:
-    """Whether there are too few cases for a fit but few enough to show each, 20 at most."""
+    """Whether there are at most 20 cases, and too few for a fit."""
     return studied.computed.size <= 20 and not _effects(studied).is_fitted
 
 
 class _Effects(NamedTuple):
     """A fit of the headline by a sum of functions of one parameter each."""
 
-    parts: dict[str, Floats]  # by parameter; each has the mean zero over completed cases
+    parts: dict[str, Floats]  # by parameter; each has the mean 0 over completed cases
     mean: float  # of the headline over completed cases
-    residual: Floats  # what the fit leaves; not a number where a case did not complete
-    is_fitted: bool  # whether there were enough cases for a fit; else the parts are zero
+    residual: Floats  # NaN for a case that did not complete
+    is_fitted: bool  # whether there were enough cases for a fit; if not, the parts are 0
 
     @property
     def spread(self) -> float:
@@ -73,8 +73,8 @@ class _Effects(NamedTuple):
 def _effects(studied: Studied) -> _Effects:
     """Fit the headline by least squares.
 
-    A number contributes a parabola, in its logarithm where its axis is logarithmic; a straight line
-    where there are fewer than two cases for each coefficient. A category contributes a constant.
+    A number, or its logarithm on a logarithmic axis, contributes a parabola, or a straight line if
+    there are fewer than two cases for each coefficient. A category contributes a constant.
     """
     sound = np.isfinite(studied.computed)
     values = studied.computed[sound]
@@ -87,9 +87,9 @@ def _effects(studied: Studied) -> _Effects:
             break
     found = np.linalg.lstsq(matrix[sound], values - mean)[0] if is_fitted else 0.0 * matrix[0]
     ends = np.cumsum([column.shape[1] for column in columns])[:-1]
-    own = list(map(np.matmul, columns, np.split(found, ends)))
-    residual = np.where(sound, studied.computed - (mean + np.sum(own, axis=0)), np.nan)
-    return _Effects(dict(zip(studied.varied, own, strict=True)), mean, residual, is_fitted)
+    parts = list(map(np.matmul, columns, np.split(found, ends)))
+    residual = np.where(sound, studied.computed - (mean + np.sum(parts, axis=0)), np.nan)
+    return _Effects(dict(zip(studied.varied, parts, strict=True)), mean, residual, is_fitted)
 
 
 def _columns(values: Values, sound: np.ndarray, degree: int) -> Floats:
@@ -117,10 +117,10 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
     row_count = math.ceil(len(names) / COLUMNS)
     figure = Figure()
     figure.set_figheight(1.75 * row_count + 0.9)
-    panels = figure.subplots(row_count, COLUMNS, squeeze=False, sharey=True)
-    for axes in panels.flat[len(names) :]:
+    grid = figure.subplots(row_count, COLUMNS, squeeze=False, sharey=True)
+    for axes in grid.flat[len(names) :]:
         axes.remove()
-    for axes, name in zip(panels.flat, names, strict=False):
+    for axes, name in zip(grid.flat, names, strict=False):
         _draw_panel(axes, studied, found, name)
     label = axis_label(dataset, studied.headline)
     figure.supylabel(textwrap.fill(label, 24 + 16 * (row_count - 1)), fontsize=9)
@@ -131,13 +131,12 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         dataset,
         f"{sound.sum()} cases{f'; {failed} did not complete (crosses)' if failed else ''}.",
         "Each dot is a case, less the effects of all other parameters; the line is this "
-        "parameter's effect, a parabola by least squares. The band is the standard deviation "
-        f"of what the fit leaves, {found.spread:.2g}; the fit explains {explained:.0%} of "
-        "the variance."
+        "parameter's effect, a parabola by least squares. The band is the standard deviation of "
+        f"the residual, {found.spread:.2g}; the fit explains {explained:.0%} of the variance."
         if found.is_fitted
-        else "Each dot is a case as it was computed: they are too few for a fit.",
+        else "Each dot is a case as it was computed: there are too few for a fit.",
         studied.bars,
-        f"Of {len(studied.varied)} parameters the {len(names)} of most effect are shown."
+        f"Of {len(studied.varied)} parameters the {len(names)} with most effect are shown."
         if len(studied.varied) > len(names)
         else "",
     )
@@ -173,7 +172,7 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
 
 
 class _Bar(NamedTuple):
-    """The effect of one parameter by itself: cases that change it, and changes of the headline."""
+    """The effect of one parameter: the cases that change it, and their changes of the headline."""
 
     values: Values
     cases: np.ndarray
@@ -184,11 +183,11 @@ class _Bar(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """The least and the greatest headline, including that of the first case."""
+        """Range of the headline in these cases and the first one."""
         return float(np.ptp(np.nan_to_num([0.0, *self.change])))
 
     def extreme(self, side: int) -> int | None:
-        """The completed case of greatest change, with values below (-1) or above (1) the start."""
+        """The completed case of greatest change with a value below (-1) or above (1) the start."""
         numbers = self.values.numbers
         beyond = side * (numbers[self.cases] - numbers[0]) > 0.0
         places = np.flatnonzero(beyond & np.isfinite(self.change))
@@ -207,7 +206,7 @@ def _bars(studied: Studied) -> list[_Bar]:
 
 @STYLED
 def tornado_figure(dataset: xr.Dataset) -> Figure | None:
-    """A bar for each parameter: how much it changes the headline of the first case."""
+    """A bar for each parameter: its largest changes of the headline from the first case."""
     studied = Studied.of(dataset)
     if studied is None or not studied.is_one_at_a_time or not np.isfinite(studied.computed[0]):
         return None
@@ -227,7 +226,7 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     axes.tick_params(axis="y", length=0)
     axes.grid(visible=False, axis="y")
     axes.margins(x=0.12)
-    label = axis_label(dataset, studied.headline)  # beside long names the axis is short
+    label = axis_label(dataset, studied.headline)  # long names of parameters leave little room
     axes.set_xlabel(textwrap.fill(label, 40, break_long_words=False))
     handles = [
         Patch(color=LIGHT, label="value below the start"),
@@ -239,16 +238,16 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     return captioned(
         figure,
         dataset,
-        "One parameter at a time differs from the case of the line. In brackets beside each "
-        "parameter: its value in that case; at the ends of bars: the value that reaches so far.",
-        f"{rest} more parameters change less." if rest else "",
+        "Each case differs from the start in one parameter. In brackets: the parameter's value at "
+        "the start; at the ends of bars: its value in the case with this result.",
+        f"{rest} more parameters change the result less." if rest else "",
         _failures(bars),
         studied.bars,
     )
 
 
 def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
-    """Values below the start have the upper half of the row, those above it the lower one."""
+    """Draw values below the start in the upper half of the row, others in the lower half."""
     start = float(studied.computed[0])
     for side, colour in ((-1, LIGHT), (1, ACCENT)):
         extreme = bar.extreme(side)
@@ -271,7 +270,7 @@ def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
 
 
 def _failures(bars: Sequence[_Bar]) -> str:
-    """A sentence on the values with which the case did not complete."""
+    """A sentence on the values with which cases did not complete."""
     failures = []
     for values, cases, change in bars:
         failed = values.numbers[cases[~np.isfinite(change)]]

@@ -55,16 +55,10 @@ Failures = dict[str, Exception]
 def draw(
     dataset: xr.Dataset, folder: Path, forms: Sequence[str] = ("png",)
 ) -> tuple[list[Path], Failures]:
-    """Write the pictures of a study's result, each whole or not at all.
+    """Write the pictures that fit a study's result as ``<study>_<name>.<format>``.
 
-    Returns:
-        Paths of the pictures that fit the result, ``<study>_<name>.<format>``; and the errors of
-        pictures that could not be drawn.
-
-    Raises:
-        NothingToDrawError: no picture fits the result.
-        NotOwnFileError: a file of this name was not written by this program; then no picture is
-            written.
+    Returned are their paths, and the errors of pictures that could not be drawn. If a file of such
+    a name was not written by this program, no picture is written.
     """
     drawn, failed = rendered(dataset, lambda figure: {form: image(figure, form) for form in forms})
     if not drawn and not failed:
@@ -88,12 +82,9 @@ def draw(
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
 ) -> tuple[dict[str, Rendered], Failures]:
-    """Apply `render` to each picture that fits a result.
+    """Apply `render` to each picture that fits a result, without curves of incomplete cases.
 
-    Cases that did not complete have no curves. If one picture fails, the others are still drawn.
-
-    Returns:
-        The rendered pictures by name, main ones first; and the errors of pictures that failed.
+    Returned are the rendered pictures by name, main ones first, and the errors of the others.
     """
     sound = without_incomplete_curves(dataset)
     made: dict[str, Rendered] = {}

@@ -33,19 +33,15 @@ class NodalValues:
 
         f_i = sum over points N_i f / sum over points N_i        N_i the shape function of node i
 
-    A section of nodal values covers all soil, up to the surface and to the axis, where points leave
-    gaps; it shows nothing smaller than a cell, as the simulation does. The snapshot is one of a
-    case: without the dim `penetration`.
-
-    Attributes:
-        r, z: positions of the nodes [m], shape [row, column].
+    A section of nodal values covers all soil up to the surface and the axis, where points leave
+    gaps. Like the simulation, it resolves nothing smaller than a cell. The positions of the nodes
+    are `r` and `z` [m], shape [row, column]. The snapshot has no dim `penetration`.
     """
 
     def __init__(self, snapshot: xr.Dataset) -> None:
         self.r, self.z, r, z = (
-            snapshot[f"{of}_{axis}"].values.astype(float)
-            for of in ("node", "point")
-            for axis in "rz"
+            snapshot[name].values.astype(float)
+            for name in ("node_r", "node_z", "point_r", "point_z")
         )
         self._present = np.isfinite(r)
         r, z = r[self._present], z[self._present]
@@ -63,16 +59,16 @@ class NodalValues:
     def of(self, values: Floats) -> Floats:
         """Values of the points at the nodes, [row, column]; NaN where no point is near."""
         with np.errstate(invalid="ignore"):
-            return self._added(values[self._present]) / self._added(1.0)
+            return self._sums(values[self._present]) / self._sums(1.0)
 
-    def _added(self, values: Floats | float) -> Floats:
+    def _sums(self, values: Floats | float) -> Floats:
         weighted = (self._weights * values).ravel()
         sums = np.bincount(self._nodes.ravel(), weighted, self.r.size).astype(float)
         return sums.reshape(self.r.shape)
 
 
 def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Floats]:
-    """For each value the interval between ascending edges, and its position in it, 0 to 1."""
+    """For each value its interval between ascending edges, and its position there, 0 to 1."""
     place = np.interp(values, edges, np.arange(len(edges)))
     interval = np.minimum(place.astype(int), len(edges) - 2)
     return interval, place - interval
@@ -81,24 +77,24 @@ def _interval(edges: Floats, values: Floats) -> tuple[NDArray[np.integer], Float
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
 """Extent of the soil that is shown beside the axis, below and above the tip, in cone radii."""
 MARGIN = 1.1
-"""What is shown of a zone that is shown whole, over its reach."""
+"""Ratio of the shown extent to that of a zone that is shown as a whole."""
 COLUMNS, WIDTH = 3, 6.5
 """Number of sections side by side, and their total width, that of a page [inch]."""
 YIELDS = 0.9999
 """Ratio of shear stress to strength above which soil is shown as yielding; single precision."""
 LEAST_PLASTIC_STRAIN = 0.01
-"""Lowest value of the scale of plastic shear strain; elastic soil has the colour of it."""
+"""Lowest value of the scale of plastic shear strain; elastic soil has its colour."""
 
 
 class _Quantity(NamedTuple):
     """The quantity that one section shows."""
 
     label: str  # name and unit, for the colour bar
-    colours: str  # a colour map whose brightness rises or falls all along, for print in grey
-    values: Callable[[xr.Dataset], Floats]  # of a snapshot, in each slot of points; dimensionless
-    norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)  # of a greatest value
-    lines: int | Sequence[float] = 5  # values of contour lines, or how many of them
-    whole: float = math.inf  # as much soil is shown as has values of this or more
+    colours: str  # a colour map of monotonic brightness, for print in grey
+    values: Callable[[xr.Dataset], Floats]  # of all points of a snapshot; dimensionless
+    norm: Callable[[float], Normalize] = functools.partial(Normalize, 0.0)  # by the greatest value
+    lines: int | Sequence[float] = 5  # values of contour lines, or their number
+    whole: float = math.inf  # all soil with at least this value is shown
 
 
 def _magnitude(snapshot: xr.Dataset, vector: str) -> Floats:
@@ -145,18 +141,20 @@ ROWS = math.ceil(len(QUANTITIES) / COLUMNS)
 
 
 class _Sections:
-    """The sections of all snapshots of a case, with the same scale of colours."""
+    """The sections of all snapshots of a case, with common scales of colours."""
 
     def __init__(self, fields: xr.Dataset) -> None:
         radius = fields.cone_radius.item()
-        self._snapshots = [fields.isel(penetration=it) for it in range(fields.sizes["penetration"])]
+        count = fields.sizes["penetration"]
+        self._snapshots = [fields.isel(penetration=number) for number in range(count)]
         nodal = [NodalValues(snapshot) for snapshot in self._snapshots]
-        self._r, self._z = (np.stack([getattr(it, axis) for it in nodal]) / radius for axis in "rz")
-        # Of each quantity the values, colours, and how much more soil is shown than of the others.
+        self._r = np.stack([nodes.r for nodes in nodal]) / radius
+        self._z = np.stack([nodes.z for nodes in nodal]) / radius
+        # For each quantity: values, colours, and the enlargement of the shown extent.
         self._shown = []
         for quantity in QUANTITIES:
             pairs = zip(nodal, self._snapshots, strict=True)
-            values = np.stack([own.of(quantity.values(snapshot)) for own, snapshot in pairs])
+            values = np.stack([nodes.of(quantity.values(snapshot)) for nodes, snapshot in pairs])
             inside = values >= quantity.whole
             r, z = self._r[inside], self._z[inside]
             reach = np.max([r / BESIDE, -z / BELOW, z / ABOVE], initial=1.0 / MARGIN)
@@ -166,7 +164,7 @@ class _Sections:
         below = min(BELOW, -float(fields.node_z.min()) / radius)
         above = min(ABOVE, float(fields.node_z.max()) / radius)
         height = 0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1
-        self.size = WIDTH, round(ROWS * height + 0.5, 1)  # of a figure that they fill [inch]
+        self.size = WIDTH, round(ROWS * height + 0.5, 1)  # of the figure [inch]
 
     def draw(self, figure: Figure, number: int) -> None:
         """Draw the sections of one snapshot into an empty figure."""
@@ -177,20 +175,20 @@ class _Sections:
             self._draw_one(axes, number, place)
         for axes in panels[:, 0]:
             axes.set_ylabel("height above the tip / R [-]", fontsize=7)
-        since = "displacement and plastic strain since the soil entered the window"
-        about = f"{_caption(self._snapshots[number])}\n{since}"
-        figure.suptitle(about, x=0.01, ha="left", fontsize=8)
+        note = "displacement and plastic strain since the soil entered the window"
+        title = f"{_caption(self._snapshots[number])}\n{note}"
+        figure.suptitle(title, x=0.01, ha="left", fontsize=8)
 
     def _draw_one(self, axes: Axes, number: int, place: int) -> None:
-        quantity, (of_all, norm, wide) = QUANTITIES[place], self._shown[place]
-        r, z, values = self._r[number], self._z[number], of_all[number]
-        shown = np.ma.masked_invalid(values)
+        quantity, (all_values, norm, scale) = QUANTITIES[place], self._shown[place]
+        r, z, values = self._r[number], self._z[number], all_values[number]
+        known = np.ma.masked_invalid(values)
         for x in (-r, r):
             image = axes.pcolormesh(
-                x, z, shown, shading="gouraud", cmap=quantity.colours, norm=norm, rasterized=True
+                x, z, known, shading="gouraud", cmap=quantity.colours, norm=norm, rasterized=True
             )
             lines = axes.contour(x, z, values, quantity.lines, colors="0.5", linewidths=0.5)
-        axes.set(xlim=(-BESIDE * wide, BESIDE * wide), ylim=(-BELOW * wide, ABOVE * wide))
+        axes.set(xlim=(-BESIDE * scale, BESIDE * scale), ylim=(-BELOW * scale, ABOVE * scale))
         for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
             label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
         snapshot = self._snapshots[number]
@@ -208,9 +206,9 @@ class _Sections:
 
 
 def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Figure:
-    """The sections of the snapshot nearest to a penetration over the cone radius; or of the last.
+    """Sections of the snapshot nearest to a penetration in cone radii, by default of the last.
 
-    Colours mean the same in those of all snapshots of a case.
+    All snapshots of a case have the same scales of colours.
     """
     sections, number = _Sections(fields), -1
     if penetration is not None:
@@ -221,7 +219,7 @@ def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Fig
 
 
 def _caption(snapshot: xr.Dataset) -> str:
-    """What is shown: penetration and resistance of a snapshot, and what makes its case."""
+    """Penetration and resistance of a snapshot, and the main parameters of its case."""
     it = {name: snapshot[name].item() for name in snapshot.variables if not snapshot[name].ndim}
     strength = it["undrained_shear_strength"]
     return (
@@ -234,15 +232,15 @@ def _caption(snapshot: xr.Dataset) -> str:
 
 
 AT_TIP = (
-    "The first two nodes have their mean: that of the tip also bears the soil ahead of it, so that "
-    "its force\nover its own small area would be a spike."
+    "The first two nodes have their mean normal traction. The node of the tip also bears the soil "
+    "ahead of it,\nso that its force over its own small area would be too large."
 )
 MOST_CURVES = 6
-"""Number of snapshots that are drawn; the last one is among them."""
+"""Largest number of snapshots that are drawn; the last one is among them."""
 
 
 def traction_figure(fields: xr.Dataset) -> Figure:
-    """Normal and shear traction over the distance along the surface, a curve a snapshot.
+    """Normal and shear traction over the distance along the surface, a curve for each snapshot.
 
     The first two nodes have their mean normal traction; at the tip shear has no direction.
     """
@@ -295,7 +293,7 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
     sections = _Sections(fields)
     figure = Figure(figsize=sections.size, dpi=RESOLUTION, layout="constrained")
     for file, writer in writers.items():
-        # Matplotlib and ffmpeg write to files alone.
+        # Matplotlib and ffmpeg can only write to files.
         with tempfile.TemporaryDirectory(prefix="harness-film-") as folder:
             film = Path(folder) / f"film{file.suffix}"
             with writer.saving(figure, str(film), RESOLUTION):

@@ -1,8 +1,8 @@
-"""Pictures by depth, downward: soundings, and measured cone tests as they are interpreted.
+"""Pictures by depth, downward: simulated soundings, and interpreted cone tests.
 
-The stretches of a sounding, cut at depths and run side by side, are joined to one curve. Where two
-overlap the curve is their mean, and half of their difference, as a root mean square over the
-overlap, is a part of its half width.
+A sounding may be cut into stretches that run in parallel. They are joined to one curve: where two
+overlap it is their mean, and half of their difference, as a root mean square over the overlap, is
+added to its half width in squares.
 """
 
 from collections.abc import Sequence
@@ -33,12 +33,11 @@ JOINED = "Stretches run side by side are joined; where two overlap the curve is 
 
 
 def joined(dataset: xr.Dataset) -> xr.Dataset:
-    """The curves that are drawn of a result, with stretches joined, by depth and a dim `sounding`.
+    """The curves of a result over depth and the dim `sounding`, with stretches joined.
 
-    Beside them `overlap_difference` [Pa] of neighbours; the coordinate `case` holds the number of
-    the first case of each sounding.
+    `overlap_difference` [Pa] is added; the coordinate `case` is the first case of each sounding.
     """
-    # A collected file leaves out what no case has, a half width say.
+    # A collected file has no variable that no case has, such as a half width.
     cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
     numbers, dims = np.arange(dataset["status"].size), case_dims(dataset)
     groups = numbers[:, None]
@@ -56,7 +55,7 @@ def _as_one(stretches: xr.Dataset) -> xr.Dataset:
     count = resistance.notnull().sum("case")
     half = 0.5 * (resistance.max("case") - resistance.min("case"))
     difference = np.zeros(count.size)
-    # Neighbouring samples of an overlap share one number: single samples differ by noise.
+    # All samples of an overlap have its root mean square, because single ones contain noise.
     for overlap in runs(count.values > 1):
         difference[overlap] = np.sqrt(np.mean(half.values[overlap] ** 2))
     of_stretches = mean.get(UNCERTAINTY, xr.full_like(mean[RESISTANCE], np.nan))
@@ -69,8 +68,7 @@ def _as_one(stretches: xr.Dataset) -> xr.Dataset:
 def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     """Strength, net resistance and local cone factor of each sounding over depth.
 
-    Stretches of one sounding are joined. The band holds the resistance with 95 % where its error is
-    known.
+    The band contains the resistance with 95 % where its error is known.
     """
     if RESISTANCE not in dataset or DEPTH not in dataset.dims:
         return None
@@ -80,10 +78,11 @@ def sounding_figure(dataset: xr.Dataset) -> Figure | None:
     count, is_cut = soundings.sizes["sounding"], STRETCH in dataset["status"].dims
     shown = series(range(count))
     varied = studied.varied if studied else ()
-    names = [name for name in varied if name not in (STRETCH, "to_depth")]  # of a stretch alone
+    # The parameters of stretches are no part of the label.
+    names = [name for name in varied if name not in (STRETCH, "to_depth")]
     for place, line in shown:
         sounding, colour = soundings.isel(sounding=place), line.colour
-        if not is_cut:  # others have samples at depths of their own, between which it is one line
+        if not is_cut:  # the samples of other soundings, at other depths, would break its line
             sounding = sounding.sel({DEPTH: sounding[RESISTANCE].notnull()})
         label = studied.label(int(sounding["case"]), names) if studied else ""
         depth = sounding[DEPTH]
@@ -116,9 +115,10 @@ MEASURED = {
 }
 TALL = 6.0
 """Height of the pictures of tests [inch]."""
-SHADES_MEAN = "Grey: no strength, the table says why; brown: feels another layer."
-OF_CHECK = (
-    "Simulated: in the ground of the medians; misfit: over expected, less 1; band: test, 95 %."
+SHADES = "Grey: no strength, the table says why; brown: feels another layer."
+CHECKED = (
+    "Simulated: in the ground of the medians; misfit: simulated over expected, less 1; band: "
+    "95 % of the test."
 )
 BAND = shade(0.3)
 """Colour of medians and bands."""
@@ -126,15 +126,12 @@ BAND = shade(0.3)
 
 @STYLED
 def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float]] = ()) -> Figure:
-    """Four panels by depth: net resistance, sleeve and pore pressure; Nkt; su; shares of its error.
+    """Four panels by depth: the measured test, Nkt, su, and the shares of the error of su.
 
-    Bands hold 90 %. Depths without a strength are grey, those that feel another layer brown.
-
-    Args:
-        found: what `interpret` gives.
-        points: depth [m] and strength [Pa] of a laboratory, beside it.
+    Bands hold 90 %. `found` is the result of `interpret`; `points` are depths [m] and strengths
+    [Pa] by a laboratory.
     """
-    found = _broken(found)
+    found = _with_gaps(found)
     figure, (test, factor, strength, shares) = panels(4, TALL, sharey=True)
     depth = found.depth.values
     for (name, label), line in series(MEASURED.items()):
@@ -157,12 +154,12 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     _shares(shares, found)
     _shade(figure.axes, found)
     _legend(test, 3)
-    return _finished(figure, [found], f"{found.attrs['title']}. Bands hold 90 %. {SHADES_MEAN}")
+    return _finished(figure, [found], f"{found.attrs['title']}. Bands hold 90 %. {SHADES}")
 
 
 @STYLED
 def check_figure(found: xr.Dataset) -> Figure:
-    """Net resistance, sleeve and pore pressure, measured and simulated; the misfit, by depth."""
+    """Net resistance, sleeve and pore pressure by depth, measured and simulated, and the misfit."""
     figure, (*tests, misfit) = panels(4, TALL, sharey=True)
     depth = found.depth.values
     for axes, (name, label) in zip(tests, MEASURED.items(), strict=True):
@@ -181,7 +178,7 @@ def check_figure(found: xr.Dataset) -> Figure:
     misfit.axvline(0.0, color="k", lw=0.4)
     misfit.set_xlabel("misfit of $q_{\\mathrm{net}}$ [%]")
     _shade(figure.axes, found)
-    return _finished(figure, [found], f"{found.attrs['title']}. {OF_CHECK} {SHADES_MEAN}")
+    return _finished(figure, [found], f"{found.attrs['title']}. {CHECKED} {SHADES}")
 
 
 @STYLED
@@ -189,12 +186,12 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     """Several tests of a site: net resistance and su over depth, su with a band of 90 %."""
     figure, (test, strength) = panels(2, TALL, sharey=True)
     titles = [one.attrs["title"] for one in found]
-    for place, one in enumerate(map(_broken, found)):
+    for place, one in enumerate(map(_with_gaps, found)):
         title, site = titles[place], one.attrs["site"]
         name = title if titles.count(title) == 1 else f"{title} ({site})"
         colour = series_colour(place, max(len(found), 2))
-        own = one.net_resistance.where(one.reason == 0) / KILO
-        test.plot(own, one.depth, color=colour, lw=0.8, label=name)
+        resistance = one.net_resistance.where(one.reason == 0) / KILO
+        test.plot(resistance, one.depth, color=colour, lw=0.8, label=name)
         _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
     test.set_xlabel(f"{MEASURED['net_resistance']} [kPa]")
     strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")
@@ -205,8 +202,8 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
     return _finished(figure, found, "Bands hold 90 % of each test by itself.")
 
 
-def _broken(found: xr.Dataset) -> xr.Dataset:
-    """With a depth without values at the top of each gap, of five steps: no line crosses it."""
+def _with_gaps(found: xr.Dataset) -> xr.Dataset:
+    """A result with NaN at the top of each gap of more than five steps, so that lines end there."""
     depth = found.depth.values
     step = np.diff(depth, append=depth[-1])
     tops = depth[step > 5.0 * float(np.median(step))]
@@ -226,26 +223,26 @@ def _legend(axes: Axes, columns: int) -> None:
 
 
 def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure:
-    """With a caption; depth grows downward, from 1 m above the layers asked for to 1 m below."""
-    asked = np.concatenate([_asked(sounding) for sounding in found])
+    """Add a caption; limit the depth, downward, to 1 m above and below the layers of the sites."""
+    inside = np.concatenate([_depths_in_layers(sounding) for sounding in found])
     deepest = max(float(sounding.depth.max()) for sounding in found)
     axes = figure.axes[0]
     axes.set_ylabel("depth of the tip [m]")
-    axes.set_ylim(min(deepest or 1.0, asked.max() + 1.0), max(0.0, asked.min() - 1.0))
+    axes.set_ylim(min(deepest or 1.0, inside.max() + 1.0), max(0.0, inside.min() - 1.0))
     figure.set_figwidth(9.0)
     figure.supxlabel(words, fontsize=7)
     return figure
 
 
-def _asked(found: xr.Dataset) -> Floats:
-    """The depths that are in a layer; all depths if none is."""
+def _depths_in_layers(found: xr.Dataset) -> Floats:
+    """The depths that are in a layer of the site; all depths if none is."""
     meanings = found.reason.attrs["flag_meanings"].split()
     inside = found.depth.values[found.reason.values != meanings.index("no_layer")]
     return np.asarray(inside if len(inside) else found.depth.values)
 
 
 def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) -> None:
-    """The median of three percentiles, and a band between the outer ones."""
+    """Draw the second of three percentiles as a line, and a band between the others."""
     low, middle, high = values.T
     axes.fill_betweenx(depth, low, high, color=colour, alpha=0.25, lw=0)
     axes.plot(middle, depth, color=colour, lw=1.0)
@@ -255,7 +252,7 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) ->
 
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:
-    """Shares of the error, side by side to 100 %, the largest first; those below 3 % as one."""
+    """Draw the shares of the error, the largest first; causes below 3 % are added up."""
     shares = found.error_share.dropna("cause", how="all").fillna(0.0).where(found.reason == 0)
     means = shares.mean("depth")
     shares = shares.sortby(-means)

@@ -1,8 +1,8 @@
 """The picture `stability`, and its table: where cases complete, with what margin, and what fails.
 
 In a one-at-a-time study each parameter has a strip of single cases, from the default to the first
-failure on either side. In a random study it shows the share of completed cases over the range of
-each parameter.
+failure on either side. In a random study each parameter has bars: the shares of completed cases
+over its range.
 """
 
 import re
@@ -104,8 +104,8 @@ class Outcomes(NamedTuple):
     """How cases ended, each field of shape [case]."""
 
     status: Texts
-    reason: Texts  # what gave way, in a few words; empty where the case completed
-    limit_share: Floats  # of the results the greatest over its limit; NaN where none has one
+    reason: Texts  # cause of the failure in a few words; "" if the case completed
+    limit_share: Floats  # greatest ratio of a result to its limit; NaN if none has a limit
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Self:
@@ -145,16 +145,13 @@ def short_reason(message: str) -> str:
 
 @dataclass(frozen=True)
 class Strip:
-    """How the case of defaults ended, and those that change one parameter.
-
-    The default is the parameter's value in the case from which all others start.
-    """
+    """How the first case, with the defaults, and the cases that change one parameter ended."""
 
     heading = (
         *("parameter", "default", "stable"),
         *("first failure below", "first failure above", "limit"),
     )
-    explanation = "One parameter at a time differs from the default."
+    explanation = "Each case differs from the default in one parameter."
 
     values: Values
     default: float
@@ -190,7 +187,7 @@ class Strip:
 
     @property
     def beside(self) -> tuple[str, ...]:
-        """The notes beside the strip. Texts are neither below nor above the default."""
+        """The notes beside the strip; a text is neither below nor above the default."""
         if self.values.categories:
             return (self.margin(1),)
         return f"below: {self.margin(-1)}", f"above: {self.margin(1)}"
@@ -236,8 +233,10 @@ class Strip:
 class Shares:
     """How random cases ended in each part of a parameter's range."""
 
-    heading = ("parameter", "completed", "spread", "least", "what gives way there")
-    explanation = "Each range is cut into parts of equally many cases; bars are shares of a part."
+    heading = ("parameter", "completed", "spread", "least", "what fails there")
+    explanation = (
+        "Each range is divided into parts of equally many cases; bars are shares of these."
+    )
 
     values: Values
     bounds: Floats  # lowest and highest value of each part, shape [part_count, 2]
@@ -278,13 +277,13 @@ class Shares:
     def words(self) -> tuple[str, ...]:
         """The shares in words, under their heading."""
         completed, texts = self.completed, self.texts
-        told = [
+        shares = [
             f"{text}: {share:.0%} of {part.status.size}"
             for text, share, part in zip(texts, completed, self.parts, strict=True)
         ]
         least, spread = int(np.argmin(completed)), f"{np.ptp(completed):.0%}"
         worst = texts[least], self.parts[least].failures
-        return self.values.label, ", ".join(told), spread, *worst
+        return self.values.label, ", ".join(shares), spread, *worst
 
     @property
     def beside(self) -> tuple[str, ...]:
@@ -292,7 +291,7 @@ class Shares:
         least, most = self.completed.min(), self.completed.max()
         if least == 1.0:
             return (f"all {sum(part.status.size for part in self.parts)} complete",)
-        failures = f"least at {self.words[-2]}: {self.words[-1]}"
+        failures = f"fewest at {self.words[-2]}: {self.words[-1]}"
         return f"{least:.0%} to {most:.0%} complete", failures
 
     def draw(self, axes: Axes) -> None:
@@ -325,7 +324,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
     with rc_context({"figure.constrained_layout.use": False}):
         figure = captioned(Figure(), dataset, rows[0].explanation)
     lines = 1 + figure.get_supxlabel().count("\n")
-    # Of the legend; of the scale of colours and the caption [inch].
+    # Heights of the legend, and of the scale of colours with the caption [inch].
     above, below = 0.45, SCALE + 0.35 + LINE * lines
     height = 0.62 * len(rows) + above + below
     figure.set_figheight(height)

@@ -133,8 +133,8 @@ def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:
     follow it. If a file has no such names, cases that differ in a single parameter are taken.
     """
     if CHANGED in dataset:
-        told = over_cases(dataset, CHANGED).astype(str)
-        return [told == values.name for values in varied]
+        changed = over_cases(dataset, CHANGED).astype(str)
+        return [changed == values.name for values in varied]
     differ = [values.numbers != values.numbers[0] for values in varied]
     alone = np.sum(differ, axis=0) == 1
     return [own & alone for own in differ]
@@ -147,14 +147,9 @@ def case_labels(dataset: xr.Dataset) -> list[str]:
 
 
 def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
-    """Choose cases to draw, evenly spread among those with a curve.
+    """Cases to draw, evenly spread among those with a curve, and a sentence on those left out.
 
-    Args:
-        dataset: the result.
-        curves: shape [case, :]; NaN where there is no value.
-
-    Returns:
-        The chosen cases, and a sentence on how many more there are.
+    The curves have the shape [case, :], with NaN for missing values.
     """
     drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
     shown = [line._replace(place=case, label=labels[case]) for case, line in series(drawn)]

@@ -46,39 +46,35 @@ from harness.study.designs import ONE_AT_A_TIME
 
 
 class _Problem(NamedTuple):
-    """Cases of the same problem, which differ only in settings of the method.
-
-    The soil is what else the study varies within the scene, in words.
-    """
+    """Cases of one problem, which differ only in settings of the method."""
 
     cases: np.ndarray
     scene: str
-    soil: list[str]
+    soil: list[str]  # values of all other varied parameters, in words
     settings: list[Values]
 
 
 def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     """The problems that a study solves with different settings, in the order of the study."""
-    scenes, found = np.array(scenes_of(dataset)), []
+    scenes, problems = np.array(scenes_of(dataset)), []
     varied = [Values.of(dataset, name) for name in varied_names(dataset) if name != "scene"]
     for scene in dict.fromkeys(scenes.tolist()):
         method, own = method_of(dataset, scene), np.flatnonzero(scenes == scene)
-        of_scene = [it for it in varied if np.ptp(it.numbers[own]) > 0.0]
-        soil = [it for it in of_scene if it.name not in method]
+        soil = [it for it in varied if it.name not in method and np.ptp(it.numbers[own]) > 0.0]
         groups: dict[tuple[float, ...], list[int]] = {}
         for case in own.tolist():
             groups.setdefault(tuple(it.numbers[case] for it in soil), []).append(case)
         for cases in groups.values():
-            told = [assigned(dataset, it.name, it.of_case(cases[0])) for it in soil]
+            texts = [assigned(dataset, it.name, it.of_case(cases[0])) for it in soil]
             settings = [
-                it for it in of_scene if it.name in method and np.ptp(it.numbers[cases]) > 0.0
+                it for it in varied if it.name in method and np.ptp(it.numbers[cases]) > 0.0
             ]
-            found.append(_Problem(np.array(cases), scene, told, settings))
-    return [problem for problem in found if problem.settings]
+            problems.append(_Problem(np.array(cases), scene, texts, settings))
+    return [problem for problem in problems if problem.settings]
 
 
 def _setting_of(dataset: xr.Dataset, problem: _Problem, case: int) -> str:
-    """The varied settings of a case; in a one-at-a-time study those unlike the first case."""
+    """The varied settings of a case; in a one-at-a-time study those that differ from the first."""
     if dataset.attrs.get("design") != ONE_AT_A_TIME and len(problem.settings) > 1:
         return " / ".join(quantity(it.of_case(case)) for it in problem.settings)
     return label_of(dataset, problem.settings, case, start=problem.cases[0])
@@ -97,10 +93,10 @@ def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
 
 
 FRONT = "front: no other is faster and better"
-NOT_STATED = "does not state its own error"
-OF_HALF_WIDTH = (
-    "Points are measured errors. Thin lines go up to the half width of the case, or of the "
-    "reference, where that is greater; the front goes by their upper ends."
+NOT_STATED = "states no error of its own"
+MEANING_OF_LINES = (
+    "Points are measured errors. Thin lines lead to the half width of the case or of the "
+    "reference, if it is greater; the front is that of the upper ends."
 )
 
 
@@ -111,7 +107,7 @@ def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
 
 @STYLED
 def _checks_figure(dataset: xr.Dataset) -> Figure:
-    """Errors of checks against their run times, alike in a scene; failed runs are left out."""
+    """Errors of checks over their run times, in one style for each scene; without failed runs."""
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
     lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
@@ -130,14 +126,11 @@ def _checks_figure(dataset: xr.Dataset) -> Figure:
 
 @STYLED
 def study_figure(dataset: xr.Dataset) -> Figure | None:
-    """Error against run time of a study's cases, and the front of those that no other beats.
+    """Error over run time of a study's cases, with a front of the best for each problem.
 
-    Each problem, a scene with one soil, has a front of its own: another is not easier or harder to
-    compute, but another. The front goes by the half width that a case states, where that is greater
-    than its error; the point stands at the error. A case that states none, among others that do, is
-    on no front: its error may be small by luck. A case that did not complete has no error: it
-    stands on the upper edge, at the time it took. There is no picture where no case has an error
-    by which it could be on a front.
+    The point of a case is at its measured error. The front uses the half width that the case states
+    if it is greater. If only some cases state one, the others are on no front, because their error
+    may be small by chance. A case that did not complete is marked on the upper edge, at its time.
     """
     name = error_name(dataset)
     if name is None or "run_time" not in dataset:
@@ -165,17 +158,17 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     if "case_time" in dataset:
         failed = over_cases(dataset, "status") != COMPLETED
         mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
-    several = len(set(scenes_of(dataset))) > 1
+    has_scenes = len(set(scenes_of(dataset))) > 1
     soil = [text.replace(" ", NO_BREAK) for text in problems[0].soil] if len(problems) == 1 else []
-    _dress(figure, axes, name if several else dataset[name].attrs.get("long_name", name))
-    states = np.isfinite(uncertainty_of(dataset)).any()
+    _dress(figure, axes, name if has_scenes else dataset[name].attrs.get("long_name", name))
+    has_half_widths = np.isfinite(uncertainty_of(dataset)).any()
     return captioned(
         figure,
         dataset,
         f"All points: {', '.join(soil)}." if soil else "",
         _settings_key(dataset, problems),
-        OF_HALF_WIDTH if states else "",
-        "Run times of cases side by side are not to be compared.",
+        MEANING_OF_LINES if has_half_widths else "",
+        "Run times are comparable only if the cases were run one at a time.",
     )
 
 
@@ -187,13 +180,13 @@ def _draw_fronts(
     measured: Floats,
     errors: Floats,
 ) -> None:
-    """Draw the cases of each problem that have an error; they are ranked by `errors`."""
+    """Draw the cases of each problem at their measured errors; the front is that of `errors`."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
     for problem, line in series(problems, None):
         own = problem.cases[np.isfinite(errors[problem.cases])]
         own = own[np.lexsort((errors[own], seconds[own]))]
-        # On the front is what no other is both faster and better than.
+        # A case is on the front if no other is both faster and better.
         is_best = errors[own] < np.minimum.accumulate([np.inf, *errors[own]])[:-1]
         front, beaten = own[is_best], own[~is_best]
         if beaten.size:
@@ -222,7 +215,7 @@ def _draw_fronts(
 
 
 def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
-    """The points of a front whose labels are 0.06 of the range apart, the best among them."""
+    """The best point of a front, and others whose labels are 0.06 of the range apart."""
     kept: list[int] = []
     for case in front[::-1]:
         if not kept or abs(np.log(errors[case] / errors[kept[-1]])) > 0.06 * log_range:
@@ -233,7 +226,7 @@ def _apart(front: np.ndarray, errors: Floats, log_range: float) -> np.ndarray:
 def _dress(figure: Figure, axes: Axes, meaning: str) -> None:
     axes.set(xlabel="run time [s]", ylabel=f"{plain(meaning)} [-]")
     for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
-        # Over less than two decades there would be a tick or none, over less than one two or three.
+        # Ticks at powers of ten would be too few on an axis of less than two decades.
         digits = (1, 2, 3, 4, 5, 6, 8) if high < 10.0 * low else (1, 2, 5)
         axis.set_major_locator(LogLocator(subs=digits if high < 100.0 * low else (1,)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))

@@ -89,10 +89,10 @@ def one_entry(entry_id: str) -> str:
     """One reference or band of experience in full."""
     entries: dict[str, ConeFactor | Experience] = {**_REFERENCES, **_BANDS}
     entry = entries[_known(entry_id, entries, "reference")]
-    said = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
-    width = max(map(len, said)) + 2
+    rows = _of_reference(entry) if isinstance(entry, ConeFactor) else _of_experience(entry)
+    width = max(map(len, rows)) + 2
     lines = [entry.id]
-    for name, text in said.items():
+    for name, text in rows.items():
         lines += textwrap.wrap(
             text, WIDTH, initial_indent=f"  {name:{width}}", subsequent_indent=" " * (width + 2)
         )

@@ -1,6 +1,6 @@
 """HTML pages without scripts: on interpreted cone tests, and on the open benchmark.
 
-The page on tests has all values that may be quoted, with everything that they depend on.
+The page on tests has all values that may be quoted, and all inputs that they depend on.
 """
 
 import math
@@ -70,7 +70,7 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
 
 
 def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
-    """A row an input of a layer; then how su is meant."""
+    """A row for each input of a layer, and rows for the meaning of su."""
     by_sleeve = {} if "adhesion_factor" in layer.inputs else {"adhesion_factor": BY_SLEEVE}
     given = {name: distribution.text for name, distribution in layer.inputs.items()} | by_sleeve
     texts = given | {
@@ -110,7 +110,7 @@ def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
 
 
 def _left_out(site: Site, found: xr.Dataset) -> Rows:
-    """Of each layer and reason how many of its depths have no strength, and where they lie."""
+    """Number and range of the depths without a strength, by layer and reason."""
     rows: Rows = [("layer", "why", "depths", "of", "between [m]")]
     in_layer = site.layer_at(found.depth.values)
     for place, layer in enumerate(site.layers):
@@ -124,15 +124,15 @@ def _left_out(site: Site, found: xr.Dataset) -> Rows:
 
 
 LEAST_ERROR = 1e-5
-"""Smaller errors are drawn there [relative]."""
+"""Relative error at which smaller ones are drawn."""
 NO_TIME = 0.002, 0.1
-"""Between these run times [s] stand the submissions that tell none."""
+"""Run times [s] between which submissions without a run time are drawn."""
 PHASES = ("exact anchors", "cone factors", "layers and gradient")
 
 
 @STYLED
 def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
-    """Error over run time, a panel a phase; submissions that tell no time stand at the left."""
+    """Error over run time, a panel for each phase; results without a run time are at the left."""
     judged = [scored for scored in found if math.isfinite(scored.error)]
     names = list(dict.fromkeys(scored.submission for scored in judged))
     untimed = np.geomspace(*NO_TIME, 2 * len(names) + 1)[1::2]
@@ -154,9 +154,9 @@ def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     handles, labels = all_axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=6)
     figure.supxlabel(
-        f"E counts from the exact value; where none is known, from {against}, which is one value, "
-        "not the truth.\nFilled: the uncertainty U is stated. Hollow: it is not. Grey: no run time "
-        f"is told. Errors below {LEAST_ERROR:g} are drawn there.",
+        "E is the difference from the exact value, or if that is unknown from the value of "
+        f"{against}, which is not exact.\nFilled: the uncertainty U is stated. Hollow: it is not. "
+        f"Grey: no run time is given. Errors below {LEAST_ERROR:g} are drawn there.",
         x=0.01,
         ha="left",
         fontsize=7,
@@ -180,7 +180,7 @@ def benchmark_page(
         picture=embedded("errors over run time", picture),
         summary=summary_rows(found),
         meta=[
-            ["submission", "of", "told"],
+            ["submission", "key", "value"],
             *(
                 [submission.name, key, submission.meta[key]]
                 for submission in submissions

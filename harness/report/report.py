@@ -136,8 +136,8 @@ def _stands_on(dataset: xr.Dataset, parameters: Iterable[tuple[str, str, str]]) 
         if name in SOIL_AND_CONE
     ]
     strength = f"Strength: {which_strength(dataset)}." if COMPARED in dataset else ""
-    told = f"In all cases: {', '.join(fixed)}." if fixed else ""
-    return " ".join(filter(None, (strength, told)))
+    in_all = f"In all cases: {', '.join(fixed)}." if fixed else ""
+    return " ".join(filter(None, (strength, in_all)))
 
 
 def _summary(dataset: xr.Dataset) -> str:
@@ -158,7 +158,7 @@ def _summary(dataset: xr.Dataset) -> str:
 
 
 def embedded(name: str, png: bytes) -> Picture:
-    """A picture as it stands in a page."""
+    """A picture with its image as a data URL."""
     data = base64.b64encode(png).decode("ascii")
     return Picture(name.replace("_", " "), f"data:image/png;base64,{data}")
 

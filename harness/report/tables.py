@@ -57,9 +57,8 @@ def case_columns(dataset: xr.Dataset) -> list[Column]:
 def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
     """The parameters of a result, for the script of the page.
 
-    Returns:
-        `fixed`: name, value and unit of parameters that are the same in all cases; `own`: name and
-        unit of the others; `values`: texts of the others for each case.
+    `fixed` has name, value and unit of those that are the same in all cases; `own` has name and
+    unit of the others, and `values` their texts for each case.
     """
     parameters = parameter_names(dataset)
     own = {name: stored for name, stored in parameters.items() if dataset[stored].ndim}
@@ -147,11 +146,10 @@ Key = tuple[tuple[str, str], ...]
 def comparisons(datasets: list[xr.Dataset]) -> list[dict[str, Any]]:
     """The variables of page.html for each scene that several studies have.
 
-    Returns:
-        `differing` has a row for each parameter that is not the same in all studies: name, and
-        values in each study. `shared` has a row for each soil and cone that several studies have:
-        the values of the parameters in `varied`, the headline in each study, and the relative
-        difference of the last from the first.
+    `differing` has a row for each parameter that is not the same in all studies: name, and values
+    in each study. `shared` has a row for each soil and cone that several studies have: the values
+    of the parameters in `varied`, the headline in each study, and the relative difference of the
+    last from the first.
     """
     groups: dict[tuple[str, str], list[Studied]] = {}
     for dataset in datasets:

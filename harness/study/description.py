@@ -28,7 +28,7 @@ from mpm_warp.scenes import CatalogueScene, scene_class
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of
 
 MOST_COUNTED = 1000
-"""Up to so many cases are made to count them; for more an upper bound of their number is told."""
+"""Up to so many cases are made to count them; of more an upper bound is given."""
 
 
 def scene_rows(name: str) -> list[str]:
@@ -71,9 +71,9 @@ def study_rows(study: Study) -> list[str]:
 
 def _study_lines(study: Study) -> Iterator[tuple[str, str]]:
     count, compared = most_cases(study.parts, study.design), study.compared
-    told = f"{count} at most" if count > MOST_COUNTED else f"{len(study.cases)}"
+    number = f"{count} at most" if count > MOST_COUNTED else f"{len(study.cases)}"
     yield "file", str(study.source)
-    yield "cases", f"{told}, {DESIGNS[study.design.kind]}"
+    yield "cases", f"{number}, {DESIGNS[study.design.kind]}"
     for part in study.parts:
         yield from _part_lines(part)
     if compared.references:

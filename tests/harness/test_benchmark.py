@@ -103,7 +103,7 @@ def test_results_without_an_uncertainty_are_drawn_hollow():
     figure = benchmark_figure(scores(benchmark_cases(), given, "yardstick"), "yardstick")
     marks = [it for it in figure.axes[1].lines if len(it.get_xdata())]
     assert [it.get_markerfacecolor() == "white" for it in marks] == [False, True]
-    assert "from yardstick, which is one value" in figure.get_supxlabel()
+    assert "yardstick, which is not exact" in figure.get_supxlabel()
 
 
 @pytest.mark.parametrize(

@@ -30,13 +30,13 @@ from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
 LETTERS = 112
-"""Letters in a line of the caption, which has the width of the page."""
+"""Number of letters in a line of the caption, which is as wide as the page."""
 LINE = 0.126
 """Height of a line [inch]."""
 MOST_FIXED = 14
-"""Parameters that a caption names."""
+"""Largest number of parameters that a caption names."""
 MOST_TEXTS = 4
-"""Long texts that a caption has room for."""
+"""Largest number of long texts that a caption explains."""
 SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
 """Pattern of a mathematical symbol, and its placeholder while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -78,8 +78,8 @@ def _numbered(dataset: xr.Dataset) -> Iterator[str]:
     for name in varied_names(dataset):
         if long := Values.of(dataset, name).long:
             key = "; ".join(f'{place}: "{plain(text)}"' for place, text in enumerate(long, 1))
-            told = f"is {key}" if len(long) <= MOST_TEXTS else "is numbered in the order of cases"
-            yield f"{plain(spelt(spoken(name))).capitalize()} {told}."
+            text = key if len(long) <= MOST_TEXTS else "numbered in the order of cases"
+            yield f"{plain(spelt(spoken(name))).capitalize()} is {text}."
 
 
 def left_out(count: int, noun: str) -> str:
@@ -90,12 +90,10 @@ def left_out(count: int, noun: str) -> str:
 def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     """Sentences on what error bars or bands mean, and why some cases have none.
 
-    Args:
-        dataset: the result.
-        holds: beginning of the first sentence: "Bands hold the resistance".
-        are_shown: whether the picture has any bars or bands.
+    `holds` is the beginning of the first one, "Bands hold the resistance"; without bars or bands in
+    the picture it is left out.
     """
-    meant = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
+    meaning = f"{holds} with 95 %: {NUMERICAL}." if are_shown else ""
     reasons = reasons_of(dataset)
     words, (_, _, sentence) = words_of(reasons), next(filter(None, reasons), "").partition(": ")
     if len(set(filter(None, reasons))) > 1:  # they apply to different depths
@@ -105,7 +103,7 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     if sentence and "," not in words:  # a single reason is given in full
         why = f"{':' if are_shown else ''} {sentence.partition(', but ')[0]}"
     without = f"{where}{why}." if why else ""
-    return " ".join(filter(None, [meant, without, _not_measured(dataset) if are_shown else ""]))
+    return " ".join(filter(None, [meaning, without, _not_measured(dataset) if are_shown else ""]))
 
 
 def _not_measured(dataset: xr.Dataset) -> str:
@@ -149,7 +147,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
         for name, own in parameter_names(dataset).items()
         if dataset[own].ndim == 0 and is_there(dataset[own].item())
     }
-    constant.pop(PROFILE, None)  # a table has no room in a caption
+    constant.pop(PROFILE, None)  # a caption has no room for a table
     others = [name for name in not_by_default(dataset) if name in constant]
     main = [name for name in SOIL_AND_CONE if name in constant]
     main += [name for name in defaults_of_law(dataset) if name in others]
@@ -157,8 +155,7 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
 
 
 def _wrapped(text: str) -> str:
-    """The text in lines of the page's width; a symbol is as wide as its few letters."""
+    """The text in lines of the page's width; the placeholder of a symbol is about as wide as it."""
     symbols = iter(SYMBOL.findall(text))
-    # Each symbol is wrapped as a word of its own length, then put back.
     lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), LETTERS, break_on_hyphens=False)
     return re.sub(IN_PLACE, lambda _: next(symbols), lines)

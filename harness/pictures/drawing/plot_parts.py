@@ -1,4 +1,4 @@
-"""What pictures have in common: style, axes, series, labels, and the files that they go to."""
+"""What pictures have in common: style, axes, series, labels and files."""
 
 import io
 from collections.abc import Iterable
@@ -19,17 +19,17 @@ from harness.errors import HarnessError
 from harness.pictures.drawing.quantities import Floats
 
 MAKER = "mpm_warp harness"
-"""Stands in every picture and page: by it a file is known to be one of the harness."""
+"""A text in every picture and page, by which the harness recognises its own files."""
 SEARCHED = 1 << 20
-"""Bytes at the beginning and at the end of a file in which it is looked for."""
+"""Number of bytes at the beginning and at the end of a file that are searched for it."""
 
 
 class NotOwnFileError(HarnessError):
-    """A file is in the way that the harness has not written; the message is one line."""
+    """A file of that name exists which the harness has not written."""
 
 
 def not_own(path: Path) -> NotOwnFileError:
-    """The refusal to overwrite a file of another program."""
+    """The error for a file of another program that would be overwritten."""
     return NotOwnFileError(
         f"{path}: was not written by this program and will not be overwritten; move it away, or "
         "write to another place"
@@ -37,10 +37,7 @@ def not_own(path: Path) -> NotOwnFileError:
 
 
 def check_replaceable(path: Path, mark: str = MAKER) -> None:
-    """Refuse to write a file that is there already and was not written by the harness.
-
-    `mark` is a text that stands in every such file.
-    """
+    """Refuse to replace a file without `mark`, a text in every file of this kind by the harness."""
     if not path.exists() and not path.is_symlink():
         return
     if not path.is_file():
@@ -55,13 +52,13 @@ def check_replaceable(path: Path, mark: str = MAKER) -> None:
 
 def write_own(content: bytes, path: Path) -> None:
     """Write a file that holds `MAKER`, whole or not at all."""
-    assert MAKER.encode() in content, "the file would not be known again"
+    assert MAKER.encode() in content, "the file would not be recognised"
     check_replaceable(path)
     write_whole(content, path)
 
 
 STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
-"""Decorator of whatever makes a figure or its image: the style of all pictures."""
+"""Decorator of functions that make a figure or its image: the style of all pictures."""
 _MADE_BY = {
     "png": {"Software": MAKER},
     "pdf": {"Creator": MAKER, "CreationDate": None},
@@ -70,29 +67,29 @@ _MADE_BY = {
 
 KILO = 1e3
 MARKERS = "osD^v<>p"
-"""Of series, which differ in grey too."""
+"""Markers of series, which tell them apart in grey."""
 MOST_LABELS = 8
-"""Curves, or points, that a picture labels."""
+"""Largest number of curves, or points, that a picture labels."""
 FAILED = "#B00020"
 """Colour of cases that failed."""
 SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
 """Colours of a scale, by luminance; the lightest can still be seen on paper."""
 INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
-"""Colours of one series alone, of a second and a third: they differ in grey."""
+"""Colours of a single series, a second and a third one; they differ in grey."""
 
 
 @STYLED
 def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
-    """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is of a PNG."""
+    """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is for a PNG."""
     for text in figure.findobj(Text):
-        text.set_parse_math(_is_set(text.get_text()))
+        text.set_parse_math(_is_valid_math(text.get_text()))
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
     return content.getvalue()
 
 
-def _is_set(words: str) -> bool:
-    """Whether mathematics in a text can be set; in what a file says it may be none."""
+def _is_valid_math(words: str) -> bool:
+    """Whether matplotlib can set the mathematics in a text; texts from files may be invalid."""
     try:
         return not is_math_text(words) or bool(MathTextParser("path").parse(words))
     except ValueError:
@@ -101,14 +98,14 @@ def _is_set(words: str) -> bool:
 
 @STYLED
 def panels(count: int = 1, height: float | None = None, **layout: Any) -> tuple[Figure, list[Axes]]:
-    """A figure with so many pairs of axes side by side, by default as high [inch] as the style."""
+    """A figure with `count` axes side by side, by default as high [inch] as the style says."""
     figure = Figure()
     figure.set_figheight(height or figure.get_figheight())
     return figure, list(figure.subplots(1, count, squeeze=False, **layout)[0])
 
 
 def series_colour(index: int, count: int) -> str:
-    """Colour of one of so many series, by luminance; black where it is alone."""
+    """Colour of a series among `count`, by luminance; black if it is the only one."""
     return INK if count == 1 else shade(index / (count - 1))
 
 
@@ -118,14 +115,14 @@ def shade(fraction: float) -> str:
 
 
 def runs(found: np.ndarray) -> list[slice]:
-    """Where neighbours are all true, one slice each."""
+    """The slices in which all values are true, one for each run of neighbours."""
     from scipy.ndimage import find_objects, label
 
     return [run for (run,) in find_objects(label(found)[0])]
 
 
 def mark_failures(axes: Axes, positions: Floats, height: float = 0.03) -> None:
-    """Mark cases without a value at a height of the axes, from 0 to 1, not to leave them out."""
+    """Mark cases without a value at a height of 0 to 1 of the axes."""
     if positions.size:
         axes.plot(
             positions,
@@ -139,12 +136,12 @@ def mark_failures(axes: Axes, positions: Floats, height: float = 0.03) -> None:
 
 
 def once(axes: Axes, label: str) -> str:
-    """`label` if the legend does not have it yet, else none."""
+    """`label` if the legend does not have it yet, otherwise ""."""
     return "" if label in axes.get_legend_handles_labels()[1] else label
 
 
 def chosen(count: int, most: int) -> list[int]:
-    """Up to `most` of `count` places, evenly spread, the first and the last among them."""
+    """Up to `most` of `count` indices, evenly spread from the first to the last."""
     return sorted({round(it) for it in np.linspace(0, count - 1, min(count, most)).tolist()})
 
 
@@ -152,7 +149,7 @@ Thing = TypeVar("Thing")
 
 
 class Series(NamedTuple):
-    """Which of many things is drawn, and how."""
+    """The index of a thing that is drawn, and its style."""
 
     place: int
     colour: str
@@ -166,7 +163,7 @@ class Series(NamedTuple):
 
 
 def series(things: Iterable[Thing], most: int | None = MOST_LABELS) -> list[tuple[Thing, Series]]:
-    """Up to `most` of the things that are drawn side by side, evenly spread; None: all of them."""
+    """Up to `most` of the things, evenly spread, or all for None, each with its style."""
     every = list(things)
     shown = chosen(len(every), most or len(every))
     return [
@@ -176,7 +173,7 @@ def series(things: Iterable[Thing], most: int | None = MOST_LABELS) -> list[tupl
 
 
 class CurveEnd(NamedTuple):
-    """The last point of a curve, and what to write there."""
+    """The last point of a curve, and its label."""
 
     x: float
     y: float
@@ -185,16 +182,16 @@ class CurveEnd(NamedTuple):
 
 
 def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
-    """The end of a curve that has a value; else none."""
+    """The last point of a curve that has a value, if any."""
     return [
         CurveEnd(x[last], y[last], label, colour) for last in np.flatnonzero(np.isfinite(y))[-1:]
     ]
 
 
 def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
-    """Write each curve's label right of the axes, as near to its end as those of others allow.
+    """Write labels right of the axes, as near to the ends of their curves as possible.
 
-    They are 0.06 of the axes' height apart, or less where there are too many.
+    They are 0.06 of the axes' height apart, or less if there are too many.
     """
     from scipy.optimize import isotonic_regression
 
@@ -204,7 +201,7 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
     low, high = axes.get_ylim()
     heights = [(end.y - low) / (high - low) for end in ordered]
     steps = min(0.06, 1.0 / len(ordered)) * np.arange(len(ordered))
-    # Less these steps the places only have to rise.
+    # After subtraction of these steps the heights only have to be non-decreasing.
     places = np.clip(isotonic_regression(heights - steps).x, 0.0, 1.0 - steps[-1]) + steps
     for end, place in zip(ordered, places, strict=True):
         leader = {"arrowstyle": "-", "color": end.colour, "lw": 0.5, "relpos": (0, 0.5)}

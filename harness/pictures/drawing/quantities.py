@@ -1,7 +1,7 @@
 """How quantities are written in a picture: symbols, units, and the axis of a parameter.
 
-A symbol is written as in ``I_r``: what follows the underscore is its subscript. A variable without
-a symbol is called by its name.
+The part of a symbol after the underscore is a subscript, as in ``I_r``. A variable without a symbol
+is called by its name.
 """
 
 import re
@@ -44,7 +44,7 @@ SYMBOLS = {
     "speed_ratio": "v/v_s",
     "time_step_fraction": "Δt/Δt_c",
 }
-"""R is the radius and h the width of a cell; v_s is the shear wave speed."""
+"""R is the cone radius, h the width of a cell, and v_s the speed of shear waves."""
 
 _UNITS = {"degree": "°", "kg m-3": "kg/m³", "m s-1": "m/s", "m s-2": "m/s²", "s-1": "1/s"}
 """Units as readers write them."""
@@ -52,19 +52,19 @@ _SPELT = {"poissons ratio": "Poisson's ratio", "in situ stress": "in-situ stress
 _PREFIXES = {"Pa": ((1e9, "G"), (1e6, "M"), (1e3, "k"))}
 """Larger units that readers expect, by the unit."""
 LONGEST_LABEL = 24
-"""Letters of the longest value in words that has room beside others on an axis."""
+"""Number of letters of the longest text that an axis has room for."""
 _SUBSCRIPT = re.compile(r"_(\w+)")
 
 
 def symbol(name: Hashable) -> str:
-    """The symbol of a variable in matplotlib's mathematics, "" where it has none."""
+    """The symbol of a variable in matplotlib's mathematics; "" if it has none."""
     written = SYMBOLS.get(str(name).removesuffix("_parameter"), "")
     subscripted = _SUBSCRIPT.sub(r"_{\\mathrm{\1}}", written)
     return f"${subscripted}$" if written else ""
 
 
 def plain(text: object) -> str:
-    """A text in which matplotlib finds no mathematics."""
+    """A text with escaped dollar signs, so that matplotlib finds no mathematics in it."""
     return str(text).replace("$", r"\$")
 
 
@@ -75,7 +75,7 @@ def named(dataset: xr.Dataset, name: Hashable) -> str:
 
 
 def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
-    """The unit of a variable as readers write it; "" where it has none."""
+    """The unit of a variable as readers write it; "" if it has none."""
     unit = str(dataset[name].attrs.get("units", "1"))
     return "" if unit == "1" else _UNITS.get(unit, unit)
 
@@ -95,12 +95,12 @@ def axis_label(dataset: xr.Dataset, name: Hashable) -> str:
 
 
 def number(value: float) -> str:
-    """A number with the digits that a reader needs: four."""
+    """A number with four digits."""
     return f"{value:.4g}"
 
 
 def quantity(value: object, unit: str = "") -> str:
-    """A value with its unit, as a reader would write it: 20 kPa."""
+    """A value with its unit, such as 20 kPa."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return plain(value).replace("_", " ")
     for factor, prefix in _PREFIXES.get(unit, ()):
@@ -110,7 +110,7 @@ def quantity(value: object, unit: str = "") -> str:
 
 
 def assigned(dataset: xr.Dataset, name: Hashable, value: object) -> str:
-    """A parameter and its value, by its symbol where it has one: I_r = 100."""
+    """A parameter, by its symbol or else its name, and its value: I_r = 100."""
     text = quantity(value, unit_of(dataset, name))
     own = symbol(name)
     return f"{own} = {text}" if own else f"{plain(spelt(spoken(name)))} = {text}"
@@ -126,11 +126,9 @@ class Values:
 
     name: str
     unit: str  # SI unit, "1" for a dimensionless number
-    numbers: Floats  # the value of each case, or its place among the categories
-    # the values in words, in the order of the study, where not all are numbers
-    categories: tuple[str, ...] = ()
-    # those without room in a picture, as a table of the ground: their numbers are the categories
-    long: tuple[str, ...] = ()
+    numbers: Floats  # the value of each case, or the index of its category
+    categories: tuple[str, ...] = ()  # all values as texts, unless all are numbers
+    long: tuple[str, ...] = ()  # texts too long for a picture; their categories are numbers
 
     @classmethod
     def of(cls, dataset: xr.Dataset, name: str) -> Self:
@@ -146,7 +144,7 @@ class Values:
         return cls(name=name, unit=unit, numbers=numbers, categories=shown, long=long)
 
     def at(self, cases: np.ndarray) -> Self:
-        """Those of some cases."""
+        """The values of some cases."""
         return replace(self, numbers=self.numbers[cases])
 
     @property
@@ -157,26 +155,26 @@ class Values:
 
     @property
     def different(self) -> Floats:
-        """Each number once, ascending."""
+        """The different numbers, ascending."""
         return np.unique(self.numbers)
 
     @property
     def logarithmic(self) -> bool:
-        """Whether the numbers, zero aside, span a decade or more."""
+        """Whether a logarithmic axis is used: the numbers, except 0, span a decade or more."""
         positive = self.numbers[self.numbers > 0.0]
         if self.categories or positive.size == 0 or self.numbers.min() < 0.0:
             return False
         low, high = positive.min(), positive.max()
-        # Of random values the least may be small by chance: half of them lie below the middle then.
+        # The least of evenly distributed random values may be small by chance.
         is_even = not self.has_single_ticks and np.median(positive) > 0.3 * (low + high)
         return bool(high >= 10.0 * low) and not is_even
 
     @property
     def scale(self) -> str:
-        """Scale of the axis, as matplotlib calls it.
+        """Matplotlib's name for the scale of the axis.
 
-        Zero has a place on a logarithmic axis, which is linear from there to the smallest other
-        value, where the others span two decades or more.
+        If 0 is among numbers that span two decades or more, the axis is linear from 0 to the
+        smallest of them.
         """
         if not self.logarithmic:
             return "linear"
@@ -187,7 +185,7 @@ class Values:
 
     @property
     def has_single_ticks(self) -> bool:
-        """Whether each number has a tick of its own: they are few, and have four digits at most."""
+        """Whether each number has its own tick: there are few, with at most four digits."""
         short = all(float(f"{number:.4g}") == number for number in self.different.tolist())
         return short and self.different.size <= 24
 
@@ -196,7 +194,7 @@ class Values:
         return self.categories[int(number)] if self.categories else f"{number:.6g}"
 
     def value(self, number: float) -> float | str:
-        """The value that stands for a number: itself, or one of the categories."""
+        """The value of a case with this number: itself, or a category."""
         return self.categories[int(number)] if self.categories else number
 
     def of_case(self, case: int) -> float | str:
@@ -204,7 +202,7 @@ class Values:
         return self.value(float(self.numbers[case]))
 
     def dress(self, axes: Axes, room: int, which: str = "x") -> None:
-        """Give an axis its scale, and ticks at the values; `room` is for how many labels it has."""
+        """Set the scale of an axis, and ticks at the values; it has room for `room` labels."""
         is_x = which == "x"
         axis = axes.xaxis if is_x else axes.yaxis
         set_scale = axes.set_xscale if is_x else axes.set_yscale
@@ -232,7 +230,7 @@ class Values:
 
 
 def apart(ascending: Floats, scale: str, room: int) -> Sequence[float]:
-    """The numbers whose labels do not meet on an axis with so much room; the ends among them."""
+    """The first and last number, and others whose labels do not overlap; see `Values.dress`."""
     if ascending.size <= 2:
         return [float(number) for number in ascending]
     places = ascending

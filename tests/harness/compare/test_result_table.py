@@ -211,7 +211,7 @@ SIZES = [0.8, 0.4, 0.2, 0.1]
 @pytest.mark.parametrize("order", [0.5, 1.0, 1.5, 2.0])
 def test_a_power_of_the_width_is_found_and_its_half_width_is_a_quarter_more(order: float) -> None:
     found = fit(SIZES, [10.0 + 0.3 * size**order for size in SIZES])
-    assert found.is_taken
+    assert found.is_accepted
     assert found.order == pytest.approx(order, abs=1e-9)
     assert found.limit == pytest.approx(10.0, abs=1e-9)
     expected = [1.25 * 0.3 * size**order for size in SIZES]
@@ -220,7 +220,7 @@ def test_a_power_of_the_width_is_found_and_its_half_width_is_a_quarter_more(orde
 
 def test_of_another_order_the_first_or_second_is_taken_and_doubted() -> None:
     found = fit(SIZES, [10.0 + size**4 for size in SIZES])
-    assert not found.is_taken
+    assert not found.is_accepted
     assert found.order == pytest.approx(4.0)
     assert (found.half_widths > 1.25 * np.array(SIZES) ** 4).all()
 
@@ -263,7 +263,7 @@ def test_on_the_meshes_of_the_project_it_takes_no_order_and_holds_the_limits() -
     )
     is_default = np.array([float(it[2]) for it in words]) == 2.89
     assert (np.abs(simulated - corrected) <= half_widths)[is_default].all()
-    assert all("not taken" in line for line in lines)
+    assert all("not accepted" in line for line in lines)
 
 
 def test_three_meshes_are_too_few() -> None:

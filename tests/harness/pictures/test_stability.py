@@ -165,14 +165,14 @@ def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
             "13 to 16: 25% of 4, 17 to 20: 0% of 4",
             "spread": "100%",
             "least": "17 to 20",
-            "what gives way there": f"4 {DIVERGED}",
+            "what fails there": f"4 {DIVERGED}",
         },
         {
             "parameter": "strength",
             "completed": "1: 40% of 10, 2: 60% of 10",
             "spread": "20%",
             "least": "1",
-            "what gives way there": f"6 {DIVERGED}",
+            "what fails there": f"6 {DIVERGED}",
         },
     ]
 
