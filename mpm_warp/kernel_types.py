@@ -5,6 +5,7 @@ Warp converts no literals to double precision, so constants have names here.
 
 import functools
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.errors import KernelCacheError
+from mpm_warp.errors import KernelCacheError, SceneError
 
 
 def _start_warp_in_silence() -> None:
@@ -46,6 +47,30 @@ def kernels_kept() -> Iterator[None]:
         raise KernelCacheError(
             f"compiled kernels cannot be kept in {folder}: {error.strerror}; set WARP_CACHE_PATH "
             "to a folder that can be written to"
+        ) from None
+
+
+NOT_UNDERSTOOD = re.compile(
+    r'(?s:.*)Error while parsing function "(.*?)" at (.*):\d+:\n(.*)\n;((?s:.*))'
+)
+"""How Warp says which function it cannot make a kernel of; those that call it come before.
+
+Named are the function, its file, the line of code and what is wrong.
+"""
+
+
+@contextmanager
+def functions_understood() -> Iterator[None]:
+    """Raise `SceneError`, of one line, where Warp cannot make a kernel of a function of a law."""
+    try:
+        yield
+    except Exception as error:  # of any class: what Warp met there, with the place put before it
+        found = NOT_UNDERSTOOD.fullmatch(str(error.args[0]) if error.args else "")
+        if found is None:
+            raise
+        function, file, line, problem = (" ".join(part.split()) for part in found.groups())
+        raise SceneError(
+            f"no kernel can be made of the function {function} in {file}: {problem}, in: {line}"
         ) from None
 
 

@@ -138,7 +138,7 @@ class Table:
             checked = definition.checked(value)
         except ParameterError as error:
             unit = "" if definition.unit == "1" else f", in {definition.unit}"
-            what = "" if definition.choices else f"; it is the {definition.meaning}{unit}"
+            what = "" if definition.choices else f"; meaning: {definition.meaning}{unit}"
             raise StudyError(f"{self.where} {error}{what}") from None
         assert checked is not None  # only None itself is checked to None
         return checked

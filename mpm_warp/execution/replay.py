@@ -15,7 +15,7 @@ import warp as wp
 from numpy.typing import NDArray
 
 from mpm_warp.execution.threads import LEFT, barrier, in_turn, run_together, share_of
-from mpm_warp.kernel_types import kernels_kept
+from mpm_warp.kernel_types import functions_understood, kernels_kept
 from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan
 
 UPDATES_PER_CALL = 5_000_000
@@ -138,7 +138,7 @@ class DeviceRun:
     def _load(self) -> None:
         """Compile or load the kernels and forget all recordings."""
         kernels = [*(launch.kernel for launch in self.plan.launches), next_step]
-        with kernels_kept():
+        with kernels_kept(), functions_understood():
             wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
         self._recorded: dict[int, RecordedSteps] = {}  # by number of threads
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not

@@ -271,10 +271,12 @@ def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]
 
 def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
     """The field for a parameter of the named laws; it has bounds only if one law has it."""
+    by_default: dict[str, list[str]] = {}
+    for name, definition in found:
+        default = "" if definition.default is None else f", default {definition.default}"
+        by_default.setdefault(default, []).append(name)
     laws = "; ".join(
-        f"of material {name}"
-        + ("" if definition.default is None else f", default {definition.default}")
-        for name, definition in found
+        f"of material {' and '.join(names)}{default}" for default, names in by_default.items()
     )
     _, first = found[0]
     of_one = {"choices": first.choices, **asdict(first.bounds)} if len(found) == 1 else {}

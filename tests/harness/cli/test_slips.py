@@ -43,7 +43,7 @@ MISTAKES = {
     "run mesh_size --set Nc=10": "unknown parameter 'Nc'; it is a result, not a parameter",
     "run mesh_size --set undrained_shear_strength=35kPa": "give the number without kPa, in the "
     "unit of the parameter",
-    "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 1000; it is the greatest "
+    "run mesh_size --set penetration=0.3": "must be a number >= 1 and <= 1000; meaning: greatest "
     "penetration over cone radius",
     "run mesh_size --set adhesion_factor=[0, 1]": "the shell has split the value at a blank; put "
     "quotes around it: --set 'adhesion_factor=[0, 1]'",

@@ -270,6 +270,35 @@ def test_a_law_without_its_numbers_or_functions_is_refused(
 
 
 @wp.func
+def unknown_inside(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+    return never_defined * strain, state  # noqa: F821
+
+
+@wp.func
+def one_result(stress: vec4, strain: vec4, time_step: real, properties: vec2, state: vec1):
+    return stress
+
+
+@pytest.mark.parametrize(
+    ("update", "message"),
+    [
+        (
+            unknown_inside,
+            r"function unknown_inside in .*test_material\.py: .* never_defined, in: return never_d",
+        ),
+        (one_result, "function .* in: sigma, remembered = law.update"),
+    ],
+)
+def test_a_function_that_warp_cannot_compile_is_refused_in_one_line(
+    update: Any, message: str, floating: Scene
+) -> None:
+    """Warp has a few lines for each function on the way to it."""
+    own = type("Own", (LinearElastic,), {"update": lambda law: update})(**ELASTIC)
+    with pytest.raises(SceneError, match=f"^no kernel can be made of the {message}[^\n]*$"):
+        Simulation(dataclasses.replace(floating, material=own))
+
+
+@wp.func
 def strength_lost(stress: vec4, properties: vec3, state: vec1) -> vec2:
     return vec2(stress[2], stress[0] / stress[0])
 

@@ -147,11 +147,12 @@ def test_other_scenes_take_the_law(offered: Path, scene: str, settings: dict[str
 
 def test_the_law_is_described_and_its_values_are_checked(offered: Path) -> None:
     described = command(offered, "describe", "cone_penetration").stdout
-    assert "compression_slope" in described
+    assert "(of material bonded_clay and modified_cam_clay, default 0.2)" in described
     schema = json.loads(command(offered, "schema").stdout)
     assert "swelling_slope" in json.dumps(schema)
     refused = {
         "compresion_slope=0.1": "did you mean 'compression_slope'",
+        "swelling_slope=true": "must be a number; meaning: slope kappa",
         "material=tresca": "is no parameter of material = 'tresca'",
         "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
     }
