@@ -9,9 +9,6 @@ with Delta by K0 and su itself, and alpha by the sleeve friction and su where th
 both by repetition. e_table and e_model are the errors of the table and of what the simulation
 leaves out. Sleeve and pore pressure, where they may tell of the soil, weigh the draws by how well
 the layer's mean of fs and u2 - u0 is met; the draws are then taken again by their weights.
-
-The share of a cause is what the variance of ln su loses when that input is known: the variance of
-its means over classes of the input (first-order effect, Saltelli et al. 2008, chapter 4).
 """
 
 import math
@@ -36,6 +33,7 @@ from harness.interpret.factors import (
 )
 from harness.interpret.measured import OTHER_LAYER, REASONS, error_of, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
+from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.study.distributions import normal, sampled
 from harness.study.tables import StudyError
@@ -48,8 +46,6 @@ REPETITIONS = 30
 """Times that Delta and alpha follow from su and su from them."""
 SETTLED = 1e-6
 """Relative change of su at which it has settled."""
-CLASSES = 32
-"""Classes of an input for its share of the variance."""
 HALF_WIDTH = 1.96
 """Half width of 95 % over a deviation."""
 MODEL_OF_SLEEVE, MODEL_OF_U2 = 0.2, 0.2
@@ -61,8 +57,6 @@ MOST_OF_ANISOTROPY = 0.5
 since ground with Delta of 1 or more would have failed before any test."""
 MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
 """Causes of an error that are no inputs of a layer."""
-TOGETHER = "together"
-"""The share that no single input has."""
 DRAW_BYTES = 160
 """Memory of a draw at a depth while a layer is interpreted [byte]: twenty numbers, as measured."""
 
@@ -129,19 +123,20 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
             )
         drawn = draw(site, number, used, here)
         chosen, arrays["draws"][number] = _chosen(drawn.log_likelihood, site.seed)
-        kept = {name: it[chosen] for name, it in drawn.inputs.items()}
+        distinct, weights = np.unique(chosen, return_counts=True)
         for name, draws in (("strength", drawn.strength), ("resistance_factor", drawn.factor)):
             arrays[name][here] = np.percentile(draws[:, chosen], PERCENTILES, axis=1).T
         for name, draws in drawn.ground.items():
             arrays[name][here] = np.median(draws[:, chosen], axis=1)
-        shares = error_shares(kept, np.log(drawn.strength[:, chosen]))
+        inputs = {name: it[distinct] for name, it in drawn.inputs.items()}
+        shares = error_shares(inputs, np.log(drawn.strength[:, distinct]), weights)
         for place, cause in enumerate(causes):
             if cause in shares:
                 share[here, place] = shares[cause]
-            if cause in kept:
-                before, after = drawn.inputs[cause], kept[cause]
-                arrays["input_before"][number, place] = np.percentile(before, PERCENTILES)
-                arrays["input_after"][number, place] = np.percentile(after, PERCENTILES)
+            if cause in drawn.inputs:
+                draws = drawn.inputs[cause]
+                arrays["input_before"][number, place] = np.percentile(draws, PERCENTILES)
+                arrays["input_after"][number, place] = np.percentile(draws[chosen], PERCENTILES)
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
@@ -331,24 +326,3 @@ def _chosen(likelihood: Floats, seed: int) -> tuple[np.ndarray, float]:
     start = np.random.default_rng(seed).random()
     places = np.searchsorted(np.cumsum(weights), (np.arange(count) + start) / count)
     return np.minimum(places, count - 1), float(1.0 / np.sum(weights**2))
-
-
-def error_shares(inputs: Mapping[str, Floats], values: Floats) -> dict[str, Floats]:
-    """Share of each input in the variance of values, [depths, draws], and of all beyond that.
-
-    By name, `TOGETHER` among them, they add up to 1, shape [depths]. An input that is the same in
-    all draws has none.
-    """
-    size = values.shape[1] // CLASSES
-    variance = values.var(axis=1)
-    shares = {}
-    for name, draws in inputs.items():
-        if np.ptp(draws) > 0.0:
-            order = np.argsort(draws, kind="stable")[: CLASSES * size]
-            classes = values[:, order].reshape(len(values), CLASSES, size)
-            of_means = classes.mean(axis=2).var(axis=1)
-            within = classes.var(axis=2).mean(axis=1) / size  # means of few vary by chance
-            shares[name] = np.maximum(of_means - within, 0.0) / variance
-    total = np.sum(list(shares.values()), axis=0)
-    over = np.maximum(total, 1.0)
-    return {name: share / over for name, share in shares.items()} | {TOGETHER: 1.0 - total / over}

@@ -10,7 +10,7 @@ import xarray as xr
 from harness.archive.netcdf_files import write_netcdf
 from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
 from harness.interpret.site import load_site
-from harness.interpret.strength import _in_table, error_shares, interpret
+from harness.interpret.strength import _in_table, interpret
 from mpm_warp.errors import ParameterError
 from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
@@ -129,16 +129,6 @@ def test_the_sleeve_tells_the_adhesion(folder: Path) -> None:
         for found in (by_sleeve, weighed, without)
     ]
     assert widths[0] < widths[1] < widths[2]
-
-
-def test_shares_of_the_error_are_those_of_a_sum() -> None:
-    """Of x + 2 y, independent and of one variance: a fifth and four fifths."""
-    rng = np.random.default_rng(1)
-    x, y = rng.normal(size=(2, 65536))
-    shares = error_shares({"x": x, "y": y}, (x + 2.0 * y)[None])
-    assert shares["x"][0] == pytest.approx(0.2, abs=0.01)
-    assert shares["y"][0] == pytest.approx(0.8, abs=0.01)
-    assert shares["together"][0] == pytest.approx(0.0, abs=0.01)
 
 
 @pytest.mark.parametrize(
