@@ -136,7 +136,8 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     depth = found.depth.values
     for (name, label), line in series(MEASURED.items()):
         scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
-        test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=text)
+        entry = text if found[name].notnull().any() else ""
+        test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=entry)
     if "sharpened_resistance" in found:
         sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
         test.plot(sharp, depth, "k--", lw=0.8, label=text)

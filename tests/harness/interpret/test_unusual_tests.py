@@ -146,6 +146,8 @@ def test_without_a_sleeve_clay_is_told_by_pore_pressure_and_tip(folder: Path) ->
     assert reasons(found)[ROW + 5 : ROW + 10] == ["no fs and it may be sand"] * 5
     xr.testing.assert_equal(found, emptied)
     assert found.attrs["notes"].startswith("no column is taken as fs (columns = { fs =")
+    legend = interpretation_figure(found).axes[0].get_legend()
+    assert not any("f_" in text.get_text() for text in legend.get_texts())
 
 
 @pytest.mark.parametrize(
