@@ -78,9 +78,9 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
         assumed = f"; not given and assumed: {', '.join(layer.assumed)}" if layer.assumed else ""
         felt = int(own.near_border.sum())
-        taken = ", which is taken away at borders of the site file"
-        sharp = taken if "sharpened_resistance" in found else ""
-        near = f"; {felt} of them feel another layer{sharp}" if felt else ""
+        removed = ", and its effect is removed at borders of the site file"
+        sharp = removed if "sharpened_resistance" in found else ""
+        near = f"; another layer is felt at {felt} of them{sharp}" if felt else ""
         few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(

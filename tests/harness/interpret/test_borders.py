@@ -187,7 +187,7 @@ def test_a_table_has_the_resistance_that_its_strength_is_by(folder: Path, comman
         ("sharp", "qnet without borders [kPa]", ("--sharpen",)),
     ):
         told = command("interpret", folder / "site.toml", *options, "--out", folder / out)
-        assert ("feel another layer, which is taken away" in told.out) == (out == "sharp")
+        assert ("and its effect is removed at borders" in told.out) == (out == "sharp")
         rows = csv.DictReader((folder / out / "site_interpretation.csv").read_text().splitlines())
         used = [row for row in rows if row["reason"] == "used"]
         products = [float(row["su 50% [kPa]"]) * float(row["Nkt 50% [1]"]) for row in used]
