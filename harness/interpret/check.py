@@ -1,13 +1,13 @@
-"""The loop closed: the sounding through the interpreted ground, to lay over the measured one.
+"""Check of an interpretation: a simulated sounding through its ground, beside the measured one.
 
-The ground is that of the medians by depth. In each layer strength, rigidity index, adhesion factor
-and stress anisotropy are straight lines between few depths, by least squares. Rate effect and
-softening are the same in all of it, means over the layers: a sounding has no others. Between layers
-that leave a gap the ground changes linearly.
+The ground has the medians by depth. In each layer strength, rigidity index, adhesion factor and
+stress anisotropy are straight lines between a few depths, by least squares. Rate effect and
+softening are means over the layers, because a simulated sounding has them constant. In a gap
+between layers the ground changes linearly.
 
-The misfit is over the resistance that the interpretation takes for that of the ground. Sleeve and
-pore pressure may tell that the measured one has an error: in soft clay a shift within class 2 is a
-quarter of it. How far the two are apart is told beside the misfit.
+The misfit is relative to the resistance of the ground, as the interpretation finds it. Sleeve and
+pore pressure may show that the measured resistance has an error: in soft clay a shift within
+class 2 is a quarter of it. The difference of the two is stated with the misfit.
 """
 
 from collections.abc import Mapping
@@ -29,25 +29,21 @@ ACCURACY: Mapping[str, Mapping[str, float]] = {
     "quick": {"cells_per_radius": 2.0, "speed_ratio": 0.1},
     "standard": {},
 }
-"""Mesh and speed of the simulation; of the second those of the scene."""
+"""Mesh and speed of the simulation; `standard` has the defaults of the scene."""
 KNOTS = 30.0
-"""Way between two depths of the ground, at least, over the cone's radius."""
+"""Least distance of two depths of the ground, over the radius of the cone."""
 STEADY = 0.01
-"""Weight of second differences of the ground beside its misfit: it decides where no depth has a
-strength."""
+"""Weight of second differences of the ground, relative to its misfit. They determine the ground
+where no depth has a strength."""
 
 
 def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
-    """The sounding through the ground that `interpret` found; nothing is run.
-
-    Raises:
-        HarnessError: no depth of the site has a strength.
-    """
+    """The sounding through the ground that `interpret` found, to be run."""
     radius, depth = found.attrs["cone_radius"], found.depth.values
-    rows, soils, ways = [], [], []
+    rows, soils, thicknesses = [], [], []
     for number, layer in enumerate(site.layers):
         inside = (site.layer_at(depth) == number) & (found.reason.values == 0)
-        # Depths that feel another layer tell of it too, unless their resistance is sharpened.
+        # Near a border the resistance is also of another layer, unless it is sharpened.
         own = inside & (found.near_border.values == 0)
         if "sharpened_resistance" in found or not own.any():
             own = inside
@@ -60,10 +56,10 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
         medians = found.input_after.isel(layer=number).sel(percentile=50.0)
         inputs = {name: medians.sel(cause=name).values for name in layer.inputs}
         inputs["remoulded_strength_ratio"] = 1.0 / inputs["sensitivity"]
-        wanted = ("rate_factor", "remoulded_strength_ratio", "ductility")
-        soil, _ = at_table_rate({name: inputs[name] for name in wanted}, layer.laboratory_rate)
+        names = ("rate_factor", "remoulded_strength_ratio", "ductility")
+        soil, _ = at_table_rate({name: inputs[name] for name in names}, layer.laboratory_rate)
         soils.append([float(value) for value in soil.values()])
-        ways.append(layer.bottom - layer.top)
+        thicknesses.append(layer.bottom - layer.top)
     if not rows:
         raise HarnessError(f"{site.name}: no depth has a strength, so there is nothing to check")
     ground = np.concatenate(rows, axis=1)
@@ -75,11 +71,11 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
         depth=ground[0],
         strength=strength,
         shear_modulus=index * strength,
-        unit_weight=np.full_like(strength, 17e3),  # of no effect on net resistance
+        unit_weight=np.full_like(strength, 17e3),  # has no effect on net resistance
         adhesion_factor=adhesion,
         stress_anisotropy=anisotropy,
     )
-    rate, remoulded, ductility = np.average(soils, axis=0, weights=ways)
+    rate, remoulded, ductility = np.average(soils, axis=0, weights=thicknesses)
     changes: dict[str, Any] = dict(ACCURACY[accuracy])
     if rate > 0.0:
         changes |= {"rate_factor": rate, "reference_strain_rate": TABLE_RATE}
@@ -95,7 +91,7 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
 
 
 def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
-    """Values at knots whose straight lines are nearest to those at depths; none beyond these."""
+    """Values at knots: straight lines between them fit those at depths, within their range."""
     lines = np.stack([np.interp(depth, knots, unit) for unit in np.eye(len(knots))], axis=-1)
     bends = STEADY * np.diff(np.eye(len(knots)), n=2, axis=0)
     right = np.concatenate([values, np.zeros(len(bends))])
@@ -105,7 +101,7 @@ def _at_knots(depth: Floats, values: Floats, knots: Floats) -> Floats:
 
 
 def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
-    """What `interpret` found, with the simulated sounding at the test's depths, and the misfit."""
+    """The result of `interpret`, with the simulated sounding at the depths of the test."""
     depth, at = found.depth.values, simulated.depth.values
     net, friction, excess, ground = (
         np.interp(depth, at, simulated[name].values, left=np.nan, right=np.nan)
@@ -121,14 +117,14 @@ def checked(found: xr.Dataset, simulated: xr.Dataset) -> xr.Dataset:
             simulated_sleeve_friction=(friction, "Pa", "sleeve friction, simulated"),
             simulated_pore_pressure=(pressure, "Pa", "pore pressure u2, simulated"),
             simulated_strength=(ground, "Pa", "strength of the ground that was simulated"),
-            expected_resistance=(expected, "Pa", "net resistance taken for the ground's"),
+            expected_resistance=(expected, "Pa", "net resistance of the interpreted ground"),
             misfit=(misfit, "1", "simulated over expected net resistance, less 1"),
         )
     )
 
 
 def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
-    """How far the simulated net resistance is from the measured one, a sentence a layer."""
+    """How far the simulated net resistance is from the expected one, a sentence a layer."""
     sentences = []
     in_layer = site.layer_at(found.depth.values)
     for number in range(len(site.layers)):
@@ -144,11 +140,12 @@ def misfit_in_words(site: Site, found: xr.Dataset) -> list[str]:
         parts = [f"{float(own.mean()):+.1%} on average"]
         for where, part in (("near borders", own[near]), ("elsewhere", own[~near])):
             if part.size:
-                parts.append(f"{float(np.abs(part).mean()):.1%} in size {where}")
+                parts.append(f"{float(np.abs(part).mean()):.1%} in absolute value {where}")
         sentences.append(
-            f"{found.layer.values[number]}: simulated over expected net resistance is off by "
-            f"{', '.join(parts)}; most, {float(worst):+.1%}, at {float(worst.depth):.2f} m; "
-            f"expected is the measured one {shift:+z.1%}, by what `use` names; the error of the "
-            f"test is {float(error.mean()):.1%}, half width of 95 %"
+            f"{found.layer.values[number]}: simulated net resistance differs from the expected one "
+            f"by {', '.join(parts)}; the largest difference is {float(worst):+.1%}, at "
+            f"{float(worst.depth):.2f} m; the expected one is the measured one {shift:+z.1%}, by "
+            f"the measures in `use`; the error of the test is {float(error.mean()):.1%}, half "
+            "width of 95 %"
         )
     return sentences

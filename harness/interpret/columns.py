@@ -1,12 +1,12 @@
 """Depth, qc, fs and u2 of a measured test in SI units, whatever file they come from.
 
-A row is left out, and told, where the tip stands or goes back a little: at a change of rods. Where
-the file has the length of the rods, and the inclination of the cone, each step of depth is
+Rows in which the tip stands or moves back a little, at a change of rods, are left out with a note.
+If the file has the length l of the rods and the inclination of the cone, each step of depth is
 
     dz = dl / sqrt(1 + tan^2 a + tan^2 b)
 
-with inclinations a and b in two planes, or a alone (EN ISO 22476-1, as commonly quoted). What
-cannot be a cone test is refused, with file, line, value and what is allowed.
+with inclinations a and b in two planes, or a alone (EN ISO 22476-1, as commonly quoted). Values
+that no cone test can have are refused; the message has file, line, value and what is allowed.
 """
 
 import math
@@ -28,46 +28,42 @@ from mpm_warp.arguments import Range
 from mpm_warp.grid.fitted import Floats
 
 MOST_INCLINED = math.radians(45.0)
-"""No cone is pushed so far; what is more is in another unit."""
+"""No cone inclines more; a larger value is in another unit."""
 POSSIBLE: Mapping[str, Range] = {
     "qc": Range(minimum=-0.2e6, maximum=200e6),
     "fs": Range(minimum=-0.2e6, maximum=5e6),
     "u2": Range(minimum=-100e6, maximum=100e6),
 }
-"""What a cone, a sleeve, a filter bears; a zero may be shifted [Pa]."""
+"""Values that a cone, a sleeve and a filter can measure [Pa]; a zero may be shifted."""
 ABOVE_VACUUM = Range(minimum=-0.2e6, maximum=100e6)
-"""What a filter bears whose zero is the air: water boils at -0.1 MPa."""
+"""Values of u2 [Pa] if its zero is the pressure of the air: water boils at -0.1 MPa."""
 REBOUND = 0.05
-"""By so much the tip may go back where rods are changed [m]."""
+"""The tip may move back by so much at a change of rods [m]."""
 NO_VALUE = -999.0, -9999.0, -99999.0, -999999.0
-"""Usual codes for no value. By its value alone a pressure of -999 kPa is no other, so that the file
-or the site file has to tell which it is."""
+"""Usual codes for a missing value. A measured pressure of -999 kPa looks the same, so the test file
+or the site file has to say which it is."""
 GAP = 0.25
-"""Steps of depth above this, and above five usual ones, are told as gaps [m]."""
-NOT_THERE = {"fs": "only Bq and the tip tell what is clay", "u2": "there is no Bq"}
+"""Larger steps of depth [m] are noted as gaps, if they are also above five times the median."""
+NOT_THERE = {"fs": "only Bq and the tip show what is clay", "u2": "there is no Bq"}
 """Columns that a test may lack, and what is lost without them."""
 MOST_ROWS = 20_000
 USUAL_AREA = 10.0
-"""Cross-section of a cone where neither file says it [cm2]."""
+"""Cross-section of a cone if neither file states it [cm2]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A measured test; what is told of the cone is by the site file, or by the test's own."""
+    """A measured test; data of the cone are from the site file, or else from the test file."""
 
-    values: dict[str, Floats]  # by name, in SI units, shape [n]; not a number where one is missing
+    values: dict[str, Floats]  # by name, in SI units, NaN where missing, shape [n]
     area_ratio: float
     pre_drilled: float  # [m]
     cone_radius: float  # [m]
-    notes: tuple[str, ...]  # what a reader must know of the file, each a line
+    notes: tuple[str, ...]  # what is unusual in the file, each a line
 
 
 def read_columns(test: MeasuredTest) -> Columns:
-    """The columns of the file of a test; depth rises, fs or u2 is all missing where it has none.
-
-    Raises:
-        StudyError: the file is missing, damaged or too large, lacks a column, or is no cone test.
-    """
+    """The columns of a test file, by increasing depth; fs and u2 are NaN if the file lacks them."""
     path = test.file
     file = read_file(path, test.sounding)
     if len(file.rows) > MOST_ROWS:
@@ -99,7 +95,7 @@ def read_columns(test: MeasuredTest) -> Columns:
     if area_ratio < 1.0 and np.isnan(values["u2"]).all():
         raise StudyError(
             f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
-            "area_ratio = 1 takes qc as corrected; where it has another name: columns = "
+            "area_ratio = 1 takes qc as corrected; where u2 has another name: columns = "
             '{ u2 = "..." }'
         )
     _refuse_impossible(test, places, values)
@@ -125,7 +121,7 @@ def _with_depth(
     places: np.ndarray,
     notes: list[str],
 ) -> np.ndarray:
-    """The rows that have a depth; a code for none is noted, an empty cell refused."""
+    """The rows that have a depth; a code for a missing depth is noted, an empty cell is refused."""
     found = ~np.isnan(depth)
     for place, (_, cells), is_there in zip(places, rows, found, strict=True):
         if not is_there and (not cells[column].strip() or not found.any()):
@@ -139,7 +135,8 @@ def _refuse_impossible(
     test: MeasuredTest, places: np.ndarray, values: Mapping[str, Floats]
 ) -> None:
     """Refuse resistances and pressures that no cone measures."""
-    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0  # 0 may be of the sea bed
+    # At sea water_level is 0, and the zero of the sensors may be the pressure at the sea bed.
+    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0
     bounds = {**POSSIBLE, "u2": ABOVE_VACUUM} if from_air else POSSIBLE
     for name, possible in bounds.items():
         for place, value in zip(places, values[name].tolist(), strict=True):
@@ -159,20 +156,20 @@ def _refuse_impossible(
 
 
 def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, float, list[str]]:
-    """Area ratio, pre-drilled depth and radius by the site file or the test's own, and notes."""
+    """Area ratio, pre-drilled depth and radius by the site file or the test file, and notes."""
     values, notes = [], list(file.notes)
     for key in ("area_ratio", "pre_drilled", "cone_area"):
-        value, told = getattr(test, key), file.told.get(key)
-        if value is None and told is not None:
-            value = told
+        value, stated = getattr(test, key), file.told.get(key)
+        if value is None and stated is not None:
+            value = stated
             notes.append(f"{key} = {value:g} by the file")
             if not TEST_KEYS[key].allowed.holds(value, value):
                 raise StudyError(
                     f"{test.file}: {key} = {value:g}: must be {TEST_KEYS[key].allowed.allowed}; "
-                    "the site file may say another"
+                    "the site file may state another"
                 )
-        elif told is not None and told != value:
-            notes.append(f"{key} = {value:g} by the site file, {told:g} by the file")
+        elif stated is not None and stated != value:
+            notes.append(f"{key} = {value:g} by the site file, {stated:g} by the file")
         values.append(value)
     area_ratio, pre_drilled, cone_area = values
     if area_ratio is None:
@@ -185,7 +182,7 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
 
 
 def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...] | None) -> Floats:
-    """The numbers of a column, not a number where there is none."""
+    """The numbers of a column, NaN for missing values."""
     heading, values = file.headings[place], np.full(len(file.rows), np.nan)
     for row, (number, cells) in enumerate(file.rows):
         if place >= len(cells):
@@ -215,7 +212,7 @@ def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...] 
 
 
 def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -> np.ndarray:
-    """The rows in which the tip is deeper than ever before; others, and gaps, are noted."""
+    """The rows in which the tip is deeper than in all earlier ones; others and gaps are noted."""
     if depth[0] < 0.0:
         raise StudyError(
             f"{path}: {places[0]}: depth {depth[0]:g} m is above the ground; where the file has "
@@ -228,8 +225,8 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
             "its unit"
         )
     levels = (
-        "; where the file has levels, give ground_level; where its first row is the deepest, turn "
-        "the rows round"
+        "; where the file has levels, give ground_level; where its first row is the deepest, "
+        "reverse the order of rows"
         if depth[-1] < depth[0]
         else ""
     )
@@ -251,16 +248,15 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
 
 
 def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.ndarray) -> Floats:
-    """Depths of lengths of rods, vertical down to the first; angles between known ones."""
+    """Depths of lengths of rods, vertical above the first row; missing angles are interpolated."""
     slope = np.zeros_like(length)
     for angle in angles:
         known = np.isfinite(angle)
         wrong = known & (np.abs(np.nan_to_num(angle)) > MOST_INCLINED)
         if wrong.any():
-            told = math.degrees(angle[wrong][0])
             raise StudyError(
-                f"{path}: {places[wrong][0]}: inclination of {told:.3g} degrees, must be "
-                f"<= {math.degrees(MOST_INCLINED):g}; look at its unit"
+                f"{path}: {places[wrong][0]}: inclination of {math.degrees(angle[wrong][0]):.3g} "
+                f"degrees, must be <= {math.degrees(MOST_INCLINED):g}; look at its unit"
             )
         if known.any():
             slope += np.tan(np.interp(length, length[known], angle[known])) ** 2

@@ -203,7 +203,7 @@ def test_the_loop_is_closed_from_the_command_line(folder: Path, command: Command
     """
     out = folder / "out"
     told = command("interpret", folder / "site.toml", "--sharpen", "--check", "--out", out)
-    assert told.out.count("simulated over expected net resistance") == 2
+    assert told.out.count("simulated net resistance differs from the expected one") == 2
     assert "simulating the sounding, quick: about " in told.err
     found = xr.open_dataset(out / "site_check.nc")
     away = (np.abs(WAY) > 15.0) & np.isfinite(found.misfit.values)

@@ -66,7 +66,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "upward": (
         "csv",
         lambda it: b"\n".join([*it.splitlines()[:1], *it.splitlines()[:0:-1]]),
-        "its first row is the deepest, turn the rows round",
+        "its first row is the deepest, reverse the order of rows",
     ),
     "above": ("csv", replaced("\n1.0,", "\n-0.1,"), "only the first rows are above the ground"),
     "u2 from the sea bed": (
