@@ -1,6 +1,6 @@
-"""Files of sites explained: a new one, one that is there, and the schema of all of them.
+"""Site files: text of a new one, description of an existing one, and their JSON schema.
 
-All three are made from the definitions in keys.py.
+All three are made from the keys in keys.py.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -18,13 +18,13 @@ from harness.study.schema import DIALECT, LINE, Schema, bounds_schema, distribut
 from harness.study.tables import StudyError, Table
 
 PERCENTILES = 5, 50, 95
-"""Of a distribution, by which it is told."""
+"""Percentiles that describe a distribution."""
 
 
 def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = ()) -> str:
-    """A site file for a test, explained key by key, to be edited.
+    """A new site file for a test, to be edited; each key has a comment.
 
-    `told` is by the test's own; of several `soundings` one is to be chosen, each has a comment.
+    `told` has values from the test file. Several `soundings` are listed, to choose one of them.
     """
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
@@ -33,8 +33,8 @@ def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = (
         at = rows.index("#sounding = ...")
         rows[at : at + 1] = [f"#{assignment('sounding', name)}" for name in soundings]
     lines = [
-        "# A measured cone test and its ground. A line that begins with # is a comment; a value in",
-        "# it is assumed, and told so. Take the # away and give what is known of this ground.",
+        "# A measured cone test and its ground. Lines that begin with # are comments; values in",
+        "# them are assumed, and the result says so. Remove the # to give what is known here.",
         comment(f"An input is {HOW}."),
         "",
         *_key_rows(SITE_KEYS, {"title": "My site"}),
@@ -42,7 +42,7 @@ def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = (
         "[test]",
         *rows,
         "",
-        "# As many layers as there are of undrained clay.",
+        "# One table for each layer of undrained clay.",
         "[[layer]]",
         *_key_rows(LAYER_KEYS, layer),
     ]
@@ -50,7 +50,7 @@ def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = (
 
 
 def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]:
-    """What each key is, and its value; its default, or dots, as a comment."""
+    """A comment on each key, and its value; if none is given, its default or dots as a comment."""
     rows = []
     for name, key in keys.items():
         default = f"#{name} = ..." if key.default is None else f"#{assignment(name, key.default)}"
@@ -60,7 +60,7 @@ def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]
 
 
 def is_site_file(name: str) -> bool:
-    """Whether a name is that of a file of a site: one of TOML that has a table [test]."""
+    """Whether a file is a site file: TOML with a table [test]."""
     path = Path(name)
     if path.suffix != ".toml" or not path.is_file():
         return False
@@ -71,7 +71,7 @@ def is_site_file(name: str) -> bool:
 
 
 def site_rows(path: Path) -> list[str]:
-    """What a site file says: each key with its value, and what it is."""
+    """Description of a site file: each key with its value and meaning."""
     site, values = load_site(path), read_toml(path)
     rows = [f"{path}: {site.title}", "", *_told_rows(SITE_KEYS, values)]
     rows += ["", "[test]", *_told_rows(TEST_KEYS, values["test"])]
@@ -81,7 +81,7 @@ def site_rows(path: Path) -> list[str]:
 
 
 def test_rows(path: Path) -> list[tuple[str, str, str]]:
-    """What a site file says of the test: key, value and meaning, of those that have a value."""
+    """Key, value and meaning of all that has a value in the top part and [test] of a site file."""
     values = read_toml(path)
     stated = [*_stated(SITE_KEYS, values), *_stated(TEST_KEYS, values["test"])]
     return [
@@ -94,7 +94,7 @@ def test_rows(path: Path) -> list[tuple[str, str, str]]:
 def _stated(
     keys: Mapping[str, Key], given: Mapping[str, Any]
 ) -> Iterator[tuple[str, Key, Any, str]]:
-    """Name, key, value and its text for each key of a table that is given."""
+    """Name, key, value and its text for each key of a table."""
     for name, key in keys.items():
         value = given.get(name, key.default)
         default = "" if name in given else "default "
@@ -102,14 +102,14 @@ def _stated(
 
 
 def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[str]:
-    """A row a key; of a distribution a row more."""
+    """A row for each key, and one more for a distribution."""
     for name, key, value, text in _stated(keys, given):
         yield f"{name:18} {text:36} {key.told}"
         if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
             shares = np.array(PERCENTILES) / 100.0
             ends = read_input(Table("", {name: value}), name, key.allowed).quantiles(shares)
-            told = ", ".join(f"{n} %: {end:.3g}" for n, end in zip(PERCENTILES, ends, strict=True))
-            yield f"{'':18} {told}"
+            pairs = zip(PERCENTILES, ends, strict=True)
+            yield f"{'':18} {', '.join(f'{percent} %: {end:.3g}' for percent, end in pairs)}"
 
 
 def site_schema() -> Schema:

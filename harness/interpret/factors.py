@@ -1,18 +1,19 @@
-"""The factors of a cone in a moment: a polynomial through the table that ships, with its error.
+"""Factors of a cone without a simulation: polynomials fitted to tables, with their error.
 
-Two tables in `studies` hold simulated cone tests drawn over all that the factors depend on. Their
-rate factor belongs to the shear strain rate TABLE_RATE. Of the same ground with su and mu at
-another rate, L log cycles above it, holds
+Two tables in `studies` have simulated cone tests with random values of all inputs of the factors.
+su and mu of the tables hold at the shear strain rate TABLE_RATE. For the same ground with su and mu
+at another rate, L log cycles above it,
 
     su' = su (1 - mu L),   mu' = mu su / su',   Ir' = Ir su / su',   Delta' = Delta su / su'
 
-and what the table gives over su' is 1 / (1 - mu L) of what it is over su. The factors are
-polynomials in the inputs, each brought to -1 to 1 over its range; the ductility counts by the share
-of strength that can be lost. The sleeve's is taken over the adhesion factor. Of u2 it is the radial
-stress on the shaft over Nkt, u2 = Nkt P + C; what the filter has more, C, is by its law. Every case
-is kept out of one of PARTS fits, which gives the error of the fit. That of degree 2 is 3, 1.5 and
-1.2 times that of degree 3 for Nkt, the sleeve and u2; degree 4 and radial basis functions (scipy)
-have a tenth less at most.
+are the values of the table. A factor of the table is relative to su'; times su' / su it is relative
+to su. The factors are polynomials in the inputs, each scaled to -1 to 1 over its range; the
+ductility is multiplied by the share of strength that can be lost. The sleeve factor is divided by
+the adhesion factor. For u2 = Nkt P + C the polynomial is P, the radial stress on the shaft over
+Nkt; C, the rest of the pressure at the filter, has a formula of its own. Each case is left out of
+one of PARTS fits, which gives the error of the fit. The error with degree 2 is 3, 1.5 and 1.2 times
+that with degree 3, for Nkt, the sleeve and u2. Degree 4 and radial basis functions (scipy) have a
+tenth less at most.
 """
 
 import functools
@@ -29,7 +30,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6
-"""Shear strain rate at which the strength of the table holds [1/s]."""
+"""Shear strain rate of the strength in the tables [1/s]."""
 RANGES: Mapping[str, tuple[float, float]] = {
     "rigidity_index": (15.0, 1000.0),
     "adhesion_factor": (0.0, 1.0),
@@ -38,40 +39,40 @@ RANGES: Mapping[str, tuple[float, float]] = {
     "remoulded_strength_ratio": (0.04, 1.0),
     "ductility": (5.0, 60.0),
 }
-"""What the factors depend on, and from where to where the table goes; all dimensionless."""
+"""Inputs of the factors, and their ranges in the tables; all dimensionless."""
 LOGARITHMIC = ("rigidity_index", "ductility")
 MOVING = ("stress_anisotropy", "adhesion_factor")
-"""Inputs that change with depth in the same soil: one over the strength, one by the sleeve."""
+"""Inputs that vary with depth in a soil: by the strength, and by the sleeve friction."""
 QUANTITIES = ("cone_factor", "sleeve_friction_factor", "pore_pressure_factor_shoulder")
 SLEEVE, PRESSURE = QUANTITIES[1:]
 TABLES: Mapping[str, str] = {
     **dict.fromkeys(QUANTITIES[:2], "interpretation_table.csv"),
     PRESSURE: "pore_pressure_table.csv",
 }
-"""Where each quantity is from. u2 needs the finer mesh of the second table."""
+"""The table of each quantity. u2 needs the finer mesh of the second table."""
 DEGREE, PARTS = 3, 8
-"""Of the polynomials; fits to all cases but every so manieth, to measure their error by those."""
+"""Degree of the polynomials; number of fits that each leave out every PARTS-th case."""
 SIMULATED_ERROR: Mapping[str, float] = {"cone_factor": 0.03, SLEEVE: 0.05}
-"""Half widths of 95 % of the simulated factors themselves, over them: mesh, window and speed. Of
-the cone factor it is 0.015 where the strength stays, and is taken as twice that where it changes;
-that of u2 is by the law of its error in clay whose strength stays."""
+"""Half widths of 95 % of the simulated factors, over the factors: mesh, window and speed. For the
+cone factor it is 0.015 in clay of constant strength; where the strength changes, twice that is
+assumed. For u2 it is by the error law of clay of constant strength."""
 PRESSURE_CELL, PRESSURE_SPEED, PRESSURE_POISSON = 3.0**0.5 / 5.0, 0.045, 0.49
-"""Width of the cells of the second table at the cone, over its radius; speed of its tests over that
-of shear waves; Poisson's ratio."""
+"""Of the second table: width of cells at the cone over its radius, speed over that of shear waves,
+Poisson's ratio."""
 
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """The polynomials."""
+    """The polynomials of all quantities; errors are over the quantity."""
 
-    exponents: np.ndarray  # of each input in each term, shape [terms, inputs]
-    weights: Floats  # of each term in each quantity, shape [terms, quantities]
-    # 95 % of each quantity's error over it: of the fit and of what was simulated, as squares
+    exponents: np.ndarray  # exponent of each input in each term, shape [terms, inputs]
+    weights: Floats  # weight of each term in each quantity, shape [terms, quantities]
+    # half widths of 95 %: the errors of fit and simulation, added as squares
     half_widths: Mapping[str, float]
-    fit_errors: Mapping[str, Floats]  # of fits in cases kept out of them, over it; shape [cases]
+    fit_errors: Mapping[str, Floats]  # of each case by the fit that leaves it out, shape [cases]
 
     def at(self, inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
-        """The quantities of inputs of the table, shape [...]; they are not checked."""
+        """The quantities for inputs at the rate of the table, shape [...]; inputs are unchecked."""
         x = np.stack(np.broadcast_arrays(*coordinates(inputs).values()))
         powers = np.stack([x**power for power in range(self.exponents.max() + 1)])
         terms = math.prod(powers[own, place] for place, own in enumerate(self.exponents.T))
@@ -79,7 +80,7 @@ class Factors:
         return _whole(values, **{name: inputs[name] for name in ("rigidity_index", *MOVING)})
 
     def along(self, fixed: Mapping[str, Floats | float]) -> "Along":
-        """The quantities of soils, shape [soils], as functions of what changes with depth."""
+        """The quantities of soils, shape [soils], as functions of the inputs `MOVING`."""
         names, own = list(RANGES), coordinates(fixed)
         places = [names.index(name) for name in own]
         x = np.stack(np.broadcast_arrays(*map(np.atleast_1d, own.values())))
@@ -96,15 +97,15 @@ class Factors:
 
 @dataclass(frozen=True, eq=False)
 class Along:
-    """Factors of soils over stress anisotropy and adhesion; weights are by the powers of both."""
+    """Factors of soils as polynomials in stress anisotropy and adhesion."""
 
-    weights: Mapping[tuple[int, int], Floats]
-    rigidity_index: Floats
+    weights: Mapping[tuple[int, int], Floats]  # by the powers of both, shape [quantities, soils]
+    rigidity_index: Floats  # shape [soils]
 
     def __call__(
         self, stress_anisotropy: Floats, adhesion_factor: Floats, quantities: int = len(QUANTITIES)
     ) -> dict[str, Floats]:
-        """The first quantities by name, shape [..., soils]."""
+        """The first of QUANTITIES by name, shape [..., soils]."""
         x, y = scaled(MOVING[0], stress_anisotropy), scaled(MOVING[1], adhesion_factor)
         values = {}
         for place, name in enumerate(QUANTITIES[:quantities]):
@@ -120,7 +121,7 @@ class Along:
 
 
 def _whole(values: dict[str, Floats], **soil: Floats | float) -> dict[str, Floats]:
-    """Quantities of what the polynomials give, in place; see `_fitted_values`."""
+    """The quantities from the values of the polynomials, in place; see `_fitted_values`."""
     if PRESSURE in values:
         excess = excess_at_filter(**soil, strength_ratio=values[SLEEVE])
         values[PRESSURE] = values[PRESSURE] * values["cone_factor"] + excess
@@ -130,14 +131,14 @@ def _whole(values: dict[str, Floats], **soil: Floats | float) -> dict[str, Float
 
 
 def coordinates(inputs: Mapping[str, Floats | float]) -> dict[str, Floats]:
-    """What the polynomials are in, by input: all of the table, or those of a soil at any depth."""
+    """Variables of the polynomials: of all inputs, or of those that a soil has at all depths."""
     x = {name: scaled(name, inputs[name]) for name in RANGES if name in inputs}
     x["ductility"] = x["ductility"] * (1.0 - np.asarray(inputs["remoulded_strength_ratio"]))
     return x
 
 
 def scaled(name: str, value: Floats | float) -> Floats:
-    """An input between -1 and 1 over its range, the logarithm of those that are so drawn."""
+    """An input scaled to -1 to 1 over its range, by its logarithm if it is one of LOGARITHMIC."""
     low, high = RANGES[name]
     value = np.asarray(value, dtype=float)
     if name in LOGARITHMIC:
@@ -148,7 +149,7 @@ def scaled(name: str, value: Floats | float) -> Floats:
 
 @functools.cache
 def factors() -> Factors:
-    """The polynomials through the tables that ship, by least squares."""
+    """The polynomials fitted to the tables by least squares."""
     powers = itertools.product(range(DEGREE + 1), repeat=len(RANGES))
     exponents = np.array([power for power in powers if sum(power) <= DEGREE])
     weights = np.zeros((len(exponents), len(QUANTITIES)))
@@ -165,14 +166,14 @@ def factors() -> Factors:
 
 
 def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float, float]:
-    """What is fitted of a quantity of a table, and its share in the quantity, shape [cases].
+    """Values that the polynomial of a quantity fits, and their share in it, shape [cases].
 
-    The last is 95 % of the error of the quantity as simulated, over it.
+    The third result is the half width of 95 % of the simulated quantity, over the quantity.
     """
     if name == PRESSURE:
         soil = {
             **{name: table[name] for name in ("rigidity_index", *MOVING)},
-            # The sleeve slips at the adhesion of the soil beside it.
+            # The sleeve slips at the adhesion of the soil at the sleeve, which may have softened.
             "strength_ratio": table[SLEEVE] / table["adhesion_factor"],
         }
         pressure, half_width = shoulder_pressure(
@@ -190,7 +191,7 @@ def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float
 
 
 def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Weights of terms, and errors over the values of fits that the value is kept out of."""
+    """Weights of terms, and the error of each value by the fit that leaves it out, over it."""
     errors, part = np.empty_like(values), np.arange(len(values)) % PARTS
     for out in (part == number for number in range(PARTS)):
         weights, *_ = np.linalg.lstsq(terms[~out], values[~out], rcond=None)
@@ -200,14 +201,10 @@ def _fitted(terms: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def at_table_rate(inputs: Mapping[str, Floats], rate: float) -> tuple[dict[str, Floats], Floats]:
-    """Inputs whose strength holds at a shear strain rate [1/s], as those of the table.
-
-    Returns:
-        The inputs, and su' / su, by which a factor of the table is one over su.
-    """
+    """Inputs at the rate of the table, from those at a shear strain rate [1/s], and su' / su."""
     ratio = 1.0 - inputs["rate_factor"] * math.log10(rate / TABLE_RATE)
     changed = ("rate_factor", "rigidity_index", "stress_anisotropy")
-    with np.errstate(divide="ignore"):  # no strength is left at the rate of the table
+    with np.errstate(divide="ignore"):  # su' may be 0
         own = {
             name: numbers / ratio if name in changed else numbers
             for name, numbers in inputs.items()
@@ -225,22 +222,22 @@ def cone_factor(
     remoulded_strength_ratio: float | Floats = 1.0,
     ductility: float | Floats = 20.0,
 ) -> tuple[Floats, Floats]:
-    """The factor Nkt = qnet / su of a 60 degree cone in Tresca clay, at once, with its error.
+    """The factor Nkt = qnet / su of a 60 degree cone in Tresca clay, and its error, by the table.
 
-    All but the rate may be arrays that go together, shape [...].
+    All inputs but the rate may be arrays whose shapes broadcast.
 
     Args:
-        rigidity_index: G / su, 15 to 1000.
-        adhesion_factor: of face and shaft, 0 to 1.
+        rigidity_index: Ir = G / su, 15 to 1000.
+        adhesion_factor: adhesion of face and shaft over su, 0 to 1.
         stress_anisotropy: Delta = (sigma_v0 - sigma_h0) / (2 su), -0.6 to 0.9.
-        rate_factor: mu, what a log cycle of strain rate adds to su, over it; 0 to 0.25.
-        reference_strain_rate: shear strain rate at which su holds [1/s], 1e-6 to 1e-2; 1 % an
-            hour is 2.8e-6. To be given where there is a rate effect.
+        rate_factor: mu, increase of su per log cycle of strain rate, over su, 0 to 0.25.
+        reference_strain_rate: shear strain rate of su [1/s], 1e-6 to 1e-2; 1 % an hour is
+            2.8e-6. Required if mu is not 0.
         remoulded_strength_ratio: remoulded over intact strength, 0.04 to 1.
-        ductility: plastic shear strain xi_95 at which 95 % of that loss is done, 5 to 60.
+        ductility: plastic shear strain xi_95 at which 95 % of this loss is reached, 5 to 60.
 
     Returns:
-        Nkt, and the half width of 95 % of its numerical error; of numbers alone, numbers.
+        Nkt, and the half width of 95 % of its numerical error; numbers if all inputs are numbers.
 
     Raises:
         ParameterError: a value is outside the table.
@@ -266,12 +263,13 @@ def cone_factor(
         low, high = RANGES[name]
         outside = np.atleast_1d(~((value >= low) & (value <= high)))
         if outside.any():
-            asked, at_table = (
+            own_value, at_table = (
                 np.broadcast_to(number, outside.shape)[outside][0]
                 for number in (given[name], value)
             )
-            at_rate = "" if asked == at_table else f", {at_table:g} at the rate of the table,"
-            raise ParameterError(name, f"{name} = {asked:g}{at_rate} must be {low:g} to {high:g}")
+            at_rate = "" if own_value == at_table else f", {at_table:g} at the rate of the table,"
+            message = f"{name} = {own_value:g}{at_rate} must be {low:g} to {high:g}"
+            raise ParameterError(name, message)
     table = factors()
     factor: Floats = (table.at(own)["cone_factor"] * ratio)[()]
     return factor, factor * table.half_widths["cone_factor"]
