@@ -73,7 +73,7 @@ def read_columns(test: MeasuredTest) -> Columns:
         if len(cells) > len(file.headings) and any(cells[len(file.headings) :]):
             raise StudyError(
                 f"{path}: {file.row} {number}: has {len(cells)} values, the header names "
-                f"{len(file.headings)}; numbers with a decimal comma must be parted by ; or tab"
+                f"{len(file.headings)}; numbers with a decimal comma must be separated by ; or tab"
             )
     found = columns_in(path, file.headings, test.columns, test.units)
     values = {
@@ -159,7 +159,7 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
     """Area ratio, pre-drilled depth and radius by the site file or the test file, and notes."""
     values, notes = [], list(file.notes)
     for key in ("area_ratio", "pre_drilled", "cone_area"):
-        value, stated = getattr(test, key), file.told.get(key)
+        value, stated = getattr(test, key), file.stated.get(key)
         if value is None and stated is not None:
             value = stated
             notes.append(f"{key} = {value:g} by the file")

@@ -55,7 +55,7 @@ def _key_rows(keys: Mapping[str, Key], given: Mapping[str, object]) -> list[str]
     for name, key in keys.items():
         default = f"#{name} = ..." if key.default is None else f"#{assignment(name, key.default)}"
         row = assignment(name, given[name]) if name in given else default
-        rows += [comment(key.told), row]
+        rows += [comment(key.description), row]
     return rows
 
 
@@ -104,7 +104,7 @@ def _stated(
 def _told_rows(keys: Mapping[str, Key], given: Mapping[str, Any]) -> Iterator[str]:
     """A row for each key, and one more for a distribution."""
     for name, key, value, text in _stated(keys, given):
-        yield f"{name:18} {text:36} {key.told}"
+        yield f"{name:18} {text:36} {key.description}"
         if isinstance(value, dict) and Form.INPUT in key.forms and "depth" not in value:
             shares = np.array(PERCENTILES) / 100.0
             ends = read_input(Table("", {name: value}), name, key.allowed).quantiles(shares)
@@ -134,7 +134,7 @@ def _of_key(key: Key) -> Schema:
     if key.choices and Form.WORDS not in key.forms:
         forms.append({"enum": list(key.choices)})
     default = {} if key.default is None else {"default": key.default}
-    return {"description": key.told, "anyOf": forms} | default
+    return {"description": key.description, "anyOf": forms} | default
 
 
 def _of_form(form: Form, key: Key) -> list[Schema]:

@@ -1,7 +1,4 @@
-"""Files of measured tests: the format of each is found, and those in CSV are read here.
-
-What a column holds is told by its name in NAMES of headings.py.
-"""
+"""Files of measured tests: the choice of the reader by the format, and the reader of CSV."""
 
 import csv
 import re
@@ -24,9 +21,9 @@ from harness.study.files import read_bounded
 from harness.study.tables import StudyError
 
 FEWEST_COLUMNS = 3
-"""Of a CSV: depth, qc, and fs or u2."""
+"""Columns of a CSV: depth, qc, and fs or u2."""
 LARGEST_FILE = 20_000_000
-"""Bytes of a file; a sounding of 100 m in steps of 5 mm has some two million."""
+"""Size of a file [byte]; a sounding of 100 m in steps of 5 mm has some two million bytes."""
 READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
     ".gef": read_gef,
     ".xml": read_bro,
@@ -35,15 +32,14 @@ READERS: Mapping[str, Callable[[Path, str, str | None], TestFile]] = {
 
 
 def read_file(path: Path, sounding: str | None = None) -> TestFile:
-    """A test of its file; the format goes by the ending, GEF, XML or AGS.
+    """A test from its file; GEF, XML and AGS are recognised by the ending.
 
-    Any other file is SGF where its first line is $, and CSV where it is not.
-
-    `sounding` names the test in a file that has several.
+    Any other file is SGF if its first line is $, or else CSV. `sounding` names the test in a file
+    that has several.
 
     Raises:
-        StudyError: the file cannot be read, or is damaged; the message is one line.
-        NotNamedError: it has several tests, and `sounding` is None.
+        StudyError: the file cannot be read or is damaged.
+        NotNamedError: the file has several tests, and `sounding` is None.
     """
     content = read_bounded(path, LARGEST_FILE, "a test")
     if b"\0" in content:
@@ -51,7 +47,7 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        text = content.decode("latin-1")  # names of firms; numbers and keys are ASCII anyway
+        text = content.decode("latin-1")  # matters for names only; numbers and keys are ASCII
     other = read_sgf if re.match(r"\s*\$\s*$", text, re.MULTILINE) else _csv
     reader = READERS.get(path.suffix.lower(), other)
     if sounding is not None and reader in (_csv, read_gef):
@@ -69,14 +65,14 @@ DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
 
 
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
-    """A header with names and units, as qc [MPa], and rows, parted by tab, ; or comma, or blanks.
+    """A header with names and units, as qc [MPa], and rows, delimited by tab, ;, comma or blanks.
 
-    Not parted by comma, numbers may have a decimal comma, where none has a point. Lines above the
-    header are left out; units may stand in a line of their own below it.
+    Unless the delimiter is a comma, numbers may have a decimal comma, if none has a point. Lines
+    above the header are left out. Units may be in a line of their own below it.
     """
     every = dict(enumerate(text.splitlines(), start=1))
     if by_blanks := _are_parted_by_blanks(every.values()):
-        # A unit stays with its name.
+        # No tab between a name and its unit in brackets.
         every = {it: "\t".join(re.sub(r"\s+(?=[\[(])", "", every[it]).split()) for it in every}
     lines = {
         number: line
@@ -97,9 +93,9 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
     odd = [(number, cells) for number, cells in rows if len(cells) != len(header)]
     if by_blanks and odd:
         raise StudyError(
-            f"{path}: line {odd[0][0]}: has {len(odd[0][1])} cells parted by blanks, the header "
-            f"{len(header)}; where a value is missing or a name has several words, cells must be "
-            "parted by comma, semicolon or tab"
+            f"{path}: line {odd[0][0]}: has {len(odd[0][1])} cells separated by blanks, the header "
+            f"has {len(header)}; where a value is missing or a name has several words, cells must "
+            "be separated by comma, semicolon or tab"
         )
     if _are_units(lines[rows[0][0]]):
         units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
@@ -108,17 +104,17 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
             for heading, unit in zip(header, units, strict=False)
         ]
     cells_of_all = [cell for _, cells in rows for cell in cells]
-    with_point = (cell for cell in cells_of_all if "." in cell)  # as a date has too
+    with_point = (cell for cell in cells_of_all if "." in cell)  # some may be dates
     if delimiter != "," and not numbers_of(with_point):
         commas = [DECIMAL_COMMA.fullmatch(cell.strip()) is not None for cell in cells_of_all]
-        if any(commas):  # no number has a point, so a comma cannot part thousands from a fraction
+        if any(commas):  # no number has a point, so the commas do not separate thousands
             rows = [(number, [cell.replace(",", ".") for cell in cells]) for number, cells in rows]
             notes.append("numbers have a decimal comma")
     return TestFile(headings=header, rows=rows, notes=tuple(notes))
 
 
 def _are_parted_by_blanks(lines: Collection[str]) -> bool:
-    """Whether there are rows of numbers between blanks, and none between other marks."""
+    """Whether rows of numbers are separated by blanks, and none by other delimiters."""
     marked, blank = (
         any(len(numbers_of(cells(line))) >= FEWEST_COLUMNS for line in lines)
         for cells in (_cells, lambda line: line.replace(",", ".").split())
@@ -131,9 +127,10 @@ def _delimiter(line: str) -> str:
 
 
 def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> int:
-    """Number of the line that names the columns: the last one of words above a row of numbers.
+    """Number of the header: the last line of words above the first row of numbers.
 
-    Units may stand between the two. `every` line is by its number, `lines` are those that count.
+    A line of units may be between the two. `every` has all lines by number; in `lines` comments and
+    empty lines are left out.
     """
     worded = [number for number, line in every.items() if len(_words(line)) >= FEWEST_COLUMNS]
     named = [number for number in worded if number in lines]
@@ -141,7 +138,7 @@ def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> i
     if commented and not named:
         raise StudyError(
             f"{path}: has no header: lines that begin with # are left out, line {commented[-1]} "
-            "among them; take its # away"
+            "among them; remove its #"
         )
     values = [it for it, line in lines.items() if len(numbers_of(_cells(line))) >= FEWEST_COLUMNS]
     first = next((it for it in values if named and it > named[0]), None)
@@ -157,18 +154,18 @@ def _header(path: Path, every: Mapping[int, str], lines: Mapping[int, str]) -> i
 
 
 def _are_units(line: str) -> bool:
-    """Whether a line has units alone, that of the depth among them."""
+    """Whether a line of words has a unit of length, as a line of units has for the depth."""
     return any(plain_unit(cell.strip(" []()")) in LENGTHS for cell in _words(line))
 
 
 def _cells(line: str) -> list[str]:
-    """Cells of a line that are not empty, a decimal comma as a point."""
+    """Cells of a line that are not empty, with a point for a decimal comma."""
     pieces = (piece.strip(' "') for piece in line.split(_delimiter(line)))
     return [piece.replace(",", ".") for piece in pieces if piece]
 
 
 def _words(line: str) -> list[str]:
-    """Cells of a line; none where one is a number, as in a row of values."""
+    """Cells of a line without numbers; none of any other line."""
     cells = _cells(line)
     return [] if numbers_of(cells) else cells
 

@@ -1,9 +1,9 @@
-"""Readers of the exchange formats of measured tests, each as columns of texts.
+"""Readers of the exchange formats of measured tests; cells are not converted to numbers.
 
-They find headings, rows, codes for missing values, and what the file says of the cone. Formats, as
-commonly quoted: GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG
-and SCPT), SGF (codes of the Swedish Geotechnical Society, as Geotech writes them). Which libraries
-were tried stands in README.md; a sounding is a small table, so none is needed.
+They find headings, rows, codes for missing values, and data of the cone. Formats, as commonly
+quoted: GEF-CPT-Report 1.1.2 (CUR 2006), BRO CPT catalogue (IMBRO), AGS 4.1 (groups SCPG and SCPT),
+SGF (codes of the Swedish Geotechnical Society, as Geotech writes them). README.md lists the
+libraries that were tried; none is needed, because a sounding is a small table.
 """
 
 import csv
@@ -19,22 +19,22 @@ from mpm_warp.parameters import nearest_name
 
 
 class NotNamedError(StudyError):
-    """What the site file has to name: one of several soundings, a column, a unit."""
+    """The site file has to name one of several soundings, a column or a unit."""
 
     def __init__(self, message: str, soundings: Sequence[str] = ()) -> None:
         super().__init__(message)
         self.soundings = soundings
-        """Of the soundings their names."""
+        """Names of the soundings; empty if a column or a unit is to be named."""
 
 
 @dataclass(frozen=True)
 class Heading:
-    """Of a column."""
+    """Heading of a column."""
 
-    name: str  # in small letters: by what the file says itself, where it says what it holds
-    title: str  # as it stands in the file
-    unit: str  # "" where the file has none
-    missing: tuple[float, ...] = ()  # numbers that stand for no value
+    name: str  # in small letters; the quantity if the file states it apart from the title
+    title: str  # as in the file
+    unit: str  # "" if the file has none
+    missing: tuple[float, ...] = ()  # codes for a missing value
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,12 +42,12 @@ class TestFile:
     """A measured test as its file has it."""
 
     headings: Sequence[Heading]
-    rows: Sequence[tuple[int, list[str]]]  # the number of each in the file, and its cells
-    row: str = "line"  # what such a number counts
-    # what the file says of the test: area_ratio, pre_drilled [m], cone_area [cm2]
-    told: Mapping[str, float] = field(default_factory=dict)
-    in_order: bool = True  # whether rows stand in the order in which they were measured
-    notes: tuple[str, ...] = ()  # what is odd about the file, each a line
+    rows: Sequence[tuple[int, list[str]]]  # number of each row in the file, and its cells
+    row: str = "line"  # what this number counts, for messages
+    # values that the file states: area_ratio, pre_drilled [m], cone_area [cm2]
+    stated: Mapping[str, float] = field(default_factory=dict)
+    in_order: bool = True  # whether rows are in the order of the measurement
+    notes: tuple[str, ...] = ()  # what is unusual in the file
 
 
 GEF_QUANTITIES = {
@@ -63,14 +63,15 @@ GEF_QUANTITIES = {
     "10": "inclinationew",
     "11": "depth",
 }
-"""Numbers that GEF gives to what a column holds."""
-GEF_TOLD = "3", "13", "1"
-"""Numbers of #MEASUREMENTVAR, in the order of `TOLD`."""
-TOLD = "area_ratio", "pre_drilled", "cone_area"
-"""What the file of a test may say of it."""
+"""Quantities of columns by their numbers in GEF."""
+GEF_STATED = "3", "13", "1"
+"""Numbers of #MEASUREMENTVAR, in the order of `STATED`."""
+STATED = "area_ratio", "pre_drilled", "cone_area"
+"""Values that a test file may state."""
 LENGTHS: Mapping[str, float] = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
+"""Units of length [m]."""
 AREAS = {"mm2": 100.0, "cm2": 1.0, "m2": 1e-4}
-"""Units: a length in m, and what 1 cm2 is in those of an area."""
+"""Units of area, each with 1 cm2 in that unit."""
 
 
 def read_gef(path: Path, text: str, sounding: str | None) -> TestFile:
@@ -113,42 +114,42 @@ def read_gef(path: Path, text: str, sounding: str | None) -> TestFile:
         if part.strip()
     ]
     numbers = [fields[0] for fields in keys.get("MEASUREMENTVAR", [])]
-    for number in GEF_TOLD:
+    for number in GEF_STATED:
         if numbers.count(number) > 1:
             raise StudyError(f"{path}: #MEASUREMENTVAR = {number} must be there once")
     measured = {fields[0]: [*fields[1:], "", ""] for fields in keys.get("MEASUREMENTVAR", [])}
-    told = [measured.get(number, ["", ""]) for number in GEF_TOLD]
+    of_cone = [measured.get(number, ["", ""]) for number in GEF_STATED]
     last = next(iter(numbers_of(keys.get("LASTSCAN", [[]])[0][:1])), len(rows))
     return TestFile(
         headings=headings,
         rows=rows,
-        told=_of_cone(*(text for text, *_ in told), unit=told[-1][1]),
+        stated=_of_cone(*(text for text, *_ in of_cone), unit=of_cone[-1][1]),
         notes=() if last == len(rows) else (f"#LASTSCAN = {last:g}, but {len(rows)} rows",),
     )
 
 
 def _of_cone(*texts: str | None, unit: str | None) -> dict[str, float]:
-    """What texts `TOLD` say that are numbers; no area that is 0, or in no unit of areas."""
-    pairs = zip(TOLD, texts, strict=True)
-    told = {name: number for name, text in pairs for number in numbers_of([text])}
-    area, own = told.pop(TOLD[-1], 0.0), plain_unit(unit or "")
-    is_told = own in AREAS and area != 0.0 and math.isfinite(area)
-    return told | ({TOLD[-1]: area / AREAS[own]} if is_told else {})
+    """Values of texts in the order of `STATED`; an area of 0 or in an unknown unit is left out."""
+    pairs = zip(STATED, texts, strict=True)
+    values = {name: number for name, text in pairs for number in numbers_of([text])}
+    area, own = values.pop(STATED[-1], 0.0), plain_unit(unit or "")
+    is_known = own in AREAS and area != 0.0 and math.isfinite(area)
+    return values | ({STATED[-1]: area / AREAS[own]} if is_known else {})
 
 
 def plain_unit(unit: str) -> str:
-    """A unit in small letters, its square written as 2."""
+    """A unit in small letters, with a square written as 2."""
     return unit.replace("\N{SUPERSCRIPT TWO}", "2").replace("^2", "2").strip().lower()
 
 
 def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
-    """A separator; None, any blank, where there is none. That of a comma is [``""``, ``""``]."""
-    values = keys.get(name, [[""]])[0]
+    """A separator; None, for any blank, if the file has none."""
+    values = keys.get(name, [[""]])[0]  # a comma was parted into two empty texts
     return "," if len(values) > 1 else values[0] or None
 
 
 def numbers_of(texts: Iterable[str | None]) -> tuple[float, ...]:
-    """Those of texts that are numbers."""
+    """The values of those texts that are numbers."""
     found = []
     for text in texts:
         try:
@@ -161,14 +162,14 @@ def numbers_of(texts: Iterable[str | None]) -> tuple[float, ...]:
 BRO_UNITS = {"depth": "m", "penetrationlength": "m"} | dict.fromkeys(
     ("inclinationresultant", "inclinationns", "inclinationew"), "deg"
 )
-"""Units are fixed by the catalogue; all others that are read are in MPa."""
+"""Units, which the catalogue fixes; all other columns that are read are in MPa."""
 BRO_MISSING = (-999999.0,)
-BRO_TOLD = "coneSurfaceQuotient", "predrilledDepth", "coneSurfaceArea"
+BRO_STATED = "coneSurfaceQuotient", "predrilledDepth", "coneSurfaceArea"
 
 
 def read_bro(path: Path, text: str, sounding: str | None) -> TestFile:
-    """Of each test in the document: which parameters were measured, and rows of all of them."""
-    if "<!DOCTYPE" in text:  # without one there are no entities, which may grow without end
+    """An XML document; each test has the parameters that were measured, and rows of all of them."""
+    if "<!DOCTYPE" in text:  # it can define entities, which may expand without end
         raise StudyError(f"{path}: has a document type, which no file of the BRO has")
     try:
         root = ET.fromstring(text)
@@ -208,8 +209,8 @@ def read_bro(path: Path, text: str, sounding: str | None) -> TestFile:
             if row.strip()
         ],
         row="row",
-        told=_of_cone(
-            *(survey.findtext(f".//{{*}}{tag}") for tag in BRO_TOLD),
+        stated=_of_cone(
+            *(survey.findtext(f".//{{*}}{tag}") for tag in BRO_STATED),
             unit=None if area is None else area.get("uom", "mm2"),
         ),
         in_order=False,
@@ -246,12 +247,12 @@ def read_ags(path: Path, text: str, sounding: str | None) -> TestFile:
             for title, unit in zip(titles, units + [""] * len(titles), strict=False)
         ],
         rows=[(number, cells) for number, name, cells in rows if name == chosen],
-        told=_of_cone(cone.get("SCPG_CAR"), None, cone.get("SCPG_CSA"), unit=of.get("SCPG_CSA")),
+        stated=_of_cone(cone.get("SCPG_CAR"), None, cone.get("SCPG_CSA"), unit=of.get("SCPG_CSA")),
     )
 
 
 def _ags_name(titles: Sequence[str], cells: Sequence[str]) -> str:
-    """Location and test of a row, as CPT1/2; CPT1 where the test has no name."""
+    """Location and test of a row, as CPT1/2, or CPT1 if the test has no name."""
     row = dict(zip(titles, cells, strict=False))
     return "/".join(filter(None, (row.get("LOCA_ID", ""), row.get("SCPG_TESN", ""))))
 
@@ -264,14 +265,14 @@ SGF_COLUMNS = {
     "U": ("porepressureu2", "kPa"),
     "TA": ("inclinationresultant", "deg"),
 }
-"""Codes of a row, what each holds, and its unit, which is fixed."""
-SGF_TOLD = "MA", "HO", "MC"
+"""Codes of a row, each with its quantity and fixed unit."""
+SGF_STATED = "MA", "HO", "MC"
 
 
 def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
-    """Of each sounding: a line of $, its codes, a line of #, rows of codes as D=1.02, and #$.
+    """Each sounding has a line $, its codes, a line #, rows of codes as D=1.02, and a line #$.
 
-    Rows without a depth are remarks. Soundings that are no cone test have no QC.
+    Rows without a depth are remarks. Soundings without QC are not cone tests.
     """
     found: list[tuple[Codes, list[tuple[int, Codes]]]] = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -295,24 +296,24 @@ def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
     return TestFile(
         headings=[Heading(SGF_COLUMNS[it][0], it, SGF_COLUMNS[it][1]) for it in there],
         rows=[(number, [codes.get(code, "") for code in there]) for number, codes in rows],
-        told=_of_cone(*(of_test.get(code) for code in SGF_TOLD), unit="cm2"),
+        stated=_of_cone(*(of_test.get(code) for code in SGF_STATED), unit="cm2"),
     )
 
 
 def _one_of(path: Path, names: Sequence[str], wanted: str | None) -> str:
-    """The sounding that is wanted, or the only one."""
+    """The sounding that the site file names, or the only one."""
     if not names:
         raise StudyError(f"{path}: has no cone test")
     if wanted is None and len(names) == 1:
         return names[0]
-    told = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+    listed = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
     if wanted is None:
         raise NotNamedError(
-            f"{path}: has {len(names)} tests: {told}; name one in the site file, as sounding = "
+            f"{path}: has {len(names)} tests: {listed}; name one in the site file, as sounding = "
             f'"{names[0]}"',
             names,
         )
     if wanted not in names:
         near = nearest_name(wanted, names)
-        raise StudyError(f"{path}: sounding = {wanted!r}: is not there{near}; has {told}")
+        raise StudyError(f"{path}: sounding = {wanted!r}: is not there{near}; has {listed}")
     return wanted

@@ -1,4 +1,4 @@
-"""Which column of a measured test holds what, by its name, and its unit in SI units."""
+"""Columns of a measured test: their quantities, by their names, and their units."""
 
 import math
 import re
@@ -18,11 +18,11 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1", "inclinationns"),
     "inclination_across": ("inclination_across", "scpt_slp2", "inclinationew"),
 }
-"""What each column may be called, without regard to capitals."""
+"""Names of columns, in small letters, by quantity."""
 RODS = ("penetration", "penetrationlength", "sondeerlengte")
-"""Of the names of a depth those of a length of rods."""
+"""Names in `NAMES` of a depth that is the length of the rods."""
 IN_PLANES = ("inclinationns", "inclinationew")
-"""Of the names of inclinations those in two planes; their resultant says the same."""
+"""Names in `NAMES` of inclinations in two planes; they are not used if there is a resultant."""
 OPTIONAL = ("fs", "u2", *AXES)
 PRESSURES: Mapping[str, float] = {
     "Pa": 1.0,
@@ -42,9 +42,8 @@ ANGLES: Mapping[str, float] = {
     "\N{DEGREE SIGN}": math.pi / 180.0,
     "rad": 1.0,
 }
-"""Units, and what they are in SI units."""
 UNITS = {"depth": LENGTHS} | dict.fromkeys(AXES, ANGLES)
-"""Of columns that hold no pressures."""
+"""Units by quantity, in SI units; all others have PRESSURES."""
 
 
 def columns_in(
@@ -53,10 +52,9 @@ def columns_in(
     columns: Mapping[str, str],
     units: Mapping[str, str],
 ) -> dict[str, tuple[int, float]]:
-    """Which column holds what, and its unit in SI units; `columns` and `units` are given names.
+    """The column and the unit, in SI units, of each quantity, which the site file may name.
 
-    Raises:
-        NotNamedError: a column or a unit is not known by its name.
+    A quantity whose column or unit is unknown raises `NotNamedError`.
     """
     found, lacking = {}, {}
     names_of_all = {_joined(heading.name) for heading in headings}
@@ -72,7 +70,7 @@ def columns_in(
             for place, heading in enumerate(headings)
             if _joined(heading.name) in names or (wanted and _joined(heading.title) in names)
         ]
-        if name == "depth" and wanted is None:  # the length of rods is more, where they lean
+        if name == "depth" and wanted is None:  # inclined rods are longer than the depth
             places = [place for place in places if headings[place].name == name] or places
         if len(places) > 1:
             titles = ", ".join(headings[place].title for place in places)
@@ -102,12 +100,12 @@ def columns_in(
 
 
 def is_of_rods(heading: Heading) -> bool:
-    """Whether a column of depths has, by its name, the length of the rods."""
+    """Whether a column of depths is, by its name, the length of the rods."""
     return _joined(heading.name) in RODS
 
 
 def _joined(name: str) -> str:
-    """A name without what parts its words, in small letters."""
+    """A name in small letters, without blanks, dots, hyphens and underscores."""
     return re.sub(r"[\s_.-]", "", name.lower())
 
 
@@ -116,9 +114,9 @@ def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
     usual = plain_unit(unit.partition("(")[0])  # as Graden(deg)
     if usual not in sizes:
-        told = f"has unit {unit!r}" if unit else "has no unit"
+        problem = f"has unit {unit!r}" if unit else "has no unit"
         raise NotNamedError(
-            f"{path}: column {heading.title!r} {told}; allowed: {', '.join(known)}, in the "
+            f"{path}: column {heading.title!r} {problem}; allowed: {', '.join(known)}, in the "
             f'header as "{name} [{next(iter(known))}]", or under units of the site file'
         )
     return sizes[usual]

@@ -130,7 +130,7 @@ def _filled(table: Table, known: Mapping[str, Key], *others: str) -> Table:
     table.allow(*known, *others)
     for name, key in known.items():
         if key.required and name not in table.values:
-            raise StudyError(f"{table.where} {name}: is missing; {key.told}")
+            raise StudyError(f"{table.where} {name}: is missing; {key.description}")
     defaults = {name: key.default for name, key in known.items() if key.default is not None}
     return Table(table.where, {**defaults, **table.values})
 

@@ -68,7 +68,7 @@ def _site_text(test: Path) -> str:
     soundings: Sequence[str] = ()
     try:
         file = read_file(test)
-        told = file.told
+        told = file.stated
         columns_in(test, file.headings, columns={}, units={})
     except NotNamedError as error:
         tell(str(error))

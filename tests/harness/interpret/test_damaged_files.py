@@ -77,9 +77,9 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "blanks": (
         "csv",
         lambda it: re.sub(rb"(?m)^(1\.5,[^,]*),[^,]*", rb"\1,", it).replace(b",", b"  "),
-        "line 7: has 3 cells parted by blanks, the header 4; where a value is missing",
+        "line 7: has 3 cells separated by blanks, the header has 4; where a value is missing",
     ),
-    "header in a comment": ("csv", lambda it: b"# " + it, "line 1 among them; take its #"),
+    "header in a comment": ("csv", lambda it: b"# " + it, "line 1 among them; remove its #"),
     "too large": ("csv", lambda it: it + b" " * 20_000_000, "a test has at most 20000000"),
     "too many": ("csv", lambda it: it + b"9,9,9,9\n" * 20_000, "rows; a test has at most 20000"),
     "one long cell": ("csv", lambda it: it + b'"' + b"x" * 200_000, "is no table: field larger"),
