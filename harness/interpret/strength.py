@@ -1,14 +1,14 @@
-"""Undrained shear strength by depth, with what its error comes from.
+"""Undrained shear strength by depth, with the causes of its error.
 
-For each layer the inputs are drawn many times; qnet of each draw is qnet as measured plus a share
-of the error of the test, the same along the whole test. Then at each depth
+For each layer the inputs are drawn many times. qnet of each draw is the measured qnet plus a random
+multiple of the error of the test, the same at all depths. Then at each depth
 
     su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table e_model)
 
-with Delta by K0 and su itself, and alpha by the sleeve friction and su where that is asked for;
-both by repetition. e_table and e_model are the errors of the table and of what the simulation
-leaves out. Sleeve and pore pressure, where they may tell of the soil, weigh the draws by how well
-the layer's mean of fs and u2 - u0 is met; the draws are then taken again by their weights.
+with Delta by K0 and su, and alpha, if the site file says so, by the sleeve friction and su; both by
+iteration. e_table and e_model are the errors of the table and of what the simulation leaves out. If
+`use` names sleeve or pore pressure, each draw is weighted by the likelihood of the layer's mean of
+fs and u2 - u0, and the draws are resampled by their weights.
 """
 
 import math
@@ -41,22 +41,22 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 
 LEAST_RESISTANCE = 0.01
-"""Of qnet of a draw over qnet as measured: an error of the test larger than that says nothing."""
+"""Least qnet of a draw, over the measured qnet."""
 REPETITIONS = 30
-"""Times that Delta and alpha follow from su and su from them."""
+"""Largest number of iterations of su, Delta and alpha."""
 SETTLED = 1e-6
-"""Relative change of su at which it has settled."""
+"""Relative change of su at which the iteration ends."""
 HALF_WIDTH = 1.96
 """Half width of 95 % over a deviation."""
 MODEL_OF_SLEEVE, MODEL_OF_U2 = 0.2, 0.2
-"""Deviations of what the simulation leaves out of sleeve friction and pore pressure, over them."""
+"""Standard deviations of the errors of fs and u2 by what the simulation leaves out, over them."""
 MOST_OUTSIDE = 0.05
-"""Share of the draws of a layer that may be outside the table; they count as at its edge."""
+"""Largest share of the draws of a layer outside the table; these are moved to its edge."""
 MOST_OF_ANISOTROPY = 0.5
-"""Share of the draws at a depth whose Delta may be outside the table: they count as at its edge,
-since ground with Delta of 1 or more would have failed before any test."""
+"""Largest share of the draws at a depth with Delta outside the table; these are moved to its edge,
+because ground with Delta of 1 or more would have failed before any test."""
 MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
-"""Causes of an error that are no inputs of a layer."""
+"""Causes of an error that are not inputs of a layer."""
 DRAW_BYTES = 160
 """Memory of a draw at a depth while a layer is interpreted [byte]: twenty numbers, as measured."""
 
@@ -66,10 +66,10 @@ class Drawn:
     """Draws of one layer."""
 
     inputs: Mapping[str, Floats]  # causes by name, shape [draws]
-    factor: Floats  # Nkt with all errors, over the strength that is wanted, shape [depths, draws]
-    strength: Floats  # su that is wanted [Pa], shape [depths, draws]
-    ground: Mapping[str, Floats]  # what `GROUND` names, shape [depths, draws]
-    outside: Floats  # share of the draws that are outside the table, shape [depths]
+    factor: Floats  # Nkt with all errors, for su in the mode of the layer, shape [depths, draws]
+    strength: Floats  # su in the mode of the layer [Pa], shape [depths, draws]
+    ground: Mapping[str, Floats]  # quantities of `GROUND`, shape [depths, draws]
+    outside: Floats  # share of the draws with Delta outside the table, shape [depths]
     log_likelihood: Floats  # of each draw by sleeve and pore pressure, shape [draws]
 
 
@@ -78,13 +78,13 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
 
     Args:
         site: its test and layers.
-        sharpen: whether strength is that by the resistance without the effect of borders.
+        sharpen: whether the effect of borders on the resistance is removed.
 
     Returns:
-        Over `depth` the measured and corrected values, `near_border`, medians of what `GROUND`
-        names, and `reason` (a number of its flag_meanings) why a depth has no strength; over
-        `percentile` too `strength` and `resistance_factor`; over `cause` `error_share`; over
-        `layer`, `cause` and `percentile` `input_before` and `input_after`.
+        By `depth`: measured and corrected values, `near_border`, medians of `GROUND`, and `reason`
+        (an index of its flag_meanings), why a depth has no strength. By depth and `percentile`:
+        `strength` and `resistance_factor`. By depth and `cause`: `error_share`. By `layer`, cause
+        and percentile: `input_before` and `input_after`.
 
     Raises:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
@@ -108,7 +108,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
             notes.append(f"border told at {said:.2f} m, found at {lies:.2f} m")
     notes += _beyond_the_test(site.layers, depth)
     for number, layer in enumerate(site.layers):
-        if "adhesion_factor" not in layer.inputs:  # the sleeve is to tell it
+        if "adhesion_factor" not in layer.inputs:  # by the sleeve
             lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
             reason[lacking & (in_layer == number)] = REASONS.index("value missing")
         here = np.flatnonzero((in_layer == number) & (reason == 0))
@@ -151,7 +151,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
 
 
 def _refuse_without_values(site: Site, test: xr.Dataset) -> None:
-    """Refuse a site that asks the sleeve or the filter of a test that has no value of it."""
+    """Refuse a site that needs fs or u2 of a test that has no value of it."""
     by_sleeve = [it.title for it in site.layers if "adhesion_factor" not in it.inputs]
     asked = [("fs", "sleeve_friction", f"adhesion_factor of {title}") for title in by_sleeve]
     if "sleeve" in site.use:
@@ -164,7 +164,7 @@ def _refuse_without_values(site: Site, test: xr.Dataset) -> None:
 
 
 def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
-    """Where layers have no test, which goes over `depth`."""
+    """Notes on layers that reach above or below the depths of the test."""
     first, last = depth[0], depth[-1]
     notes = []
     for layer in layers:
@@ -176,11 +176,7 @@ def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
 
 
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
-    """Draw the inputs of a layer, and the strength of each draw at its depths, which are at `here`.
-
-    Raises:
-        StudyError: an input of the layer leaves the table.
-    """
+    """Draw the inputs of a layer, and find the strength of each draw at the indices of depths."""
     layer, table, weight = site.layers[number], factors(), site.test.unit_weight
     causes = {
         **layer.inputs,
@@ -202,7 +198,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     soil, ratio = _in_table(site, number, inputs)
     along, errors = table.along(soil), ratio * np.exp(inputs[TABLE_ERROR] + inputs[MODEL])
 
-    # The ground's own Delta, and the adhesion of its sleeve, follow from the strength in turn.
+    # Delta and the adhesion by the sleeve depend on the strength, so all three are iterated.
     strength = net / (10.0 * errors)
     for _ in range(REPETITIONS):
         anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
@@ -238,7 +234,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
 def _in_table(
     site: Site, number: int, inputs: Mapping[str, Floats]
 ) -> tuple[dict[str, Floats], Floats]:
-    """The soil of each draw as the table has it, and su' / su; see `at_table_rate`."""
+    """The soil of each draw at the rate of the table, and su' / su; see `at_table_rate`."""
     layer = site.layers[number]
     given = {
         "rigidity_index": inputs["rigidity_index"],
@@ -265,7 +261,7 @@ def _in_table(
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:
-    """Delta = (sigma_v0 - sigma_h0) / (2 su), by K0 where that is given."""
+    """Delta = (sigma_v0 - sigma_h0) / (2 su), as given or by K0."""
     if "stress_anisotropy" in inputs:
         return np.broadcast_to(inputs["stress_anisotropy"], strength.shape)
     delta: Floats = (1.0 - inputs["K0"]) * np.maximum(effective, 0.0) / (2.0 * strength)
@@ -275,7 +271,7 @@ def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Float
 def _adhesion(
     inputs: Mapping[str, Floats], friction: Floats, strength: Floats, along: Along, delta: Floats
 ) -> Floats:
-    """The adhesion factor, by the sleeve friction where it is not given."""
+    """The adhesion factor, as given or by the sleeve friction."""
     if "adhesion_factor" in inputs:
         return np.broadcast_to(inputs["adhesion_factor"], strength.shape)
     rough = along(delta, np.ones_like(delta))["sleeve_friction_factor"]
@@ -283,7 +279,7 @@ def _adhesion(
 
 
 def _over_average(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
-    """Strength in the mode that is wanted over the average of the three, which acts on a cone."""
+    """Strength in the mode of the layer over the average of three, which acts on a cone."""
     if layer.strength in ("isotropic", "average"):
         return 1.0
     shear, extension = inputs["simple_shear_ratio"], inputs["extension_ratio"]
@@ -298,16 +294,16 @@ def _over_average(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
 
 
 def log_likelihood(values: Floats, expected: Floats, half_width: Floats, width: float) -> Floats:
-    """Of the mean of measured values of a layer, shape [draws].
+    """Log-likelihood of each draw by the mean of the measured values of a layer, shape [draws].
 
-    The errors of a test are the same along it, and the model's in a layer: its depths are one
-    observation.
+    The error of a test is constant along it, and that of the model in a layer, so the depths of a
+    layer are one observation.
 
     Args:
-        values: as measured, shape [depths]; what is not above 0 tells nothing.
-        expected: of each draw, shape [depths, draws].
-        half_width: 95 % of the error of the measured values, shape [depths].
-        width: deviation of what the model leaves out, over the value.
+        values: measured values, shape [depths]; values that are not above 0 are ignored.
+        expected: values of each draw, shape [depths, draws].
+        half_width: half width of 95 % of the measured values, shape [depths].
+        width: standard deviation of the error of the model, over the value.
     """
     tells = values > 0.0
     if not tells.any():
@@ -319,7 +315,10 @@ def log_likelihood(values: Floats, expected: Floats, half_width: Floats, width: 
 
 
 def _chosen(likelihood: Floats, seed: int) -> tuple[np.ndarray, float]:
-    """Draws taken again by their weights, and how many count: 1 / sum of squared weights."""
+    """Indices of draws, resampled by their weights, and the effective number of draws.
+
+    The latter is 1 / sum of squared weights.
+    """
     weights = np.exp(likelihood - likelihood.max())
     weights /= weights.sum()
     count = len(weights)
