@@ -1,4 +1,4 @@
-"""A measured cone test: the resistances that follow from what was measured.
+"""A measured cone test: corrected resistances and ratios.
 
     qt = qc + (1 - a) u2,   qnet = qt - sigma_v0,   Bq = (u2 - u0) / qnet,   Fr = fs / qnet
     Ic = sqrt((3.47 - lg(qnet / sigma'_v0))^2 + (1.22 + lg(100 Fr))^2)
@@ -21,19 +21,19 @@ from mpm_warp.results import curves
 WATER = 9.81e3
 """Unit weight of water [N/m3]."""
 CLAY_INDEX = 2.6
-"""Ic from which soil behaves as clay (Robertson 2009, as commonly quoted)."""
+"""Least Ic of soil that behaves as clay (Robertson 2009, as commonly quoted)."""
 UNDRAINED_BQ = 0.5
-"""Bq from which soil is clay whatever its Ic, which knows nothing of u2: soil that drains has less
-(chart of Senneset, Sandven & Janbu 1989, as commonly quoted). Sensitive clay has little fs, so its
-Ic may be below that of clay."""
+"""With this Bq or more, soil is clay whatever its Ic: soil that drains has less (chart of
+Senneset, Sandven & Janbu 1989, as commonly quoted). Ic does not depend on u2, and sensitive clay
+has little fs, so its Ic may be too low for clay."""
 BQ_RANGE = -0.3, 1.4
-"""Pore pressure ratios between which a test in clay lies."""
+"""Range of Bq in clay."""
 ROUNDING = 1e-6
-"""Of a depth [m]."""
+"""Rounding error of a depth [m]."""
 FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
-"""A filter that reads the same within so much [Pa] over such a length [m] is not saturated."""
+"""A filter whose readings vary less than this [Pa] over this length [m] is not saturated."""
 LEAST_SHARE_ABOVE = 0.5
-"""Share of a test with qt above sigma_v0 below which its unit is asked for."""
+"""Least share of rows with qt above sigma_v0; with fewer the unit of qc is probably wrong."""
 NO_INDEX, OTHER_LAYER = "no fs and it may be sand", "between border told and found"
 REASONS = (
     "used",
@@ -47,14 +47,14 @@ REASONS = (
     NO_INDEX,
     OTHER_LAYER,
 )
-"""Why a depth has no strength, by number; the first has one."""
+"""Reasons why a depth has no strength, by number; with the first it has one."""
 
 
 def measured(test: MeasuredTest) -> xr.Dataset:
-    """The test of a site over its depth, corrected; not a number where a value is missing.
+    """The corrected test of a site by depth; missing values are NaN.
 
-    `reason` has numbers of `REASONS`, the layers' not among them yet; the attribute `notes` tells
-    what a reader must know of the file, `cone_radius` is in m.
+    `reason` has indices of `REASONS`, without those that depend on layers. Attributes: `notes` on
+    the test file, `cone_radius` [m].
     """
     read = read_columns(test)
     depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
@@ -94,7 +94,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         "filter not saturated": _flat(depth, u2, qc),
         "not undrained clay": may_drain & (index < CLAY_INDEX) | (ratio < low) | (ratio > high),
         NO_INDEX: may_drain & np.isnan(friction) & (by_tip < CLAY_INDEX),
-    }  # the first of them that holds
+    }  # the first that holds is taken
     reason = np.select(list(reasons.values()), [REASONS.index(it) for it in reasons])
     found = curves(
         "depth",
@@ -121,17 +121,13 @@ def measured(test: MeasuredTest) -> xr.Dataset:
 
 
 def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:
-    """Half width of 95 % of qc, fs or u2 [Pa]: the same share of it along the whole test."""
+    """Half width of 95 % of qc, fs or u2 [Pa]."""
     least, share = test.accuracy[name]
     return np.maximum(least, share * np.abs(values))
 
 
 def water_pressure(test: MeasuredTest, depth: Floats) -> Floats:
-    """Pressure of the water before [Pa].
-
-    Raises:
-        StudyError: the test goes beyond the depths for which it is given.
-    """
+    """Pressure of the water before the test [Pa]."""
     if not isinstance(test.water, ByDepth):
         return WATER * np.maximum(0.0, depth - test.water)
     first, last = test.water.depth[0], test.water.depth[-1]
@@ -144,7 +140,7 @@ def water_pressure(test: MeasuredTest, depth: Floats) -> Floats:
 
 
 def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
-    """Total vertical stress [Pa], water that stands on the ground with it, by the median weight."""
+    """Total vertical stress [Pa] by the median unit weight, with water that is on the ground."""
     weight, water = test.unit_weight, test.water
     if not isinstance(water, ByDepth):
         at_surface = -WATER * water
@@ -153,7 +149,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
     above = max(0.0, at_surface)  # suction weighs nothing
     if not isinstance(weight, ByDepth):
         return above + weight.at(0.5) * depth
-    # Linear between the depths given: fine steps integrate it to rounding of what is known.
+    # The weight is linear between the given depths, so fine steps integrate it well enough.
     fine = np.linspace(0.0, depth[-1], 4001)
     values = np.interp(fine, weight.depth, weight.value)
     total = cumulative_trapezoid(values, fine, initial=0.0)
@@ -162,7 +158,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
 
 
 def _flat(depth: Floats, u2: Floats, qc: Floats) -> np.ndarray:
-    """Where the pore pressure stays the same over a length in which the resistance does not."""
+    """Where the pore pressure is constant over a length in which the resistance is not."""
     flat = np.zeros(len(depth), dtype=bool)
     after = depth + FLAT_LENGTH - ROUNDING
     begins = np.flatnonzero(after <= depth[-1])

@@ -1,6 +1,6 @@
-"""The file of a site: what was measured, and what is known of each layer; data, nothing is run.
+"""Site files: the measured test, and what is known of each layer.
 
-What the keys mean is in keys.py, an example in README.md.
+The keys are explained in keys.py; README.md has an example.
 """
 
 import itertools
@@ -21,7 +21,7 @@ from mpm_warp.grid.fitted import Floats, Integers
 
 @dataclass(frozen=True, eq=False)
 class ByDepth:
-    """Values by depth, linear between; both in SI units."""
+    """Values by depth, linear in between; both in SI units."""
 
     depth: tuple[float, ...]
     value: tuple[float, ...]
@@ -29,44 +29,43 @@ class ByDepth:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTest:
-    """What the table [test] says, in SI units; see `TEST_KEYS`. None where it says nothing."""
+    """Values of the table [test] in SI units, see `TEST_KEYS`; None if they are not given."""
 
     where: str  # the site file and its table, for messages
     file: Path
     sounding: str | None
     columns: Mapping[str, str]
     units: Mapping[str, str]
-    missing: tuple[float, ...] | None  # beside the file's own; () says that there are no others
+    missing: tuple[float, ...] | None  # codes besides those in the test file; (): there are none
     ground_level: float | None
     pre_drilled: float | None
     area_ratio: float | None
     cone_area: float | None  # [cm2]
     water: float | ByDepth
-    unit_weight: Input | ByDepth  # one for all depths where it is an input
+    unit_weight: Input | ByDepth  # an input is the same at all depths
     accuracy: Mapping[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layer:
-    """What a table [[layer]] says, in SI units; see `LAYER_KEYS`."""
+    """Values of a table [[layer]] in SI units; see `LAYER_KEYS`."""
 
     title: str
     top: float
     bottom: float
-    # all that are drawn, one of K0 and stress_anisotropy; no adhesion factor where the sleeve tells
-    # it
+    # K0 or stress_anisotropy is among them; the adhesion factor is not if it is by the sleeve
     inputs: Mapping[str, Input]
-    laboratory_rate: float  # shear strain rate at which the strength is wanted [1/s]
-    strength: str  # the mode that it is wanted in, one of `MODES`
+    laboratory_rate: float  # shear strain rate of the strength to be found [1/s]
+    strength: str  # its mode, one of `MODES`
     model_error: float
-    assumed: tuple[str, ...] = ()  # keys that the file leaves to their defaults
+    assumed: tuple[str, ...] = ()  # keys that have their defaults
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Site:
-    """A file of a site; see `SITE_KEYS`."""
+    """A site file; see `SITE_KEYS`."""
 
-    name: str  # of the file, and of what is written
+    name: str  # of the file without its ending, and of the results
     title: str
     test: MeasuredTest
     layers: tuple[Layer, ...]
@@ -75,7 +74,7 @@ class Site:
     seed: int
 
     def layer_at(self, depth: Floats) -> Integers:
-        """Number of the layer at depths [m], that below a border on it; -1 in none, shape [n]."""
+        """Index of the layer at depths [m], the lower one on a border; -1 if none, shape [n]."""
         numbers = np.full(len(depth), -1)
         for number, layer in enumerate(self.layers):
             numbers[(depth >= layer.top) & (depth <= layer.bottom)] = number
@@ -88,7 +87,7 @@ class Site:
 
 
 def load_site(path: Path) -> Site:
-    """A site of its file; a `StudyError` names file, key and what is allowed."""
+    """A site from its file; a `StudyError` names file, key and what is allowed."""
     if not path.is_file():
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
     values = read_toml(path)
@@ -126,7 +125,7 @@ def load_site(path: Path) -> Site:
 
 
 def _filled(table: Table, known: Mapping[str, Key], *others: str) -> Table:
-    """A table with the defaults of its keys; one that lacks a key, or has another, is refused."""
+    """A table with the defaults of its keys; missing and unknown keys are refused."""
     table.allow(*known, *others)
     for name, key in known.items():
         if key.required and name not in table.values:
@@ -171,7 +170,7 @@ def _layer(given: Table) -> Layer:
         raise table.refuse(
             "to", f"must be > {top:g}, where it begins, and <= {keys.LARGEST_DEPTH:g}"
         )
-    # A value that is not used is checked too: it would be wrong as soon as it is.
+    # Values that are not used are checked too.
     inputs = {
         name: read_input(table, name, key.allowed, key.choices)
         for name, key in LAYER_KEYS.items()
@@ -199,7 +198,7 @@ def _layer(given: Table) -> Layer:
 
 
 def _refuse_both(table: Table, one: str, other: str) -> None:
-    """Refuse a table that has both of two keys that say the same."""
+    """Refuse a table that has both of two alternative keys."""
     if one in table.values and other in table.values:
         raise StudyError(f"{table.where} {one}: {other} says the same; give one of them")
 
@@ -234,7 +233,7 @@ def _texts(table: Table, key: str) -> dict[str, str]:
 
 
 def _by_depth(table: Table, key: str) -> ByDepth:
-    """Of a key in kN/m3 or kPa."""
+    """Values of a key in kN/m3 or kPa, in SI units."""
     own = table.table(key)
     own.allow("depth", "value")
     depth, value = (
