@@ -1,1 +1,1 @@
-"""From a measured cone test to undrained shear strength, with its error and where that is from."""
+"""From a measured cone test to undrained shear strength, with its error and the causes of it."""

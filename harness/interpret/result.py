@@ -1,4 +1,4 @@
-"""The result of an interpretation: a dataset, and sentences to be quoted."""
+"""The result of an interpretation: a dataset, and sentences to quote."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -18,9 +18,9 @@ GROUND: Mapping[str, tuple[str, str]] = {
     "ground_stress_anisotropy": ("1", "stress anisotropy Delta"),
     "ground_resistance_ratio": ("1", "net resistance of this ground over the measured one"),
 }
-"""What a simulation of the ground needs by depth, all at the strain rate of the table; and which
-resistance is taken for that of the ground, without the errors of test, table and model that the
-draws have. It is the measured one unless sleeve or pore pressure tell of these errors."""
+"""Inputs by depth of a simulation of the ground, at the strain rate of the table; and the ratio of
+its resistance, without the errors of test, table and model in the draws, to the measured one. The
+ratio is 1 unless sleeve or pore pressure show such an error."""
 FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
     ("depth", "percentile"): {
         "strength": ("Pa", "undrained shear strength su"),
@@ -34,24 +34,21 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
     ("layer",): {"draws": ("1", "draws that count after weighing")},
     ("depth",): GROUND,
 }
-"""What is found, by its dims: unit and meaning."""
+"""Results by their dims, each with unit and meaning."""
 FEWEST_DRAWS = 50
-"""Draws that count after weighing below which the measured values contradict the inputs."""
+"""With fewer effective draws after weighting, the measured values contradict the inputs."""
 
 
 def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Dataset:
-    """What was measured over depth, and what is to be `FOUND`, not a number yet.
-
-    That is over depth, layers, percentiles, and the `causes` of an error.
-    """
+    """The test with all quantities of `FOUND`, which are NaN."""
     layers = [layer.title for layer in site.layers]
     found = test.assign_coords(percentile=list(PERCENTILES), cause=causes, layer=layers)
     for dims, quantities in FOUND.items():
         shape = [found.sizes[dim] for dim in dims]
-        told: dict[str, Any] = {
-            name: (np.full(shape, np.nan), *said) for name, said in quantities.items()
+        empty: dict[str, Any] = {
+            name: (np.full(shape, np.nan), *texts) for name, texts in quantities.items()
         }
-        found = found.assign(labelled(dims=dims, **told))
+        found = found.assign(labelled(dims=dims, **empty))
     modes = "; ".join(f"{layer.title}: {layer.strength}" for layer in site.layers)
     return found.assign_attrs(
         title=site.title, site=site.name, strength_mode=modes, use=" ".join(site.use)
@@ -59,7 +56,7 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
 
 
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
-    """What may be quoted, a sentence a layer, with its assumptions."""
+    """A sentence to quote for each layer, with its assumptions."""
     sentences = []
     in_layer = site.layer_at(found.depth.values)
     for place, layer in enumerate(site.layers):
@@ -94,7 +91,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
 
 
 def telling(site: Site, own: xr.Dataset) -> list[str]:
-    """What of `use` tells something at depths; sleeve and pore pressure have to be above 0."""
+    """Measurements of `use` that have values above 0 at the depths of `own`."""
     above = {
         "tip": own.net_resistance,
         "sleeve": own.sleeve_friction,
@@ -104,5 +101,5 @@ def telling(site: Site, own: xr.Dataset) -> list[str]:
 
 
 def rate_in_words(layer: Layer) -> str:
-    """The strain rate of a layer's strength, in the unit of laboratories."""
+    """The strain rate of the strength of a layer, in %/h as in laboratories."""
     return f"{100.0 * 3600.0 * layer.laboratory_rate:.6g} %/h"

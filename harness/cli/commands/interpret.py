@@ -43,21 +43,17 @@ COLUMNS = {
     "Ic [1]": ("soil_index", 1.0),
     "feels another layer": ("near_border", 1.0),
 }
-"""Columns of the table that is written, where they are there, beside those of percentiles and
-causes."""
+"""Columns of the table, with their variables and units; those of percentiles and causes follow."""
 TABLE = ",".join([*COLUMNS][:9])
-"""Beginning of every such table, by which it is known as one of the harness."""
+"""Beginning of each table, by which the harness recognises its own."""
 LABORATORY = ("depth [m]", "strength [kPa]")
 ENDING, CHECK_ENDING = "_interpretation", "_check"
 TOGETHER = "soundings"
-"""Name of what is written of several tests together."""
+"""Name of the files on several tests together."""
 
 
 def interpret_site(options: argparse.Namespace) -> int:
-    """Interpret the tests of site files; write datasets, tables, pictures and a page of them all.
-
-    What may be quoted is printed.
-    """
+    """Interpret the tests of site files; print the results; write data, pictures and a page."""
     sites = [load_site(path) for path in options.site]
     names = [site.name for site in sites]
     if len(names) > 1 and (
@@ -88,11 +84,11 @@ def interpret_site(options: argparse.Namespace) -> int:
 
 
 def _check_targets(titles: Mapping[str, str], whole: str) -> None:
-    """Refuse to replace files that are not of the harness; tell of those of another site.
+    """Refuse to replace files that are not of the harness; name those of another site.
 
     Args:
-        titles: of the site, by what its dataset and pictures are called.
-        whole: what the page, and the picture of several tests, are called.
+        titles: title of the site, by the path of its results without ending.
+        whole: path of the page and of the picture of several tests, without ending.
     """
     for base in dict.fromkeys([*titles, whole]):
         for form in ("png", "svg"):
@@ -113,7 +109,7 @@ def _check_targets(titles: Mapping[str, str], whole: str) -> None:
 
 
 def _title_of(path: Path) -> str:
-    """Title of the site that a dataset is of; any other file is refused, a damaged one too."""
+    """Title of the site of a dataset; damaged files and files of other programs are refused."""
     try:
         said = read_attributes(path)
     except ArchiveError as error:
@@ -127,7 +123,7 @@ def _title_of(path: Path) -> str:
 
 
 def _write(test: Interpreted, base: str) -> None:
-    """Write what was found of a test, and tell what may be quoted and what is left out."""
+    """Write the results of a test; print the sentences to quote and the depths left out."""
     found = test.found
     write_netcdf(found.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
     write_csv(_table(found), Path(f"{base}.csv"))
@@ -151,7 +147,7 @@ def _write_figure(figure: Figure, base: str) -> None:
 
 
 def _check(test: Interpreted, accuracy: str, base: str) -> None:
-    """Simulate the sounding through the ground that was found; print and write the misfit."""
+    """Simulate the sounding through the interpreted ground; print and write the misfit."""
     site = test.site
     try:
         sounding = sounding_of(site, test.found, accuracy)
@@ -168,7 +164,7 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
 
 
 def _table(found: xr.Dataset) -> Iterator[list[str]]:
-    """The titles of the columns, then a row a depth; "" where there is no number."""
+    """The titles of the columns, then a row for each depth; cells without a value are empty."""
     columns = {
         title: found[name].values / unit for title, (name, unit) in COLUMNS.items() if name in found
     }
