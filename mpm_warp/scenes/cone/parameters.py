@@ -1,4 +1,4 @@
-"""The parameters of a cone in the ground and of a cone penetration test, and of its grid."""
+"""The parameters of a cone in the ground, of a cone penetration test, and of the grid of both."""
 
 import math
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ class ConeInGround:
 
 
 class FittedToCone(ConeInGround):
-    """What follows for a scene of a cone in a grid that is fitted to it."""
+    """Quantities of a scene whose grid is fitted to a cone, derived from its parameters."""
 
     method: ClassVar[tuple[str, ...]] = (
         "cells_per_radius",
@@ -77,12 +77,12 @@ class FittedToCone(ConeInGround):
 
     @property
     def greatest_rigidity_index(self) -> float:
-        """That of the ground, by which the window is by default."""
+        """Greatest rigidity index of the ground; it sets the default window."""
         return self.rigidity_index
 
     @property
     def default_extents(self) -> dict[str, float]:
-        """Extents of a window that the resistance hardly depends on, over cone radius."""
+        """Default extents of the window over cone radius: the resistance hardly depends on them."""
         root = math.sqrt(self.greatest_rigidity_index)
         return {
             "domain_radius": max(40.0, 4.0 * root),
@@ -92,14 +92,14 @@ class FittedToCone(ConeInGround):
 
     @property
     def extent_ratio(self) -> float:
-        """Greatest ratio of an extent of the window by default to what it is."""
+        """Default extent of the window over its actual extent, the greatest of all directions."""
         extents = self.default_extents.items()
         ratios: list[float] = [by_default / getattr(self, name) for name, by_default in extents]
         return max(ratios)
 
     @property
     def approach_inertia(self) -> float:
-        """Inertia rho V^2 / su of a fast approach; 0 where there is none."""
+        """Inertia rho V^2 / su in a fast approach; 0 without one."""
         return 0.0
 
     @property
@@ -119,7 +119,7 @@ class FittedToCone(ConeInGround):
         return self.cell_size / self.cone_radius
 
     def error_laws(self, **clay_and_penetration: Any) -> ErrorLaws:
-        """The laws of the error in this grid; the other fields of `ErrorLaws` are given."""
+        """The laws of the error in this grid, with the other fields of `ErrorLaws`."""
         return ErrorLaws(
             cell_size=self.relative_cell_size,
             cell_growth=self.cell_growth,
@@ -213,7 +213,7 @@ class ConeTest(FittedToCone, FieldClayScene):
         minimum=1,
         maximum=100,
     )
-    # One a cell leaves cells empty beside the shaft: the cone factor comes out a sixth too low.
+    # With one per cell, cells beside the shaft become empty and the cone factor a sixth too low.
     particles_per_cell: int = parameter(4, "material points per cell", choices=(4, 9, 16, 25))
     poissons_ratio_bound: float = parameter(
         None,

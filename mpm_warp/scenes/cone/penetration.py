@@ -1,4 +1,4 @@
-"""A penetration: curves of the resistance and their steady values, snapshots of the soil around."""
+"""Results of a penetration: curves of resistance, their steady means, and snapshots of the soil."""
 
 import math
 from functools import partial
@@ -27,21 +27,21 @@ from mpm_warp.uncertainty.steadiness import (
 )
 
 PUSHED = 0.5
-"""Penetration after the approach over which the slowed soil still pushes by inertia, in radii."""
+"""Penetration after the approach over which the inertia of the soil still acts, in radii."""
 FROM_REST = 2.0
-"""Least penetration at which a resistance counts as steady without an approach, in radii."""
+"""Least penetration from which, without an approach, the resistance may be steady, in radii."""
 
 
 class PenetrationCurves:
-    """Samples the forces on a penetrometer, at every `SAMPLE_SPACING` radii of penetration.
+    """Samples the forces on a penetrometer every `SAMPLE_SPACING` radii of penetration.
 
-    `forces` holds the mean forces of each sample so far, `nodal_forces` the mean forces on the
-    nodes in the last sample [N], shape [node_count, 2].
+    `forces` has the mean forces over the interval of each sample, `nodal_forces` those on the nodes
+    in the last sample [N], shape [node_count, 2].
 
     Args:
         simulation: a run of a scene with a window, whose contact is a `PenetrometerContact`.
         radius: of the penetrometer [m].
-        transient: penetration after which an approach no longer acts, over the radius.
+        transient: penetration over which an approach still acts after its end, over the radius.
         tolerance: change of the resistance over two radii at which it counts as steady; 0: never.
     """
 
@@ -59,32 +59,32 @@ class PenetrationCurves:
         heights = scene.grid.node_positions[self.contact.nodes, 1]
         self._above_shoulder = heights / radius - 1.0 / math.tan(self.contact.half_angle)
         approach = self._window.approach
-        self._unsteady = FROM_REST if approach is None else approach.travel / radius + transient
+        self._steady_from = FROM_REST if approach is None else approach.travel / radius + transient
         self._tolerance = tolerance
         self._contact_forces = ContactForces(simulation)
-        self._reached = [0.0]  # travel at the begin of each sample, and at the end of the last [m]
+        self._travels = [0.0]  # travel at the start of each sample and the end of the last [m]
         self._sleeve: list[float] = []  # shear stress in each sample [Pa]
         self.forces: list[PenetrometerForces] = []
 
     def sample(self) -> None:
-        """Record the mean forces since the sample before."""
-        if self.simulation.travel > self._reached[-1]:  # one step may go past several samples
+        """Record the mean forces since the previous sample."""
+        if self.simulation.travel > self._travels[-1]:  # one step may pass several samples
             self.nodal_forces = self._contact_forces.take()
         self.forces.append(self.contact.forces(self.nodal_forces))
         shaft_stress = self.contact.shaft_shear_stress(self.nodal_forces)
         self._sleeve.append(sleeve_mean(self._above_shoulder, shaft_stress))
-        self._reached.append(self.simulation.travel)
+        self._travels.append(self.simulation.travel)
 
     @property
     def work(self) -> float:
         """Work of the penetrometer so far, per radian [J]."""
-        parts = zip(self.forces, np.diff(self._reached).tolist(), strict=True)
+        parts = zip(self.forces, np.diff(self._travels).tolist(), strict=True)
         return math.fsum(force.upward * moved for force, moved in parts)
 
     def is_steady(self) -> bool:
-        """Whether the mean resistance over two radii equals that over the two before."""
+        """Whether the mean resistance over the last two radii equals that over the two before."""
         earliest = len(self.forces) - 2 * STEADY_SAMPLES
-        if (earliest + 0.5) * SAMPLE_SPACING < self._unsteady:
+        if (earliest + 0.5) * SAMPLE_SPACING < self._steady_from:
             return False
         resistance = [force.on_face for force in self.forces[earliest:]]
         return is_steady(resistance, STEADY_SAMPLES, self._tolerance)
@@ -112,12 +112,12 @@ class PenetrationCurves:
 
 
 def penetration_axis(count: int, over: str = "cone radius") -> Quantity:
-    """The axis of `count` samples, each at the middle of its interval; `over` names the length."""
+    """The axis of samples, each at the middle of its interval; `over` names the unit of length."""
     return (np.arange(count) + 0.5) * SAMPLE_SPACING, "1", f"penetration over {over}"
 
 
 def without_slowing(values: Floats, window: Window, radius: float) -> Floats:
-    """A curve, [n], NaN where the penetrometer slows down: inertia then takes up to 1.3 su."""
+    """A curve, [n], NaN where the penetrometer slows down: inertia changes it by up to 1.3 su."""
     approach = window.approach
     if approach is None:
         return values
@@ -149,15 +149,15 @@ def steady_values(recorded: xr.Dataset, strength: float) -> dict[str, xr.Variabl
 
 
 AXIS = "penetration"
-"""Name of the coordinate of snapshots of a cone test, and of the parameter that bounds it."""
+"""Name of the coordinate of snapshots, and of the parameter with the greatest penetration."""
 
 
 class PenetrationSnapshots:
-    """Takes snapshots of a test with a `History`, each time `curves` has sampled the forces.
+    """Takes snapshots of a test with a `History` after `curves` has sampled the forces.
 
-    Snapshots are taken at penetrations over the radius of the penetrometer. Places on the surface
-    are the nodes of the face from the tip on, then those of the shaft. The shoulder is in both,
-    because the shear traction jumps there.
+    The coordinate is the penetration over the radius. Places on the surface are the nodes of the
+    face, from the tip upward, then those of the shaft. The shoulder belongs to both, because the
+    shear traction jumps there.
     """
 
     def __init__(self, test: object, curves: PenetrationCurves, snapshots: Snapshots) -> None:
@@ -169,12 +169,12 @@ class PenetrationSnapshots:
         snapshots.begin(AXIS, ("1", "penetration over cone radius"), same)
 
     def sample(self, *, is_last: bool = False) -> None:
-        """Take the snapshots that are due; at the end of a run, one for all those still due."""
+        """Take the snapshots that are due; the last sample stands for all that remain."""
         penetration = round(len(self._curves.forces) * SAMPLE_SPACING, 9)
         self._snapshots.take(penetration, self._fields, is_last=is_last)
 
     def dataset(self) -> xr.Dataset:
-        """Empty: the fields are in the snapshots."""
+        """An empty dataset: the fields are in the snapshots."""
         return xr.Dataset()
 
     def _surface_places(self) -> dict[str, xr.Variable]:
@@ -182,10 +182,10 @@ class PenetrationSnapshots:
         nodes = self._curves.contact.nodes[np.concatenate([self._face, self._shaft])]
         r, z = soil_scene(self._curves.simulation).grid.node_positions[nodes].T
         number = np.arange(part.size, dtype=np.int32)
-        of_nodes = partial(variable, unit=None, dims=("surface",))
+        node_variable = partial(variable, unit=None, dims=("surface",))
         return {
-            "surface": of_nodes(number, meaning="number of the surface's node"),
-            "surface_part": of_nodes(part, meaning="part of the surface"),
+            "surface": node_variable(number, meaning="number of the surface's node"),
+            "surface_part": node_variable(part, meaning="part of the surface"),
         } | labelled(
             dims=("surface",),
             surface_r=(r, "m", "radius of the surface's node"),
@@ -205,7 +205,7 @@ class PenetrationSnapshots:
         return scalars | soil_fields(simulation) | self._surface_traction()
 
     def _surface_traction(self) -> dict[str, xr.Variable]:
-        """Tractions at the nodes; weighted by radius they integrate to the forces exactly."""
+        """Tractions at the nodes; their integral, weighted by radius, is exactly the force."""
         contact, nodal = self._curves.contact, self._curves.nodal_forces
         numbers = np.concatenate([self._face, self._shaft])
         pressure = nodal[numbers, 0] / contact.normal_areas[numbers]

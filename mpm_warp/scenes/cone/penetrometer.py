@@ -1,8 +1,8 @@
 """The penetrometer: a cone below a shaft, the grid fitted to it, its contact, the forces on it.
 
-The standard penetrometer has a diameter of 35.7 mm, a base of 10 cm2. The cylindrical part of its
-cone reaches 10 mm above the shoulder. The friction sleeve, of 150 cm2, begins there. Heights here
-are over the radius, so that they scale with a larger penetrometer.
+The standard penetrometer has a diameter of 35.7 mm and a base of 10 cm2. The cylindrical part of
+the cone is 10 mm high; the friction sleeve of 150 cm2 begins above it. Heights are over the radius,
+so they scale with the penetrometer.
 """
 
 import math
@@ -24,7 +24,7 @@ SLEEVE_LENGTH = 133.7 / _RADIUS
 
 @dataclass(frozen=True, kw_only=True)
 class Penetrometer:
-    """A cone with its tip at z = 0 and its shoulder, of the shaft's radius, above."""
+    """A cone with its tip at z = 0, and above its shoulder a shaft of the same radius."""
 
     radius: float  # radius of the shaft [m], > 0
     apex_angle: float  # full angle of the cone [rad], 0 < angle < pi
@@ -40,7 +40,7 @@ class Penetrometer:
         return fraction * self.radius
 
     def rows_on_face(self, cell_size: float) -> int:
-        """Number of rows of cells beside the face whose height is nearest to a size [m]."""
+        """Number of rows beside the face whose height is nearest to `cell_size` [m]."""
         return max(1, round(self.cone_height / cell_size))
 
     def fitted_grid(
@@ -49,7 +49,7 @@ class Penetrometer:
         """A grid whose rows meet tip and shoulder and whose first column follows the surface.
 
         Args:
-            cell_size: height of all rows, rounded so that a whole number fits the face [m].
+            cell_size: height of all rows [m], rounded so that a whole number fits the face.
             columns: distances of the columns of nodes from the shaft, increasing from 0 [m].
             depth_below: extent of the grid below the tip, to the nearest row [m].
             height_above: extent of the grid above the shoulder, to the nearest row [m], >= 0.
@@ -61,7 +61,7 @@ class Penetrometer:
         row = np.arange(-rows_below, rows_on_face + rows_above + 1)
         rows = cell_height * row.astype(np.float64)
         surface = self.surface_radius(rows)
-        # Tip and shoulder are met exactly, whatever the rounding of their rows.
+        # Tip and shoulder are nodes exactly, in spite of the rounding of rows.
         surface[row <= 0] = 0.0
         surface[row >= rows_on_face] = self.radius
         return Grid(
@@ -73,10 +73,9 @@ class Penetrometer:
 
 
 def sleeve_mean(heights: Floats, values: Floats) -> float:
-    """Mean over the sleeve of values that are linear between heights.
+    """Mean over the sleeve of values linear between heights, increasing, above the shoulder over R.
 
-    The heights, above the shoulder and over the radius, increase. The mean is NaN where the sleeve
-    ends above the highest.
+    It is NaN where the sleeve ends above the highest.
     """
     begin, end = SLEEVE_BEGIN, SLEEVE_BEGIN + SLEEVE_LENGTH
     if heights[-1] < end:
@@ -110,8 +109,9 @@ class PenetrometerContact(SurfaceContact):
 
     The normal of a node is that of its consistent area vector, the integral of N n over the
     surface. With it the net flow of soil through the surface is 0 (Engelman, Sani & Gresho 1982,
-    Int. J. Numer. Meth. Fluids 2:225-238). It matters at the shoulder: at 3 cells per radius a
-    smooth cone has Nc 10.61 with it, 10.84 with the normal of the face, 9.99 with the shaft's.
+    Int. J. Numer. Meth. Fluids 2:225-238). The normal at the shoulder matters: at 3 cells per
+    radius a smooth cone has Nc 10.61 with this one, 10.84 with that of the face, 9.99 with that of
+    the shaft.
     """
 
     face_areas: Floats  # integrals of N r along the face for each node [m2], shape [node_count]
@@ -145,7 +145,7 @@ class PenetrometerContact(SurfaceContact):
         shaft = nodal_areas(radius, np.where(on_face, 0.0, length))
         half = 0.5 * penetrometer.apex_angle
         vectors = np.outer(face, [-np.cos(half), np.sin(half)]) + np.outer(shaft, [-1.0, 0.0])
-        # Nothing on the axis moves radially, so the normal of the tip is vertical.
+        # Soil on the axis moves along it alone, so the normal of the tip is vertical.
         vectors[grid.node_positions[nodes, 0] == 0.0, 0] = 0.0
         normal_areas = np.linalg.norm(vectors, axis=1)
         return cls(
@@ -169,8 +169,8 @@ class PenetrometerContact(SurfaceContact):
         """Forces on face and shaft, from the normal and tangential nodal forces [N], [n, 2].
 
         The shoulder belongs to both. Its normal traction acts on both areas; its shear force is
-        divided in proportion to the largest shear of each. The tip cannot slip on the axis; its
-        shear is assumed to be the same share of its largest as at the next node of the face.
+        divided in proportion to their largest shear forces. Soil at the tip cannot slip along the
+        face, so its shear over the largest possible one is assumed to be that of the next node.
         """
         normal, shear = nodal[:, 0], nodal[:, 1]
         limits, on_face = self._shear_limits(normal), self.shear_on_face(nodal)

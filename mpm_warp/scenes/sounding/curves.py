@@ -1,7 +1,7 @@
-"""The curves of a sounding over the depth of the tip, and scalars of a layer.
+"""The curves of a sounding over the depth of the tip, and scalars that describe a layer.
 
-The scalars say from which distance a border changes the resistance, and which share of the
-resistance of a thin layer is reached.
+The scalars are the distances from which and up to which a border changes the resistance, and the
+share of its full resistance that a thin layer reaches.
 """
 
 import math
@@ -27,7 +27,7 @@ from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_STRESS, shoulde
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES
 
 FELT = 0.05
-"""Share of the whole change of the resistance at which a border counts as felt."""
+"""A border is felt where the resistance has changed by more than this share of its whole change."""
 SMOOTHED = 10
 """Number of samples in a running mean, one radius; the noise of one sample is a few hundredths."""
 NOISE = 0.002
@@ -38,13 +38,13 @@ uniform clay, 0.022 to 0.03 at Ir 40 to 300 and 2.3 and 3 cells per radius."""
 HALF_WIDTH = "half width, 95 %"
 """Description of an uncertainty in results."""
 BORDER = "border: the resistance feels another layer, where nothing was tested"
-"""Reason why samples have no uncertainty near a jump of the ground."""
+"""Reason why samples near a border of layers have no uncertainty."""
 UNDISTURBED = 20
-"""Number of samples at the begin of the curves, two radii, whose mean is the resistance without the
-layer."""
+"""Number of samples at the start of the curves, over two radii, whose mean is the resistance of the
+ground without the layer."""
 PAST_LAYER = 1.5
-"""Distance below a thin layer, over the radius, by which the mean over a radius has had its largest
-change. In layers one radius thick this change is up to one radius below them."""
+"""Distance below a thin layer, over the radius, within which the change of the resistance, a mean
+over a radius, has its maximum. For layers one radius thick it is up to one radius below them."""
 
 
 def sounding_curves(
@@ -53,32 +53,32 @@ def sounding_curves(
     why_none: Sequence[str],
     measured: MeasuredError | None = None,
 ) -> xr.Dataset:
-    """Curves over the depth of the tip, with the ground beside them.
+    """Curves over the depth of the tip, and the strength and stress of the ground at each depth.
 
     Args:
         sounding: the sounding.
-        recorded: curves over `penetration` from the start of the run, which may have ended early;
-            the part above the first depth is left out.
+        recorded: curves over `penetration` from the start of a run, which may have ended early. The
+            result omits the part above the first depth.
         why_none: reasons why the laws of the error hold for no sample.
-        measured: the error measured by further runs, in place of the laws; None without them.
+        measured: the error measured by further runs, which replaces the laws; None without them.
     """
-    given = recorded.isel(penetration=slice(sounding.lead_count, None))
-    samples = np.array(sounding.samples[: given.sizes["penetration"]])
+    after_lead = recorded.isel(penetration=slice(sounding.lead_count, None))
+    samples = np.array(sounding.samples[: after_lead.sizes["penetration"]])
     depth = sounding.from_depth + (samples + 0.5) * sounding.spacing
     ground = sounding.ground
     strength = ground.strength_at(depth)
     around = ground.mean_strength_around(depth, AVERAGING_DISTANCE * sounding.cone_radius)
     vertical = ground.vertical_stress_at(depth)
-    simulated = given.penetration_resistance.values
+    simulated = after_lead.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
-    net, of_net = simulated + error.correction * around, error.half_width
+    net, net_error = simulated + error.correction * around, error.half_width
     by_laws = error.is_corrected & (measured is None)
-    u2, of_u2 = _pore_pressure(sounding, depth, given, by_laws)
-    of_u2[np.isnan(of_net)] = np.nan
+    u2, u2_error = _pore_pressure(sounding, depth, after_lead, by_laws)
+    u2_error[np.isnan(net_error)] = np.nan
     at_depth = "when the tip is at the depth"
     corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
-    half_width = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
+    what = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
     resistance, pressure = "net cone resistance", "excess pore pressure u2"
     of_pressure = f"uncertainty of the {pressure}"
     over_mean = "net resistance over mean strength around the tip"
@@ -87,16 +87,16 @@ def sounding_curves(
         "depth",
         (depth, "m", "depth of the tip"),
         net_resistance=(net, "Pa", resistance, corrected),
-        net_resistance_uncertainty=(of_net, "Pa", f"uncertainty of the {resistance}", half_width),
+        net_resistance_uncertainty=(net_error, "Pa", f"uncertainty of the {resistance}", what),
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
-        sleeve_friction=(given.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
+        sleeve_friction=(after_lead.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
         excess_pore_pressure=(u2, "Pa", pressure, f"behind the shoulder {at_depth}"),
-        excess_pore_pressure_uncertainty=(of_u2, "Pa", of_pressure, half_width),
+        excess_pore_pressure_uncertainty=(u2_error, "Pa", of_pressure, what),
         cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
         cone_factor_around_tip=(net / around, "1", over_mean, near),
         strength=(strength, "Pa", "undrained shear strength"),
         vertical_stress=(vertical, "Pa", "in-situ vertical total stress"),
-        contact_share=(given.contact_share.values, "1", "share of cone and shaft in contact"),
+        contact_share=(after_lead.contact_share.values, "1", "share of cone and shaft in contact"),
     )
     return own.merge(recorded.drop_dims("penetration")).assign({REASON: reason(error.reason)})
 
@@ -108,9 +108,9 @@ def error_of_samples(
     why_none: Sequence[str] = (),
     measured: MeasuredError | None = None,
 ) -> SampleError:
-    """The error of the samples of a resistance; see `sounding_curves`.
+    """The error of samples of the net `resistance` as simulated [Pa], with the tip at `depth` [m].
 
-    `depth` of the tip [m] and net `resistance` as simulated [Pa] have shape [n].
+    Both have shape [n]; for `why_none` and `measured` see `sounding_curves`.
     """
     ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
 
@@ -153,8 +153,8 @@ def _pore_pressure(
 ) -> tuple[Floats, Floats]:
     """Corrected u2 and its half width [Pa], each of shape [n].
 
-    Where the strength changes, it differs between the filter and the height at which the radial
-    stress is read. The whole effect of this on u2 is a part of the half width.
+    The radial stress is read above the filter, where the strength may be another. The effect of
+    this difference of strength on u2 is a part of the half width.
     """
     ground, radius = sounding.ground, sounding.cone_radius
     simulated = recorded.excess_pore_pressure_shoulder.values
@@ -183,11 +183,11 @@ def _pore_pressure(
 
 
 def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
-    """The cone factor at the end of `sounding_curves`: a mean over two radii, of little noise."""
+    """The cone factor at the end of `sounding_curves`: a mean over two radii, to reduce noise."""
     count = min(STEADY_SAMPLES, recorded.sizes["depth"])
     last = recorded.isel(depth=slice(-count, None))
     half_width = last.net_resistance_uncertainty / last.strength
-    greatest = float(half_width.max(skipna=False))  # one that is not known is the greatest
+    greatest = float(half_width.max(skipna=False))  # NaN if unknown for a sample
     factor = float(last.cone_factor_at_tip.mean())
     meaning = "cone factor over strength at the tip, at the end"
     over = f"mean over the last {count * SAMPLE_SPACING:g} radii"
@@ -201,11 +201,11 @@ def last_factor(recorded: xr.Dataset) -> dict[str, xr.Variable]:
 def layer_values(
     sounding: SoundingTest, recorded: xr.Dataset, *, is_known: bool
 ) -> dict[str, xr.Variable]:
-    """Scalars of a sounding through the layer that its parameters define; empty without a layer.
+    """Scalars of a sounding through the layer that its parameters define.
 
-    They are empty too where the curves have no resistance of undisturbed ground to compare with: in
-    a sounding from the surface, and where the curves begin near the layer. They are empty where the
-    curves end before the largest change. `is_known` says whether the laws of the error hold.
+    There are none without a layer, in a sounding from the surface, and where the curves begin too
+    near the layer for a resistance of undisturbed ground, or end before the largest change.
+    `is_known` says whether the laws of the error hold.
     """
     top, ratio = sounding.layer_top, sounding.layer_strength_ratio
     if top is None or sounding.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
@@ -220,7 +220,6 @@ def layer_values(
     factor = recorded.net_resistance.values / without
     share = change_of_resistance(factor, ratio)
     if math.isinf(thickness):
-        # From where above the border, and to where below it, the resistance feels it.
         before, behind = _first(-distance, share > FELT), _first(distance, share > 1.0 - FELT)
         changed = f"the resistance has changed by {FELT:.0%} of its whole change"
         lacks = f"the resistance lacks {FELT:.0%} of its whole change"
@@ -241,10 +240,10 @@ def layer_values(
 
 
 def _half_width(sounding: SoundingTest, reached: float) -> float:
-    """Half width of the share s of a layer's resistance that is `reached`."""
+    """Half width of `reached`, the share s of a layer's full resistance."""
     assert sounding.layer_thickness is not None
     ratio = sounding.layer_strength_ratio
-    # Errors of mesh and speed are in both resistances.
+    # Errors of mesh and speed are in both resistances and cancel in their ratio.
     of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * NOISE
     # The places of the borders are known to a cell. In a layer of thickness t the share
     # s = 1 - exp(-t / l) grows with t by -(1 - s) ln(1 - s) / t.
@@ -254,10 +253,10 @@ def _half_width(sounding: SoundingTest, reached: float) -> float:
 
 
 def change_of_resistance(factor: Floats, ratio: float) -> Floats:
-    """Change of the resistance over its change from one soil to the other, [n].
+    """Change of the resistance over its whole change from one soil to the other, shape [n].
 
-    It is a running mean over a radius. `factor` is the net resistance over the strength that the
-    ground would have without the layer, `ratio` the strength of the layer over that strength.
+    It is a running mean over a radius. `factor` is the net resistance over the strength of the
+    ground without the layer, `ratio` the strength of the layer over that strength.
     """
     undisturbed = float(np.mean(factor[:UNDISTURBED]))
     smooth = np.convolve(factor, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
@@ -267,7 +266,7 @@ def change_of_resistance(factor: Floats, ratio: float) -> Floats:
 
 
 def _first(position: Floats, reached: NDArray[np.bool_]) -> float:
-    """The position of the first sample from which `reached` holds for a whole radius."""
+    """Position of the first sample of the first radius over which `reached` holds throughout."""
     window = round(1.0 / SAMPLE_SPACING)
     lasting = np.convolve(reached, np.ones(window), mode="valid") >= window
     return float(position[int(np.argmax(lasting))]) if lasting.any() else math.nan

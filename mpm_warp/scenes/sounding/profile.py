@@ -1,4 +1,4 @@
-"""The ground by depth: its properties in rows, linear between them."""
+"""The profile of the ground: properties in rows by depth, linear between the rows."""
 
 import math
 from collections.abc import Mapping
@@ -27,20 +27,21 @@ from mpm_warp.scenes.sounding.table import (
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, CLEAR_OF_LARGE_CHANGE
 
 ROUNDING = 1e-9
-"""Relative difference of two rows that counts as rounding."""
+"""Relative change between two rows below which the change counts as rounding."""
 RAMP_LENGTH, RAMP_CHANGE, LARGE_CHANGE = 1.5, 0.3, 0.76
-"""A change by more than the second within this many radii, the first, counts as a border. A change
-of strength by more than the third, just over a factor of four, is felt from farther away."""
+"""A change of more than `RAMP_CHANGE` within `RAMP_LENGTH` radii counts as a border. A
+change of strength by more than `LARGE_CHANGE`, just over a factor of four, changes the resistance
+from farther away."""
 ABSOLUTE_CHANGES = {"adhesion_factor", "stress_anisotropy"}
-"""Columns whose change is taken as it is; that of others is relative to the larger value."""
+"""Columns whose change is absolute; that of others is relative to the larger value."""
 TINY = 1e-300
-"""Divisor in place of 0."""
+"""Divisor that replaces 0."""
 FILLED_IN_LATER: Any = None
 """Default of a column that `__post_init__` fills in."""
 
 
 def _change(name: str, one: Floats, other: Floats) -> Any:
-    """Change of a column between two values or arrays, relative but for `ABSOLUTE_CHANGES`."""
+    """Change of a column between two values or arrays; see `ABSOLUTE_CHANGES`."""
     scale = np.maximum(np.maximum(np.abs(one), np.abs(other)), TINY)
     return np.abs(other - one) / (1.0 if name in ABSOLUTE_CHANGES else scale)
 
@@ -74,7 +75,7 @@ class Profile:
     of_law: Mapping[str, Floats] = field(default_factory=dict)
 
     def __new__(cls, **columns: object) -> Self:
-        """Refuse an unknown column with the nearest, which `__init__` would not say."""
+        """Refuse an unknown column; the message suggests the nearest one, unlike `__init__`."""
         for name in columns:
             if name not in (*OWN, "of_law"):
                 raise refused(f"unknown column {name!r}{nearest_parameter(name, OWN)}")
@@ -106,19 +107,19 @@ class Profile:
 
     @classmethod
     def read(cls, text: str) -> Self:
-        """A profile from its text, see `table`; columns but depth and strength may be left out.
+        """A profile from its text, see `table`; only depth and strength must be given.
 
-        Without a stiffness the rigidity index is 100, without a unit weight it is 17 kN/m3. Without
-        an adhesion factor or a stress anisotropy the ground has none of its own.
+        The default rigidity index is 100, the default unit weight 17 kN/m3. Adhesion factor and
+        stress anisotropy have no default here: without them those of the scene hold.
 
         Raises:
-            ParameterError: something in it is not allowed.
+            ParameterError: the text has something that is not allowed.
         """
         return cls.of(columns_of(text))
 
     @classmethod
     def of(cls, columns: Mapping[str, Floats]) -> Self:
-        """A profile of the columns of a table; see `read`."""
+        """A profile from the columns of a table; see `read`."""
         if "strength" not in columns:
             raise refused("column strength is missing")
         own = {name: column for name, column in columns.items() if name in OWN}
@@ -129,13 +130,13 @@ class Profile:
 
     @property
     def text(self) -> str:
-        """The profile as a text of one line, in SI units; `read` gives the same profile."""
+        """The profile as one line of text in SI units, from which `read` restores it."""
         return text_of(self._columns)
 
     @property
     def is_uniform(self) -> bool:
-        """Whether all but the unit weight is the same everywhere."""
-        return all(np.ptp(values) == 0.0 for values in self._felt.values())
+        """Whether all properties but the unit weight are constant with depth."""
+        return all(np.ptp(values) == 0.0 for values in self._acting.values())
 
     def between(self, begin: float, end: float) -> Self:
         """The ground from one depth to another [m], `begin` < `end`; constant beyond both."""
@@ -149,7 +150,7 @@ class Profile:
         columns = {name: column(values) for name, values in self._columns.items()}
         if self.stress_anisotropy is not None:
             columns["stress_anisotropy"][[0, -1]] = self.stress_anisotropy_at(depth[[0, -1]], 0.0)
-        if EARTH_PRESSURE in columns:  # of stresses that are linear
+        if EARTH_PRESSURE in columns:  # the ratio of stresses, each linear between rows
             at_rest = self.of_law[EARTH_PRESSURE]
             vertical = self.of_law.get(MEAN_STRESS, 1.0) / (1.0 + 2.0 * at_rest)
             ends = column(at_rest * vertical) / column(vertical)
@@ -164,15 +165,15 @@ class Profile:
         strength: float | None = None,
         rows: tuple[Material, ...] | None = None,
     ) -> Variation | None:
-        """Variation of the material with depth; None in uniform ground.
+        """Variation of strength, stiffness, adhesion and horizontal stress with depth.
 
-        It has strength, stiffness, adhesion over their largest values, and the horizontal stress.
+        The first three are relative to their largest values. It is None in uniform ground.
 
         Args:
             origin_depth: depth of z = 0 of the grid [m].
             elsewhere: stress anisotropy where the profile gives none.
-            strength: of the material [Pa]; default: the largest of the profile.
-            rows: the material in each row, for a law whose parameters vary.
+            strength: the strength of ratio 1 [Pa]; default: the largest of the profile.
+            rows: the material of each row, for a law whose parameters vary.
         """
         if self.is_uniform:
             return None
@@ -193,20 +194,20 @@ class Profile:
 
     @property
     def _columns(self) -> dict[str, Floats]:
-        """The columns that there are, by name."""
+        """The columns that the profile has, by name."""
         own = {name: getattr(self, name) for name in OWN}
         return {name: value for name, value in own.items() if value is not None} | dict(self.of_law)
 
     @property
-    def _felt(self) -> dict[str, Floats]:
-        """The columns whose change acts on the resistance."""
-        not_felt = ("depth", "unit_weight")
-        return {name: it for name, it in self._columns.items() if name not in not_felt}
+    def _acting(self) -> dict[str, Floats]:
+        """The columns that the resistance depends on."""
+        others = ("depth", "unit_weight")
+        return {name: it for name, it in self._columns.items() if name not in others}
 
     def near_border(self, position: Floats, radius: float) -> NDArray[np.bool_]:
-        """Whether a border changes the resistance, at depths over a radius [m], shape [n].
+        """Whether a border changes the resistance at positions, depths over `radius` [m], [n].
 
-        A border is a jump between two rows, or a large change within a radius and a half.
+        A border is a jump between two rows, or a large change within `RAMP_LENGTH` radii.
         """
         near = np.zeros(len(position), dtype=bool)
 
@@ -216,15 +217,15 @@ class Profile:
 
         is_jump = np.diff(self.depth) == 0.0
         for row in np.flatnonzero(is_jump):
-            changes = {name: _change(name, *it[[row, row + 1]]) for name, it in self._felt.items()}
-            if max(changes.values()) > ROUNDING:
-                mark(self.depth[row], self.depth[row], changes["strength"])
+            change = {name: _change(name, *it[[row, row + 1]]) for name, it in self._acting.items()}
+            if max(change.values()) > ROUNDING:
+                mark(self.depth[row], self.depth[row], change["strength"])
         jumps = self.depth[1:][is_jump]
         for offset in (-RAMP_LENGTH * radius, RAMP_LENGTH * radius):
             ends = np.sort([self.depth, self.depth + offset], axis=0)
             beyond = {
                 name: _change(name, it, np.interp(self.depth + offset, self.depth, it))
-                for name, it in self._felt.items()
+                for name, it in self._acting.items()
             }
             changed = np.max(list(beyond.values()), axis=0) > RAMP_CHANGE
             for row in np.flatnonzero(changed):

@@ -1,4 +1,4 @@
-"""A sounding: the cone test from one depth to another, through ground that changes with depth."""
+"""A sounding: a cone penetration test through ground whose properties change with depth."""
 
 import math
 from dataclasses import dataclass, replace
@@ -36,17 +36,17 @@ from mpm_warp.uncertainty.further_runs import FAILURES, one_after_the_other, wit
 from mpm_warp.uncertainty.samples import MeasuredError, measured_by, why_not_known
 
 PIC_FRACTION = 0.02
-"""Share of the velocity that material points in that layer take from the grid as it is, in a step.
-Without it soil is thrown off the surface. At 0.01 and 0.03, 3 cells per radius, the resistance
-differs by 10 % two radii below the surface, and by 1 % from three radii on."""
+"""PIC fraction of the material points near the surface of the ground; see `PassingSurface`. Without
+it soil is thrown off the surface. At 3 cells per radius, the resistances with 0.01 and with 0.03
+differ by 10 % two radii below the surface, and by 1 % from three radii on."""
 STEADY_TOLERANCE = 0.003
-"""`steady_tolerance` of the cone tests that measure the error; the default of a cone test."""
+"""`steady_tolerance` of the cone tests that measure the error, as by default in a cone test."""
 TIME_STEP_FRACTION = 0.7
-"""Largest time step over the critical one. Cells near the surface have no mass-matrix correction;
-without it 0.76 is stable."""
+"""Largest time step over the critical one, in a sounding from the surface. Cells near the surface
+have no mass-matrix correction; without it 0.76 is stable."""
 CELLS_AT_SURFACE = 1.5
-"""Cells per radius below which a sounding from the surface is likely to fail: 41 of 70 random ones
-did not complete, with more cells 8 of 46."""
+"""Cells per radius below which a sounding from the surface is likely to fail. Below it 41 of 70
+random soundings did not complete, above it 8 of 46."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,16 +56,16 @@ class Sounding(SoundingTest):
     The strength may fall with plastic strain, and rise with the strain rate of the real speed, by
     the same law everywhere.
 
-    The ground is a `profile`, or one of linear strength with a layer in it. The penetrometer starts
-    in place, above the first depth, or with its tip at the surface of the ground. Excess stresses
-    are simulated: those over the vertical in-situ stress, which balances itself.
+    The ground is a `profile`, or has a strength that is linear in depth, with one layer in it. The
+    penetrometer starts in place above the first depth, or with its tip at the surface of the
+    ground. Simulated stresses exclude the vertical in-situ stress, which is in equilibrium.
     """
 
     summary = "cone penetration through ground that changes with depth"
     version = 30
 
     def check_clay(self) -> None:
-        """See `ClayScene`; in a profile the clay of each row is checked."""
+        """Check the clay as `ClayScene` does, in a profile that of each row."""
         if self.profile is None:
             self._follow_law()
         check_sounding(self)
@@ -75,11 +75,11 @@ class Sounding(SoundingTest):
             key = refusal.key if isinstance(refusal, ParameterError) else "ductility"
             raise ParameterError(key, f"in the ground that the cone passes: {refusal}") from None
         if self.uncertainty == "measured":
-            _ = self.tests_by_depth  # all are allowed
+            _ = self.tests_by_depth  # raises where a parameter of a test is not allowed
 
     @property
     def likely_failure(self) -> str:
-        """See `CatalogueScene`; judged by a cone test in the strongest soil of the ground."""
+        """See `CatalogueScene`; that of a cone test in the strongest soil of the ground."""
         test = self._test
         scale = self.speed_ratio / test.speed_ratio
         if test.inertia > SANE_INERTIA:
@@ -93,18 +93,18 @@ class Sounding(SoundingTest):
 
     @property
     def _test(self) -> ConePenetration:
-        """The cone test in uniform clay of the largest strength and stiffness in the ground passed.
+        """The cone test in uniform clay with the greatest strength and stiffness passed.
 
-        For a law with parameters of its own it is the test in the stiffest row.
+        If parameters of the material law vary, it is the test in the clay of the stiffest row.
         """
         ground = self.ground_passed
         row = int(ground.shear_modulus.argmax()) if ground.of_law else None
-        # In ground that varies the in-situ stress is a part of the variation.
+        # In ground that varies, the variation of the material holds the in-situ anisotropy.
         of_ground = ground.stress_anisotropy_at(ground.depth[:1], self.stress_anisotropy)
         return self._test_in(row, float(of_ground[0]) if ground.is_uniform else 0.0)
 
     def _test_in(self, row: int | None, stress_anisotropy: float) -> ConePenetration:
-        """The cone test in the clay of a row of the ground passed; for None see `_test`."""
+        """The cone test in the clay of a row of the ground passed; None: see `_test`."""
         ground = self.ground_passed
         chosen = slice(None) if row is None else slice(row, row + 1)
         shear_modulus = ground.shear_modulus[chosen].max()
@@ -119,7 +119,7 @@ class Sounding(SoundingTest):
             "approach": 0.0,
             "steady_tolerance": 0.0,
             "uncertainty": "known",
-            # Samples are corrected for no bound of Poisson's ratio.
+            # No law corrects a sample for the bound of Poisson's ratio.
             "poissons_ratio_bound": INCOMPRESSIBLE,
             "speed_ratio": self.speed_ratio * math.sqrt(ground.shear_modulus.min() / shear_modulus),
         }
@@ -129,7 +129,7 @@ class Sounding(SoundingTest):
         kind: Any = ConePenetration.offered()
         common = parameters_of(type(self)).keys() & parameters_of(kind).keys()
         values = {name: getattr(self, name) for name in common}
-        # A window by default is that of the sounding; the test would derive another.
+        # The test would derive another default window than that of the sounding.
         kept = {
             name: float(value) if isinstance(value, Derived) else value
             for name, value in values.items()
@@ -143,7 +143,7 @@ class Sounding(SoundingTest):
         """Parameters of a cone test in this clay, under this vertical stress [Pa]."""
         index = float(shear_modulus) / float(strength)
         return {
-            # A law's own stiffness is not linear between rows.
+            # The stiffness that a law derives from its parameters is not linear between rows.
             "rigidity_index": Derived(index) if self.has_own_stiffness else index,
             "undrained_shear_strength": float(strength),
             "adhesion_factor": float(adhesion),
@@ -160,7 +160,7 @@ class Sounding(SoundingTest):
         rows = None
         if ground.of_law:
             rows = tuple(self._test_in(*row).clay for row in enumerate(anisotropy.tolist()))
-        else:  # its stress is within the yield surface everywhere
+        else:  # raise where the in-situ stress is outside the yield surface
             _ = [self._test_in(None, extreme) for extreme in {anisotropy.min(), anisotropy.max()}]
         variation = ground.variation(
             self.start_depth,
@@ -175,9 +175,9 @@ class Sounding(SoundingTest):
         """Cone tests whose further runs measure the error, by depth [m].
 
         Each is in uniform clay like that of the ground at its depth. The depths are both ends of
-        the sounding and half a sample above and below each border between. The upper end is where
-        the surface has left the window. Uniform ground has the lower end alone. There are none if
-        the surface does not leave the window.
+        the sounding, and half a sample above and below each border of layers. In a sounding from
+        the surface the upper end is where the surface has left the window; there is no test if it
+        never does. In uniform ground the lower end is the only depth.
         """
         begin = self._first_depth
         end = self.from_depth + (self.samples[-1] + 1) * self.spacing
@@ -202,24 +202,24 @@ class Sounding(SoundingTest):
             ground.stress_anisotropy_at(at, self.stress_anisotropy),
             ground.vertical_stress_at(at),
         )
-        # Approach and penetration are by default, as in a test of its own.
+        # Approach and penetration have their defaults, as in a cone test of a user.
         method = {"steady_tolerance": STEADY_TOLERANCE, "approach": None, "penetration": None}
         speed_ratio = math.sqrt(self.dynamic_pressure / ground.shear_modulus_at(at))
         changes |= {"uncertainty": "measured", "speed_ratio": speed_ratio, **method}
         return replace(self._test, **changes)
 
     def build(self) -> Scene:
-        """The scene of a cone test in clay that varies; it may start from the surface."""
+        """The scene of a cone test in clay that varies, in place or from the surface."""
         scene = replace(self._test.build(), material=self.clay)
         return self._from_surface(scene) if self.starts_at_surface else scene
 
     def _from_surface(self, scene: Scene) -> Scene:
-        """The scene of a cone test whose soil ends at the surface of the ground.
+        """The scene of a cone test that starts with its tip at the surface of the ground.
 
-        As the cone goes in, soil heaves beside it. The surface moves up through the window and
-        leaves it at the top; from then on the scene is that of a deep cone. The soil is weightless:
-        its weight is in the in-situ stress, and acts on the cone as sigma_v0. The weight of the
-        heave is left out; it is some gamma R / su, about 0.01, of the strength.
+        As the cone penetrates, soil heaves beside it. The surface moves up through the window and
+        leaves it at the top; from then on the scene is that of a deep cone. The simulated soil is
+        weightless: its weight is in the in-situ stress, and acts on the cone as sigma_v0. The
+        weight of the heave is left out; it is some gamma R / su, about 0.01, of the strength.
         """
         level = self.start_depth
         grid, window = replace(scene.grid, ground_level=level), scene[Window]
@@ -235,7 +235,7 @@ class Sounding(SoundingTest):
         )
 
     def run_size(self) -> RunSize:
-        """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
+        """See `CatalogueScene`; with all further runs where the uncertainty is measured."""
         is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
         tests = self.tests_by_depth.values() if is_measured else ()
         return of_several([self._run_size, *(test.run_size() for test in tests)])
@@ -244,15 +244,15 @@ class Sounding(SoundingTest):
     def _run_size(self) -> RunSize:
         test = self._test
         size = test.run_size()
-        of_way = self.travel / (test.penetration * test.cone_radius)
+        travel_ratio = self.travel / (test.penetration * test.cone_radius)
         varying = law_bytes(self.clay) - law_bytes(test.clay)
         surface = PassingSurface.cell_bytes if self.starts_at_surface else 0.0
         return replace(
             size,
-            step_count=of_way * size.step_count,
+            step_count=travel_ratio * size.step_count,
             bytes_per_cell=size.bytes_per_cell + surface,
             bytes_per_particle=size.bytes_per_particle + varying,
-            curve_bytes=of_way * size.curve_bytes,
+            curve_bytes=travel_ratio * size.curve_bytes,
         )
 
     @property
@@ -261,21 +261,21 @@ class Sounding(SoundingTest):
         return self._test.window.time_to(self.travel)
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
-        """The results of a run; where the uncertainty is measured, cone tests are run before."""
+        """The results of a run; to measure the uncertainty, cone tests are run first."""
         tests = {} if self.uncertainty == "known" else self.tests_by_depth
         if not tests or why_not_as_measured(self.build(), expected_scene(self)):
             return super().compute(progress, execution)
         sizes = [*(further.run_size() for further in tests.values()), self._run_size]
         *parts, own = one_after_the_other(sizes, progress)
-        made: list[xr.Dataset | str] = []
+        outcomes: list[xr.Dataset | str] = []
         for part, test in zip(parts, tests.values(), strict=True):
             try:
-                made.append(test.compute(part, execution))
+                outcomes.append(test.compute(part, execution))
             except FAILURES as error:
-                made.append(f"further runs: {error}")
+                outcomes.append(f"further runs: {error}")
         simulation = Simulation(self.build(), execution)
-        results = self.record(simulation, own, measured_by(list(tests), made))
-        return with_cost(results, [further for further in made if isinstance(further, xr.Dataset)])
+        results = self.record(simulation, own, measured_by(list(tests), outcomes))
+        return with_cost(results, [it for it in outcomes if isinstance(it, xr.Dataset)])
 
     def record(
         self, simulation: Simulation, progress: Progress, measured: MeasuredError | None = None
@@ -284,7 +284,7 @@ class Sounding(SoundingTest):
 
         Raises:
             InaccurateRun: the transfers took too much of the penetrometer's work. It is not raised
-                while the surface is in the window, where no accuracy is stated.
+                if the surface never leaves the window: no accuracy is stated for such a run.
         """
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(simulation, self.penetrometer)
@@ -298,14 +298,14 @@ class Sounding(SoundingTest):
                 simulation, moments, simulation.travel_to, [curves, pressures], progress
             )
         except SimulationDiverged as error:
-            had = error.curves
-            if had is not None:  # none where it ended on the way before the curves begin
-                begun = had.sizes["penetration"] > self.lead_count
-                error.curves = sounding_curves(self, had, why_none, measured) if begun else None
+            sampled = error.curves
+            if sampled is not None:  # None: before the first sample
+                begun = sampled.sizes["penetration"] > self.lead_count
+                error.curves = sounding_curves(self, sampled, why_none, measured) if begun else None
             raise
         over_depth = sounding_curves(self, recorded, why_none, measured)
         layer = layer_values(self, over_depth, is_known=measured is None and not why_none)
-        is_thin = "layer_share" in layer  # then that is what it was run for
+        is_thin = "layer_share" in layer  # the share of the layer is then the main result
         values = layer if is_thin else last_factor(over_depth) | layer
         results = over_depth.assign(values | energy_error(simulation, curves.work))
         if not self.starts_at_surface or self.travel >= self.surface_passed:
