@@ -31,9 +31,9 @@ from mpm_warp.parts.window import Window
 from mpm_warp.scene import Part, Scene
 
 MEASURED_LAWS = (Tresca, VonMises, EinavRandolph)
-"""Material laws with which further runs were tested: their errors depend on width of cells and
-speed as further runs assume. In a user's own law the strength may depend on the speed, or softening
-may localise in one cell; further runs cannot tell such an effect from an error."""
+"""Material laws with which further runs were tested: errors depend on the width of cells and on the
+speed as further runs assume. In a law of a user the strength may depend on the speed, or softening
+may localise in one cell; further runs cannot distinguish such an effect from an error."""
 LAWS_OF_CONES = (*MEASURED_LAWS, ModifiedCamClay, Anisotropic)
 """Material laws with which further runs of cones were tested."""
 LARGEST_BRITTLENESS = 0.1
@@ -41,17 +41,17 @@ LARGEST_BRITTLENESS = 0.1
 0.08 the cone factor follows the law of the mesh, within 0.008 on 5 to 14 rows of cells. At 0.18 it
 falls below the limit that further runs give, by 1.7 of their half widths."""
 RECORDS = (EnergyAudit, EnergyBalance, History)
-"""Parts of a scene that only record, and change no result."""
+"""Parts that only record and do not change a result."""
 MEASURABLE = ", but further runs may measure it (uncertainty = measured)"
-"""The remedy in a reason why a factor has no uncertainty; of pore pressures they tell none."""
+"""Remedy in the reason why a factor has no uncertainty; it does not hold for pore pressures."""
 PARTS = (
     (Material, "law", "soil"),
     (SurfaceContact, "contact", "contact"),
     (Grid, "grid", "grid"),
     ((Window, SurroundingGround), "window", "window"),
 )
-"""Kinds of parts; the word of each in a reason, and its name in the sentence."""
-PLACES = (
+"""Kinds of parts, each with the keyword of its reason and its name in the sentence."""
+ORDERED_METHODS = (
     "add_forces",
     "add_boundary",
     "add_contact",
@@ -61,9 +61,9 @@ PLACES = (
     "enter",
     "follow",
 )
-"""Methods of a part that are called in the order of the parts, within a step or between steps."""
+"""Methods that are called for each part in order, within a step or between steps."""
 OTHER = "scene"
-"""Word and name of any other part."""
+"""Keyword and name of any other part."""
 
 
 def expected_scene(test: Any) -> Scene | None:
@@ -77,7 +77,7 @@ def expected_scene(test: Any) -> Scene | None:
     )
     if isabstract(catalogue):
         return None
-    offered = catalogue.offered()  # with the parameters of the laws, which a class may lack
+    offered = catalogue.offered()  # adds the parameters of the laws, which a class may lack
     given = {name: getattr(test, name) for name in parameters_of(offered) if hasattr(test, name)}
     try:
         built: Scene = offered(**given).build()
@@ -102,11 +102,11 @@ def why_not_as_measured(
     for one, other, where in _side_by_side(built, expected):
         difference = _difference(one, other, where)
         if difference is not None:
-            word, what = _called(other)
+            word, what = _keyword_and_name(other)
             reasons[word] = f"{word}: the error is not known with the {what} built, {difference}"
     if not reasons:
         return why_law_not_measured(built.material, laws)
-    # An earlier part may be the cause of later differences: a stiffer soil has faster waves.
+    # An earlier part may cause later differences: waves are faster in a stiffer soil.
     first = next(word for word in (*(word for _, word, _ in PARTS), OTHER) if word in reasons)
     return [reasons[first]]
 
@@ -139,7 +139,7 @@ def why_law_not_measured(
 
 
 def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, object, str]]:
-    """Pairs of what two scenes consist of, with a name; parts that only record are left out."""
+    """Pairs of the components of two scenes, with a name, without parts that only record."""
     for field in fields(Scene):
         if field.name != "parts":
             yield getattr(built, field.name), getattr(expected, field.name), field.name
@@ -150,7 +150,7 @@ def _side_by_side(built: Scene, expected: Scene) -> Iterator[tuple[object, objec
     in_order, others_in_order = (sorted(them, key=built_name) for them in (parts, others))
     if _names(in_order) == _names(others_in_order):
         # The order matters only among parts with the same method.
-        for place in PLACES:
+        for place in ORDERED_METHODS:
             one, other = (_names(_acting_at(place, them)) for them in (parts, others))
             yield one, other, "the order of its parts"
         parts, others = tuple(in_order), tuple(others_in_order)
@@ -165,8 +165,8 @@ def _names(parts: Sequence[Part]) -> str:
     return ", ".join(map(built_name, parts))
 
 
-def _called(part: object) -> tuple[str, str]:
-    """Word and name of a part in a reason."""
+def _keyword_and_name(part: object) -> tuple[str, str]:
+    """Keyword and name of a part in a reason."""
     for kind, word, what in PARTS:
         if isinstance(part, kind):
             return word, what
@@ -174,10 +174,10 @@ def _called(part: object) -> tuple[str, str]:
 
 
 def _difference(built: object, expected: object, where: str) -> str | None:
-    """What differs, as "friction = 0.2 instead of 0"; None where nothing does."""
+    """The first difference, as "friction = 0.2 instead of 0"; None if there is none."""
     if type(built) is not type(expected):
-        called = ("none" if it is None else built_name(it) for it in (built, expected))
-        return " instead of ".join(called)
+        names_of_types = ("none" if it is None else built_name(it) for it in (built, expected))
+        return " instead of ".join(names_of_types)
     if isinstance(expected, np.ndarray):
         return None if np.array_equal(np.asarray(built), expected) else f"with other {where}"
     if isinstance(built, tuple) and isinstance(expected, tuple) and len(built) == len(expected):

@@ -64,17 +64,17 @@ DIFFERENCES = {
     "speed": "half the speed",
     "domain": "a wider window",
 }
-"""The effects, B h and the other terms, and what is different in the run that measures each."""
+"""Difference of the further run that measures an effect, such as B h, by effect."""
 RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 0.2}
-"""Half width of each error, over the error that is left in the best run: about the difference
-between a law and one of the next order. The mesh has such a term already, Q h^1.7. From 5 and 8
+"""Half width of each error over that in the run where it is smallest: about the difference between
+a law and one of the next order. The mesh has such a term already, Q h^1.7. From 5 and 8
 rows beside the face its limit is within 0.04 of that from 5 to 14 rows, in other cones and clays
 too. That is a sixth of the error on 8 rows."""
 FEW_ROWS, INERTIA_WITH_FEW_ROWS = 3, 0.15
-"""With fewer rows of cells beside the face than the first, further runs need a rho V^2 / su of at
-most the second. On two rows beside a cone of 120 degrees the effect of the speed depends on the
-mesh, and at 0.38 the error was 1.7 half widths. On three rows and more, cones up to 110 degrees
-agree at 0.9."""
+"""On fewer than `FEW_ROWS` rows of cells beside the face, further runs need a rho V^2 / su of at
+most `INERTIA_WITH_FEW_ROWS`. On two rows beside a cone of 120 degrees the effect of the speed
+depends on the mesh, and at 0.38 the error was 1.7 half widths. On three rows and more, cones up to
+110 degrees agree at 0.9."""
 LARGEST_CORRECTION = 0.08
 """Largest correction over the cone factor for which the laws, which are linear, are trusted. A cone
 of 120 degrees on two rows needs 5 %. Friction that sheared soil by more than its strength needed
@@ -119,7 +119,7 @@ class ConeRun(TestRun):
         return {"mesh": float(known)}
 
     def least_parts(self) -> dict[str, float]:
-        """That of a window smaller than the default, whose effect does not follow w."""
+        """That of a window smaller than the default, whose effect is not in proportion to w."""
         return {"domain": window_uncertainty(self.laws.extent_ratio)}
 
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
@@ -201,7 +201,7 @@ def _not_settled(laws: ErrorLaws) -> dict[str, Condition]:
 
 
 def _why_not_of_scene(built: Scene) -> list[str]:
-    """Why the laws do not hold for a scene of the catalogue: other soil, cone or friction."""
+    """Why the laws do not hold for the soil, cone or friction of a scene of the catalogue."""
     grid = built.grid
     tip = np.flatnonzero(grid.surface_radius == 0.0)[-1]
     slope = np.diff(grid.surface_radius)[tip] / np.diff(grid.rows)[tip]

@@ -1,8 +1,8 @@
 """The error of a result, measured by further runs of the case itself.
 
 Each further run differs from the case in one choice of the method, such as the width of the cells.
-By a law, the error of this choice, its effect, is in proportion to a measure m. The case and one
-further run for each choice then determine the value v without these errors, and the slopes s:
+The error of this choice, its effect, is in proportion to a measure m. The case and one further run
+for each effect determine the slopes s and the value v without these errors:
 
     simulated value - known part of its error = v + s_1 m_1 + s_2 m_2 + ...
 """
@@ -26,7 +26,7 @@ Progress = Callable[[float], None]
 FAILURES = (SimulationDiverged, InaccurateRun, UnfinishedRun)
 """Errors that end a run without a result."""
 ALONE: Floats = np.ones(1)
-"""The weights of a value from a single run."""
+"""Weights of the runs where the value is from a single run."""
 REASON = "why_no_uncertainty"
 """Name of the variable that says why a result has no uncertainty; "" where it has one."""
 
@@ -42,13 +42,13 @@ def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
 
 
 class Test(Protocol):
-    """A test: a frozen dataclass of parameters, with further tests that measure its error."""
+    """A frozen dataclass of parameters, with further tests that measure its error."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     @property
     def own_size(self) -> Any:
-        """Size of its own run without further ones; `particle_updates`: points times steps."""
+        """Size of the run without further ones; `particle_updates` is points times steps."""
 
     def further_tests(self) -> "Mapping[str, Self]":
         """The further tests, by the effect that each measures."""
@@ -69,9 +69,9 @@ class TestRun:
     description: ClassVar[str]
     """Definition of that value."""
     differences: ClassVar[Mapping[str, str]]
-    """What is different in the run that measures an effect, as "smaller cells", by effect."""
+    """Difference of the run that measures an effect, as "smaller cells", by effect."""
     residual_shares: ClassVar[Mapping[str, float]]
-    """Half width of an effect over what is left of it in the best run, by effect."""
+    """Half width of an effect over its size in the run where it is smallest, by effect."""
     largest_correction: ClassVar[float] = math.inf
     """Largest correction over the value for which the laws are trusted."""
     approach: ClassVar[float] = 0.0
@@ -98,7 +98,7 @@ class TestRun:
 
     @abstractmethod
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:
-        """Why the runs cannot measure the error; they are named as in a reason, "the case"."""
+        """Why the runs cannot measure the error; keys are their names in a reason, "the case"."""
 
     @abstractmethod
     def own_parts(self, weights: Floats, runs: Sequence[Self]) -> dict[str, float]:
@@ -191,12 +191,12 @@ def with_measured_error(
 
 
 def one_after_the_other(sizes: Sequence[Any], progress: Progress) -> list[Progress]:
-    """A progress function for each of several runs; its share of the whole goes by its size."""
+    """A progress function for each of several runs, whose shares are in proportion to size."""
     updates = [size.particle_updates for size in sizes]
     done = np.cumsum([0.0, *updates]) / sum(updates)
 
     def part(begin: float, end: float) -> Progress:
-        # Rounding must not exceed the begin of the next run.
+        # Rounding must not pass the start of the next run.
         return lambda fraction: progress(float(min(begin + fraction * (end - begin), end)))
 
     return [part(*ends) for ends in pairwise(done)]

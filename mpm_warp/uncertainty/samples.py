@@ -30,23 +30,23 @@ SAMPLE_NOISE = 0.07
 """Half width of the noise of one sample of a tenth of a radius, over the strength: twice the
 standard deviation of samples in uniform clay, 0.032 at 3 cells per radius."""
 INFLOW_NOISE = 0.45
-"""Half width of the noise from layers of points that enter below, over the resistance times V over
-the speed of pressure waves; it counts where it is the larger one. It is 1.9 to 2.3 times the
-standard deviation, 0.045 to 0.106, at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and
+"""Half width of the noise from layers of points that enter at the bottom, over the resistance times
+V over the speed of pressure waves. It replaces `SAMPLE_NOISE` where it is larger. It is 1.9 to 2.3
+times the standard deviation, 0.045 to 0.106, at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and
 speed_ratio 0.05 to 0.17. Without it 41 % of the samples were outside (0.4, 0.1, Ir 100)."""
 SURFACE_HALF_WIDTH, SURFACE_DEPTH = 0.026, 28.0
 """Half width of the effect of the surface of the ground after it has left the window, over the
 resistance, and the depth in radii beyond which it falls in inverse proportion to depth. It is
 twice the change by a window of twice the extents, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii.
-The missing resistance falls even with the square of the depth."""
+The lack of resistance itself falls faster, with the square of the depth."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampleError:
     """The error of the samples of a sounding."""
 
-    # To be added to the resistance, over the mean strength around the tip; dimensionless, [n]. 0
-    # where no law holds; near a border that of uniform ground, so that the curve has no jump.
+    # Correction to add to the resistance, over the mean strength around the tip, shape [n]: 0 where
+    # no law holds; near a border that of uniform ground, so that the curve has no jump.
     correction: Floats
     is_corrected: NDArray[np.bool_]  # whether a law holds, shape [n]
     half_width: Floats  # of 95 % [Pa], NaN where it is not known; shape [n]
@@ -95,7 +95,7 @@ def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> M
 
 
 def why_not_known(built: Scene, expected: Scene | None) -> list[str]:
-    """Why the error is known of no sample, whatever the ground is; see `built`."""
+    """Why the error is known for no sample, in whatever ground; see `built`."""
     return why_not_as_measured(built, expected) or why_not_tresca(built.material)
 
 
@@ -122,7 +122,7 @@ def sample_error(
         surface: reasons about the surface of the ground in the window, and where they apply.
         borders: reasons about borders of layers nearby, and where they apply.
         why_none: reasons why the laws hold for no sample.
-        measured: the error measured by further runs, in place of the laws; None without them.
+        measured: the error measured by further runs, which replaces the laws; None without them.
     """
     factor = resistance / around
     if measured is None:
@@ -168,7 +168,7 @@ def _noise(laws: ErrorLaws, factor: Floats) -> Floats:
 
 
 def _any_of(conditions: Mapping[str, Condition], depth: Floats) -> NDArray[np.bool_]:
-    """Where at least one condition holds, shape [n]."""
+    """Whether at least one condition holds, shape [n]."""
     each = [np.broadcast_to(holds, depth.shape) for holds in conditions.values()]
     found: NDArray[np.bool_] = np.logical_or.reduce([np.zeros(depth.shape, dtype=bool), *each])
     return found

@@ -1,4 +1,4 @@
-"""A cone pushed into the ground from first touch."""
+"""A cone pushed into the ground, from the first contact of its tip on."""
 
 import math
 from dataclasses import dataclass, replace
@@ -26,16 +26,16 @@ STRENGTH = 1e3
 DENSITY = 1700.0
 POISSONS_RATIO = 0.49
 FINAL_DEPTH = 0.6
-"""Over the height of the cone: the ground that rises beside it stays below the shoulder."""
+"""Over the height of the cone. The ground that heaves beside the cone stays below the shoulder."""
 FITTED_FROM = 0.3
-"""Share of the final depth from which the exponent is fitted: before, the cone is in few cells."""
+"""Share of the final depth from which on the exponent is fitted; before, the cone is in few cells."""
 SAMPLE_COUNT = 60
 TIME_STEP_FRACTION = 0.7
 
 
 @dataclass(frozen=True, kw_only=True)
 class ConeSelfSimilar(CatalogueScene):
-    """Nothing in the problem has a length but the depth: the load is proportional to its square.
+    """The depth is the only length of the problem, so the load is proportional to its square.
 
     The grid travels down with the cone, through the surface of the ground, which cuts its cells.
     """
@@ -55,7 +55,7 @@ class ConeSelfSimilar(CatalogueScene):
     speed_ratio: float = parameter(0.03, "speed over shear wave speed", minimum=1e-3, maximum=0.1)
 
     def build(self) -> Scene:
-        """The ground and its surface, through which soil enters below and leaves nowhere."""
+        """The ground with its surface in the window; soil enters at the bottom, none leaves."""
         size = RADIUS / self.cells_per_radius
         fitted = self._penetrometer.fitted_grid(
             cell_size=size,
@@ -90,7 +90,7 @@ class ConeSelfSimilar(CatalogueScene):
         )
 
     def run_size(self) -> RunSize:
-        """Cells of the grid, those above the ground too, and the steps to the final depth."""
+        """All cells of the grid, also those above the ground, and the steps to the final depth."""
         scene = self.build()
         size = size_in_grid(scene, scene[Window].time_to(self._final_depth))
         share_of_soil = float((scene.grid.rows[1:] <= 0.0).mean())
@@ -112,13 +112,13 @@ class ConeSelfSimilar(CatalogueScene):
         reached = [0.0]
 
         def sample() -> tuple[float, float]:
-            """Depth, and mean load since the sample before."""
+            """Depth, and mean load since the previous sample."""
             forces = contact.forces(contact_forces.take())
             reached.append(simulation.travel)
             return reached[-1], 2.0 * math.pi * forces.on_face
 
         def load_curve(reached: Floats, load: Floats) -> xr.Dataset:
-            # A mean over the travel since the sample before stands in its middle.
+            # A mean over an interval of travel belongs to its middle.
             middles = 0.5 * (reached + np.append(0.0, reached[:-1]))
             return curves("depth", (middles, "m", "depth of the tip"), load=(load, "N", "load"))
 
@@ -131,7 +131,7 @@ class ConeSelfSimilar(CatalogueScene):
         """Exponent of the depth, its error, and the load over the section of the cone."""
         depth, load = recorded.depth.values, recorded["load"].values
         late = depth > FITTED_FROM * self._final_depth
-        # By the work, whose exponent is greater by one: in it the load's noise averages out.
+        # The work has an exponent greater by one, and averages out the noise of the load.
         work = np.cumsum(load * np.diff(reached))
         exponent = float(np.polyfit(np.log(reached[1:][late]), np.log(work[late]), 1)[0]) - 1.0
         factor = load / (

@@ -1,6 +1,6 @@
 """The excess pore pressure beside a penetrometer, where a piezocone measures it.
 
-It is the change of the mean total stress of the soil at the surface; an elastic, perfectly plastic
+It is the change of the mean total stress of the soil at the surface: elastic, perfectly plastic,
 undrained clay has no other excess pore pressure. Each reading is a weighted sum over cells.
 
     u1  a line through the first two columns of cells, extrapolated to the face
@@ -11,10 +11,9 @@ undrained clay has no other excess pore pressure. Each reading is a weighted sum
 At the shoulder the pressure jumps from 9 su on the face to below 6 su (Ir 100). Every mesh smears
 this jump over two and a half rows; above them all meshes give the same fall.
 
-So where the law of its error holds, u2 is not taken from this reading but from the radial stress on
-the shaft some radii above the shoulder (`mpm_warp.uncertainty.pore_pressure`). That stress hardly
-depends on the mesh: it is the same in the soil that touches the shaft and in the cells beside it,
-which the pressure is not.
+So where the law of its error holds, u2 follows not from this reading but from the radial stress on
+the shaft some radii above the shoulder (`mpm_warp.uncertainty.pore_pressure`). This stress hardly
+depends on the mesh: unlike the pressure, it is the same at the shaft and in the cells beside it.
 """
 
 import math
@@ -67,14 +66,14 @@ to the filter."""
 ALONG_SHAFT = f"on the shaft, mean from {RADIAL_FROM:g} to {RADIAL_TO:g} radii above the shoulder"
 
 Reading = tuple[Integers, Floats]
-"""Numbers of cells, and the weights of their pressures."""
+"""Indices of cells, and the weights of their pressures."""
 
 
 def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> Samples:
     """Samples excess pore pressures and radial stress beside a penetrometer.
 
-    It samples at the penetrations of `PenetrationCurves`. A sample is the mean of the values at its
-    begin and end, NaN while the penetrometer slows down. The grid is fitted to the penetrometer.
+    Intervals are those of `PenetrationCurves`. A sample is the mean of the values at both ends of
+    its interval, NaN while the penetrometer slows down. The grid is fitted to the penetrometer.
     """
     scene = soil_scene(simulation)
     grid, window, height = scene.grid, scene[Window], penetrometer.cone_height
@@ -137,8 +136,8 @@ def stated_beside_shaft(
     Args:
         test: the cone test.
         results: its results as simulated, with the uncertainty of the cone factor.
-        built: the scene that was built. It, not the parameters, says how far the sleeve friction
-            may be below the adhesion.
+        built: the scene that was built. Its law and contact, not the parameters, give the lower
+            bound of the sleeve friction.
     """
     face, shaft, _ = test.interface
     laws, strength = test.laws(penetration=test.penetration), test.undrained_shear_strength
@@ -165,7 +164,7 @@ def _middles(edges: Floats) -> Floats:
 
 
 def _in_first_column(grid: Grid, height: float) -> Reading:
-    """Linear between the centres of the first column of cells; NaN above the highest."""
+    """The first column, linear between the centres of cells; NaN above the highest."""
     middles = _middles(grid.rows)
     row = int(np.clip(np.searchsorted(middles, height), 1, grid.row_count - 1))
     upper = (height - middles[row - 1]) / (middles[row] - middles[row - 1])
@@ -198,7 +197,7 @@ def _behind_shoulder(grid: Grid, penetrometer: Penetrometer) -> Reading:
 
 
 def _along_shaft(grid: Grid, penetrometer: Penetrometer) -> Reading:
-    """Mean over RADIAL_FROM to RADIAL_TO in the first column; NaN where the grid ends below."""
+    """Mean from RADIAL_FROM to RADIAL_TO in the first column; NaN if the grid ends below."""
     heights = (grid.rows - penetrometer.cone_height) / penetrometer.radius
     if heights[-1] < RADIAL_TO:
         return np.zeros(1, dtype=int), np.array([math.nan])

@@ -27,7 +27,7 @@ from mpm_warp.uncertainty.steadiness import STEADY_SAMPLES
 LARGEST_ENERGY_ERROR = 0.05
 """Largest share of the penetrometer's work that the method itself may create or dissipate."""
 LARGEST_VARIATION = 0.05
-"""Largest range of the resistance over its last two radii, over its mean, of a run that has not
+"""Largest range of the resistance over the last two radii, over its mean, in a run that has not
 become steady. Steady runs end with 0.5 to 2 %, a run of 6 radii with 4.5 %, one of 2 radii with
 30 % or more."""
 LARGEST_OVER_CAVITY = 2.0
@@ -47,7 +47,7 @@ MEANING = {
     "least_mass": "work that the least mass of nodes keeps from the stress, over the "
     "penetrometer's",
 }
-"""Shares of the energy balance by name, each with its meaning."""
+"""Meaning of each share of the penetrometer's work in the energy balance, by name."""
 
 
 def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
@@ -65,7 +65,7 @@ def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
 def check_energy(results: xr.Dataset, longer: str = "") -> None:
     """Raise `InaccurateRun` where the energy error is above `LARGEST_ENERGY_ERROR`.
 
-    `longer` names the parameter that makes the run longer, for scenes where that helps.
+    `longer` names a parameter that lengthens the run, for scenes in which a longer run helps.
     """
     share = float(results.energy_error)
     if not abs(share) <= LARGEST_ENERGY_ERROR:
@@ -90,7 +90,7 @@ def check_levelled(results: xr.Dataset) -> None:
 
 
 def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
-    """Raise `InaccurateRun` where a cone factor is far above any that soil can have.
+    """Raise `InaccurateRun` where a cone factor is far above any possible one.
 
     The bound is `LARGEST_OVER_CAVITY` times the limit pressure of a spherical cavity plus the shear
     on the face, by material and contact of the scene built, over the strength su [Pa]. Added to it
@@ -98,7 +98,7 @@ def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
     that moves at the outward speed v of the face.
     """
     contact = built[PenetrometerContact]
-    # With friction too, the shear stress is at most su.
+    # Friction too gives a shear stress of at most su.
     face_shear = 1.0 if contact.friction > 0.0 else contact.face_adhesion / strength
     estimate = _cavity_pressure(built) / strength + face_shear / math.tan(contact.half_angle)
     outward = built[Window].speed * math.sin(contact.half_angle)
@@ -116,8 +116,8 @@ def check_bound(results: xr.Dataset, built: Scene, strength: float) -> None:
 def _cavity_pressure(built: Scene) -> float:
     """Limit pressure of a spherical cavity in the soil of a cone test [Pa].
 
-    It is 4/3 q (1 + ln(G / q)). q is half the strength of intact clay in uniaxial compression, at
-    the strain rate of the cone. A user's own material states its limit pressure itself.
+    It is 4/3 q (1 + ln(G / q)), q half the strength of intact clay in uniaxial compression at the
+    strain rate of the cone. A material of a user gives its own limit pressure.
     """
     clay, criterion = built.material, type(built.material)
     if not isinstance(clay, UndrainedClay) or criterion not in (Tresca, VonMises, EinavRandolph):
@@ -133,9 +133,9 @@ def _cavity_pressure(built: Scene) -> float:
 
 
 def energy_balance_curves(simulation: Simulation) -> Samples:
-    """Samples the terms of the energy balance of a scene, as shares of the penetrometer's work.
+    """Samples the terms of the energy balance, as shares of the penetrometer's work.
 
-    This is the work of the stress in excess of the in-situ stress, on face and shaft in the window.
+    This work is that of the excess over the in-situ stress, on face and shaft in the window.
     """
 
     def works_so_far() -> list[float]:
@@ -155,7 +155,7 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
         turned = kinetic + created, -created
         found = (plastic, body - to_soil, elastic, -by_ground, *turned, viscous, -least_mass)
         residual = body - sum(found)
-        with np.errstate(invalid="ignore"):  # without an audited step no share is a number
+        with np.errstate(invalid="ignore"):  # 0 / 0 without an audited step
             shares: dict[str, Quantity] = {
                 f"work_share_{name}": (work / body, "1", meaning)
                 for (name, meaning), work in zip(MEANING.items(), found, strict=True)
