@@ -1,4 +1,4 @@
-"""The watch on a run: a run that diverges ends with an error, not with wrong numbers.
+"""Checks during a run: a run that diverges ends with an error, not with wrong numbers.
 
 A check raises a `Fault` that says what is wrong and where. The simulation adds the time and what
 may help.
@@ -26,11 +26,11 @@ SAMPLE_SIZE = 2_000
 STRESS_ROUNDINGS = 64
 """Allowed error of the change of mean stress, over the rounding of the greatest stress."""
 OVERFULL = 20
-"""Mass in a cell over that of a full cell, from which the run is not sound."""
+"""Mass in a cell over that of a full cell from which on the run is not sound."""
 EMPTIED = 0.1
 """Mass in a block of cells over the initial mass, below which the run is not sound."""
 LARGEST_PARTED_SHARE = 0.1
-"""Greatest share of a surface without contact, as by noise, if the soil cannot part from it."""
+"""Allowed share of a surface without contact, due to noise, if the soil cannot part from it."""
 SPEED_ROUNDING = 1e-3
 """Normal velocity at a surface, over the greatest velocity there, that counts as rounding."""
 
@@ -47,7 +47,7 @@ class ParticleWatch:
         self.particle_count = run.plan.particle_count
 
     def prepare(self) -> None:
-        """Record values before the next step, after which `look` compares them."""
+        """Record values before the next step; `look` compares them with those after it."""
 
     def look(self) -> None:
         """Raise `Fault`, which says what and where, if the run is not sound."""
@@ -118,10 +118,10 @@ class SoilWatch(ParticleWatch):
         super().__init__(run)
         self._scene = scene
         present = self._present
-        self._first_soil = self._soil_in_blocks(self._mass_in(self._cell_of(present), present))
+        self._initial_soil = self._soil_in_blocks(self._mass_in(self._cell_of(present), present))
         contact, window = scene.find(SurfaceContact), scene.find(MovingGrid)
         speed = window.first_speed if window else contact.speed if contact else 0.0
-        self._parts = contact is not None and contact.can_part(scene.material, speed)
+        self._can_part = contact is not None and contact.can_part(scene.material, speed)
         self._before: _Before | None = None
 
     def prepare(self) -> None:
@@ -146,10 +146,10 @@ class SoilWatch(ParticleWatch):
         mass = self._mass_in(cell, present)
         self._look_at_cells(cell, mass)
         # Below a free surface, and beside a surface that parts, cells may lose their soil.
-        if not (self._scene.find(FreeSurface) or self._parts):
+        if not (self._scene.find(FreeSurface) or self._can_part):
             self._look_at_blocks(self._soil_in_blocks(mass))
         if self._before is not None:
-            if (contact := self._scene.find(SurfaceContact)) is not None and not self._parts:
+            if (contact := self._scene.find(SurfaceContact)) is not None and not self._can_part:
                 velocity = self._run.array("node.velocities")[contact.nodes, :2]
                 on_axis = self._scene.grid.node_positions[contact.nodes, 0] == 0.0
                 check_contact(contact, velocity, speed=self._before.speed, on_axis=on_axis)
@@ -175,7 +175,7 @@ class SoilWatch(ParticleWatch):
     def _look_at_cells(self, cell: Integers, mass: Floats) -> None:
         """Check that no cell is overfull, by mass and by number of particles.
 
-        Mass alone would not do: one particle may overfill the open part of a cell cut by a surface.
+        Mass alone is not enough: a single particle may overfill a cell that a surface cuts.
         """
         volume = self._run.array("cell.volume")
         count = np.bincount(cell, minlength=len(volume))
@@ -189,17 +189,17 @@ class SoilWatch(ParticleWatch):
 
     def _look_at_blocks(self, soil: Floats) -> None:
         """Check that no block of cells has lost its initial soil."""
-        emptied = soil < EMPTIED * self._first_soil
+        emptied = soil < EMPTIED * self._initial_soil
         if emptied.any():
             row, column = np.argwhere(emptied)[0]
-            left = soil[row, column] / self._first_soil[row, column]
+            left = soil[row, column] / self._initial_soil[row, column]
             raise Fault(
                 f"soil in 3 x 3 cells from row {row}, column {column} is {left:.2g} times that at "
                 "the start"
             )
 
     def _look_at_mean_stress(self, before: _Before) -> None:
-        """Check that the mean stress has changed as the law says by the change of volume."""
+        """Check the change of mean stress against that of the law for the change of volume."""
         material, particle = self._scene.material, before.particle
         # The strain of the step in the cell of each particle.
         strain = self._run.array("cell.motion").take(before.cell, axis=0)[:, :4]
@@ -216,7 +216,7 @@ class SoilWatch(ParticleWatch):
             return
         stress = self._of("stress", particle)
         change = (self._trace_of(particle) - before.trace) / 3.0
-        # The deviator of the trial stress has rounded too, before the return.
+        # The trial stress before the return to the yield surface has rounding errors too.
         trial = 2.0 * material.ground_shear_modulus * np.abs(strain).max(axis=1)
         # Rows of a transposed copy are fast to reduce.
         greatest = np.abs(stress.T.copy()).max(axis=0) + np.abs(expected) + trial

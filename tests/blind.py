@@ -1,9 +1,9 @@
-"""Simulated soundings through random grounds, interpreted with ranges only; the truth is known.
+"""Blind test: random grounds are simulated, and interpreted from ranges of their parameters alone.
 
-``python tests/blind.py DIR SEED`` simulates soundings into a folder, or takes those there. To each
-it adds errors of class 2, drawn several times since an error is the same along a whole test, and
-interprets it by tip, by tip and sleeve, and by all three. It prints a row a ground: share of depths
-whose strength is inside the 90 % band, median error, width of the band; then the means.
+``python tests/blind.py DIR SEED`` simulates soundings into a folder, or uses those in it. It adds
+measurement errors of class 2 to each, several times, since an error is constant along a test. It
+interprets each from the tip, from tip and sleeve, and with u2 too. It prints for each ground the
+share of depths whose strength is in the 90 % band, median error and width of the band; then means.
 """
 
 import sys
@@ -20,19 +20,19 @@ from mpm_warp.scenes import scene_class
 
 COUNT, SEED = 24, int(sys.argv[2]) if len(sys.argv) > 2 else 20261124
 TOP, BORDER, BOTTOM = 3.0, 4.5, 6.0
-"""Depths of the ground that is drawn [m]."""
+"""Depths of the random ground [m]."""
 START = 0.4
-"""Way of the tip [m] until the resistance is steady, left out at the top and at a border."""
+"""Penetration until the resistance is steady [m], omitted at the top and below a border."""
 RADIUS, AREA_RATIO, WATER, WEIGHT, RATE = 0.01785, 0.8, 1.0, 17.0, 1.4e-5
 ERRORS_DRAWN = 12
-"""Times that the errors of the test are drawn for a ground."""
+"""Number of random measurement errors for each ground."""
 DEPTHS_APART = 10
-"""Of the depths of a simulated sounding every tenth is interpreted."""
+"""Every tenth depth of a simulated sounding is interpreted."""
 USES = ('["tip"]', '["tip", "sleeve"]', '["tip", "sleeve", "pore_pressure"]')
 
 
 def ground(number: int) -> dict[str, float | str]:
-    """The parameters of a sounding: two layers with gradients; every other one softens."""
+    """Parameters of a sounding through two layers with gradients; every other ground softens."""
     rng = np.random.default_rng([SEED, number])
     rows, top = [], 10.0 ** rng.uniform(1.0, 1.7)
     for begin, end in ((TOP - 1.0, BORDER), (BORDER, BOTTOM + 1.0)):
@@ -72,7 +72,7 @@ def simulate(number: int, folder: Path) -> None:
 
 
 def write_test(number: int, drawn: int, found: xr.Dataset, folder: Path) -> Path:
-    """The measured test with errors of class 2 as they are `drawn`, and its site file."""
+    """Write a test with the random errors of class 2 number `drawn`, and its site file."""
     rng = np.random.default_rng([SEED, 1 + drawn, number])
     depth = found.depth.values
     water = 9.81e3 * (depth - WATER)
@@ -119,12 +119,12 @@ to = {BOTTOM}
 
 
 def judge(number: int, folder: Path) -> np.ndarray:
-    """Shape [3, uses, errors drawn, depths]: inside or not, the median's error, the band's width.
+    """Whether the strength is in the band, error of the median, width of the band.
 
-    Near the borders of layers, where nothing is interpreted, they are not a number.
+    Shape [3, uses, errors drawn, depths]; NaN near borders of layers, where nothing is interpreted.
     """
     truth = xr.open_dataset(folder / f"{number}.nc").isel(depth=slice(None, None, DEPTHS_APART))
-    depth, told = truth.depth.values, []
+    depth, judged_rows = truth.depth.values, []
     near = (depth < TOP + START) | ((depth > BORDER - 15 * RADIUS) & (depth < BORDER + START))
     for drawn in range(ERRORS_DRAWN):
         path = write_test(number, drawn, truth, folder)
@@ -136,21 +136,21 @@ def judge(number: int, folder: Path) -> np.ndarray:
             inside = np.where((low <= 1.0) & (high >= 1.0), 1.0, 0.0)
             row = np.array([inside, middle - 1.0, high - low])
             row[:, near | np.isnan(middle)] = np.nan
-            told.append(row)
+            judged_rows.append(row)
     shape = (ERRORS_DRAWN, len(USES), 3, len(depth))
-    return np.reshape(told, shape).transpose(2, 1, 0, 3)
+    return np.reshape(judged_rows, shape).transpose(2, 1, 0, 3)
 
 
 def main(folder: Path) -> None:
-    """Simulate, interpret, and print a row a ground and the means."""
+    """Simulate and interpret; print a row for each ground, and the means."""
     folder.mkdir(exist_ok=True)
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(simulate, range(COUNT), [folder] * COUNT))
         grounds = list(pool.map(judge, range(COUNT), [folder] * COUNT))
-    for number, ground_told in enumerate(grounds):
+    for number, judged in enumerate(grounds):
         cells = [
             f"{np.nanmean(inside):4.0%} {np.nanmedian(error):+6.1%} {np.nanmean(width):5.0%}"
-            for inside, error, width in zip(*ground_told, strict=True)
+            for inside, error, width in zip(*judged, strict=True)
         ]
         print(f"{number:3}  " + "   ".join(cells))
     for place, use in enumerate(USES):

@@ -1,13 +1,13 @@
-"""Cone factors on a second family of meshes: columns of nodes that are upright near the cone.
+"""Cone factors on a second family of meshes, with columns of nodes that are partly upright.
 
 By default the columns follow the cone up to the edge of the grid. Here they follow it up to a
 number of radii and are upright beyond, so the cells have other shapes but the same widths. A limit
 of fine meshes that is the same in both families does not come from the shape of the cells.
 
 ``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
-mesh that is upright beyond each of the radii, and prints the cone factors as simulated, and the
-limit N0 of the law of the mesh, N = N0 + B h + Q h^1.7 + C g^1.5 h^1.3, fitted to each family with
-its own B.
+mesh that is upright beyond each of the radii. It prints the cone factors as simulated, and the
+limit N0 of the law of the mesh, N = N0 + B h + Q h^1.7 + C g^1.5 h^1.3, where each family has its
+own B.
 """
 
 import math

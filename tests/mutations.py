@@ -39,14 +39,14 @@ PASSED, FAILED = "passed", "failed"
 
 @dataclass(frozen=True)
 class Mutation:
-    """One deliberate error: in a file, a text that is replaced; and the test that notices it.
+    """One deliberate error: a text that is replaced in a file, and the test that notices it.
 
     Attributes:
         meaning: what is wrong.
-        file: that it is in.
-        right: text of the file, which is there once.
-        wrong: what stands there instead.
-        test: by pytest's name for it.
+        file: path of the file.
+        right: the correct text, which the file has exactly once.
+        wrong: the text that replaces it.
+        test: pytest's name of the test.
     """
 
     meaning: str
@@ -71,12 +71,12 @@ MUTATIONS = tuple(
 
 
 def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> tuple[str, str]:
-    """What becomes of tests in a tree: `PASSED`, `FAILED` or in other words what else; and why."""
+    """Outcome of tests in a tree, `PASSED`, `FAILED` or another in words, and the reason."""
     settings = {
         "PYTHONPATH": str(tree),
         "WARP_CACHE_PATH": str(tree.parent / "cache"),
-        "PYTHONDONTWRITEBYTECODE": "1",  # for an error it would outlive the error
-        "COLUMNS": "200",  # else there is no room for reasons
+        "PYTHONDONTWRITEBYTECODE": "1",  # bytecode would outlive its error
+        "COLUMNS": "200",  # wide enough for reasons
     }
     with subprocess.Popen(
         [sys.executable, "-m", "pytest", "-q", "--tb=no", "-rfE", *arguments],
@@ -88,13 +88,13 @@ def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> t
         start_new_session=True,
     ) as pytest:
         try:
-            told, _ = pytest.communicate(timeout=time_limit)
+            output, _ = pytest.communicate(timeout=time_limit)
         except BaseException as error:
             os.killpg(pytest.pid, signal.SIGKILL)
             if isinstance(error, subprocess.TimeoutExpired):
                 return "timed out", ""
             raise
-    reasons = [line for line in told.splitlines() if line.startswith(("FAILED ", "ERROR "))]
+    reasons = [line for line in output.splitlines() if line.startswith(("FAILED ", "ERROR "))]
     reason = reasons[0].partition(" - ")[2] if reasons else ""
     if pytest.returncode == 1 and all(line.startswith("FAILED ") for line in reasons):
         return FAILED, reason
@@ -102,7 +102,7 @@ def outcome(tree: Path, arguments: Iterable[str], time_limit: float | None) -> t
 
 
 def copied(tree: Path) -> Path:
-    """A copy of the project, with bytecode that follows what its sources hold, not their age."""
+    """A copy of the project whose bytecode is checked by the content of sources, not their age."""
     tree.mkdir()
     for name in COPIED:
         copy = shutil.copytree if (ROOT / name).is_dir() else shutil.copy
@@ -113,7 +113,7 @@ def copied(tree: Path) -> Path:
 
 
 def tried(mutations: list[Mutation]) -> int:
-    """Try errors, print a line for each; returns how many go unnoticed."""
+    """Try errors and print a line for each; returns the number that goes unnoticed."""
     nodes = dict.fromkeys(it.test for it in mutations)
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(COPIES) as pool:
         trees = SimpleQueue[Path]()

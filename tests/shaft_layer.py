@@ -1,9 +1,9 @@
 """The layer of soil beside the shaft, where u2 is measured, on cells as fine as 40 to 112 rows.
 
 Soil that has gone round the shoulder has another radial deviator than the soil beside it, in a
-layer that is thinner than the cells of a whole run. Here rows are as fine as asked for everywhere,
-columns at the shaft alone: each is 1.15 times as wide as the one before. The cone goes in by 11
-radii, no farther: the layer is the same then, but not in a smaller window.
+layer thinner than the cells of a usual run. Here all rows have the given fineness, but only the
+columns at the shaft: each is 1.15 times as wide as the previous one. A penetration of 11 radii
+suffices: farther on the layer is the same. It is not in a smaller window.
 
 ``python tests/shaft_layer.py IR ADHESION ROWS...`` prints for each number of rows beside the face
 the mean deviator over su at the height of the filter, within 0.06 radii of the shaft and cell by
@@ -22,9 +22,9 @@ from mpm_warp.scenes.cone.pore_pressure import FILTER_HEIGHT, SHOULDER_FILTER
 
 GROWTH = 1.15
 NEAR, SHOWN = 0.06, 9
-"""Distance from the shaft that u2 is of, over the radius; cells that are shown."""
-BETWEEN, LOOKS = 0.5, 9
-"""Penetration between two looks, over the radius, and how many there are at the end."""
+"""Distance from the shaft over which u2 is the mean, over the radius; number of cells printed."""
+BETWEEN, SAMPLES = 0.5, 9
+"""Penetration between two samples, over the radius, and number of samples at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,8 +61,8 @@ def deviators(rigidity_index: float, adhesion_factor: float, rows: int) -> tuple
     heights = 0.5 * (grid.rows[1:] + grid.rows[:-1]) - test.penetrometer.cone_height
     beside_filter = np.abs(heights / radius - SHOULDER_FILTER) < 0.5 * FILTER_HEIGHT
     means = []
-    for look in range(LOOKS):
-        simulation.travel_to((test.penetration - (LOOKS - 1 - look) * BETWEEN) * radius)
+    for sample in range(SAMPLES):
+        simulation.travel_to((test.penetration - (SAMPLES - 1 - sample) * BETWEEN) * radius)
         stress = simulation.array("cell.stress").reshape(grid.row_count, grid.column_count, 4)
         means.append(stress[beside_filter].mean(axis=0))
     stress = np.mean(means, axis=0) / test.undrained_shear_strength

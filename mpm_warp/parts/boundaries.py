@@ -1,7 +1,7 @@
 """Conditions at the edges of a grid: held nodes, radial motion, an elastic far field.
 
 Held nodes rest relative to undisturbed soil; free is 0 or 1 for each component. Radial motion is
-along the ray n of a node. It keeps the flow radial in soil that softens. Without it the smallest
+along the ray n of a node. In soil that softens it keeps the flow radial: without it the smallest
 disturbance would localise the strain in bands (Rudnicki & Rice 1975, J. Mech. Phys. Solids
 23:371-394). The far field has springs k and dashpots c, per radian; w is the radial displacement of
 a node. The dashpots are implicit:
@@ -80,7 +80,7 @@ class Fixed(Part):
         return cls(nodes=nodes, free=free[nodes])
 
     def add_boundary(self, plan: Plan, scene: Scene) -> None:
-        """Add the launch, over the held nodes."""
+        """Add the launch over the held nodes."""
         plan.add_array("fixed.nodes", "int", self.nodes, (scene.grid.node_count,))
         plan.add_array("fixed.free", "vec2", self.free)
         plan.add_launch(fixed, len(self.nodes))
@@ -189,13 +189,13 @@ class FarField(Part):
         plan.add_launch(far_field, len(self.nodes))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """Springs rise with the soil beside them; a new spring has no force."""
+        """Move the springs up with the soil beside them; a new spring has no force."""
         if by_a_row:
             raise_springs(run, lowest=0.0)
 
 
 def raise_springs(run: Run, *, lowest: Floats | float) -> None:
-    """Move the springs up by a row; the new one at the bottom has the displacement `lowest` [m]."""
+    """Move the springs up by a row; the new lowest one has the displacement `lowest` [m]."""
     springs = np.roll(run.array("far_field.displacement"), 1, axis=0)
     springs[0] = lowest
     run.assign("far_field.displacement", springs)

@@ -1,7 +1,7 @@
 """Contact of the soil with a rigid body whose surface goes through nodes of the grid.
 
 Adhesive contact after Ceccato, Beuth & Simonini (2017, Procedia Engineering 175:182-188) and
-Bardenhagen et al. (2001, CMES 2:509-522): a corrector on the velocities predicted without it.
+Bardenhagen et al. (2001, CMES 2:509-522): it corrects the velocities predicted without contact.
 
 Symbols: m mass of the soil at the node, d its predicted velocity less that of the combined system
 (of a rigid body: the prescribed one), n unit normal, outward from the soil, P impulse that presses
@@ -59,11 +59,11 @@ from mpm_warp.plan.plan import Plan, ShareRow
 from mpm_warp.scene import Part, Scene
 
 PRESSURE_ROUNDING = 1e-3
-"""Mean pressure over the in-situ stress below which there is no contact, but rounding."""
+"""Mean pressure over the in-situ stress that counts as rounding, not as contact."""
 OF_ADHESION, OF_STRENGTH = 0, 1
 """Components of the sums for adhesion and strength beside a surface."""
 UNIT_ROUNDING = 1e-6
-"""Greatest difference of the length of a unit normal from 1."""
+"""Allowed difference of the length of a unit normal from 1."""
 
 
 def strength_changes(scene: Scene) -> bool:
@@ -77,8 +77,8 @@ def strength_changes(scene: Scene) -> bool:
 class SurfaceContact(Part):
     """Contact of nodes of the grid with a rigid body whose surface goes through them.
 
-    Areas are integrals of the nodes' shape functions over the surface, times r: per radian. In
-    plane strain they are lengths, without the r.
+    Areas are per radian: integrals of the shape functions of the nodes, times r, over the surface.
+    In plane strain they are lengths, without the r.
 
     Attributes:
         nodes: flat indices of the nodes in contact, each once, shape [node_count].
@@ -123,7 +123,7 @@ class SurfaceContact(Part):
             )
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes; if the strength changes, in its first column."""
+        """Check that the grid has the nodes, in its first column if the strength changes."""
         check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
         if inside.size and strength_changes(scene):
@@ -163,7 +163,7 @@ class SurfaceContact(Part):
         )
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
-        """Add the launches by which adhesion follows the strength of the soil, if it changes."""
+        """Add the launches that update the adhesion if the strength of the soil changes."""
         material, row_count = scene.material, scene.grid.row_count
         law = material.law()
         by_soil = {}
@@ -204,9 +204,9 @@ class SurfaceContact(Part):
         return self.strength_forces if self.friction > 0.0 else None
 
     def share_in_touch(self, forces: Floats) -> float:
-        """Share of the area on which something has pressed, by mean normal `forces` [N], [n]."""
+        """Share of the area in contact, from mean normal `forces` [N], shape [node_count]."""
         touching = forces > (PRESSURE_ROUNDING - 1.0) * self.in_situ_stress * self.normal_areas
-        # All is added up as the area in touch is, so that all of it is exactly 1.
+        # Both areas are summed in the same order, so that full contact gives exactly 1.
         area = float(self.normal_areas @ np.ones_like(touching))
         return float(self.normal_areas @ touching) / area
 

@@ -6,8 +6,8 @@ ramp, and V the greatest speed, the speed is
 
     +-V min(1, t / t_r, (t_p - t) / t_r)        + on the way down
 
-At a turn the body and the soil are set to rest. The velocities of particles have parts that no node
-represents. Without this rest they would add up from passage to passage and throw soil about.
+At a turn the body and the soil are set to rest. Otherwise the parts of particle velocities that no
+node represents would grow from passage to passage and throw soil about.
 
 No soil enters, and none is lost. The soil of the whole stroke exists from the start, in the grid
 and below it. A point that the grid has left rests at its place in the ground and keeps its stress
@@ -34,7 +34,7 @@ from mpm_warp.scene import Scene, refuse_together
 from mpm_warp.step.points import seed_rows
 
 RESTING_COLUMN = "particle.resting_column"
-"""Column of cells in which a particle left the grid, -1 while it is in it; shape [slot_count]."""
+"""Column of cells in which a particle left the grid, -1 inside the grid; shape [slot_count]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +59,7 @@ class CyclicWindow(MovingGrid):
         return self.ramp_time + self.stroke / self.speed
 
     def time_to(self, distance: float) -> float:
-        """Time [s] to a distance, the sum of all ways down and up [m], >= 0."""
+        """Time [s] to a distance, the sum of the travels down and up [m], >= 0."""
         passages, since = divmod(distance, self.stroke)
         to_turn = self.stroke - since
         if since < self.ramp_travel:
@@ -71,11 +71,11 @@ class CyclicWindow(MovingGrid):
         return passages * self.passage_time + time
 
     def spare_fraction_in(self, grid: Grid) -> float:
-        """See `MovingGrid`; the ground below has rows as high as the lowest, over a stroke."""
+        """See `MovingGrid`; over a stroke below the grid, rows are as high as the lowest."""
         return math.ceil(self.stroke / float(grid.rows[1] - grid.rows[0])) / grid.row_count
 
     def top(self, scene: Scene) -> float:
-        """Infinite: `leave_and_return` takes particles out of the grid, not the stage."""
+        """Infinite: `leave_and_return` takes particles out of the grid at the top."""
         return math.inf
 
     def check(self, scene: Scene) -> None:
@@ -85,7 +85,7 @@ class CyclicWindow(MovingGrid):
         refuse_together("CyclicWindow", varies, "a material that varies")
 
     def fill_spare_slots(self, plan: Plan, scene: Scene) -> None:
-        """Put the soil below the grid into the empty slots, all of which it fills."""
+        """Put the soil below the grid into the empty slots; it fills all of them."""
         grid = scene.grid
         position, mass, cell, stress = (
             plan.initial(f"particle.{name}") for name in ("position", "mass", "cell", "stress")
@@ -104,7 +104,7 @@ class CyclicWindow(MovingGrid):
         plan.add_array(RESTING_COLUMN, "int", column, (grid.column_count,), may_be_none=True)
 
     def add_after_motion(self, plan: Plan, scene: Scene) -> None:
-        """Add launches: points leave, return and rest at a turn; the grid moves."""
+        """Add the launches by which points leave, return and come to rest, and the grid moves."""
         grid = scene.grid
         plan.add_launch(
             leave_and_return,

@@ -1,4 +1,4 @@
-"""Soil that encloses every cell: a cell without points for a moment is not a hole.
+"""Soil that encloses every cell: a cell that has no points for a moment is not a hole.
 
 Behind a body in flowing soil points separate, and at times a cell has none. If the cell kept its
 last stress, it would push or pull the soil around it by a constant force. Points never return to a

@@ -1,11 +1,11 @@
 """Energy: the loss in the transfers, and the balance of the work of a body on the soil.
 
-Every 16th step records both. The audit of the transfers takes the kinetic energy by the velocities
-v that the last step has left, and by the velocities u before the momentum equation of this step.
-Between the two there is only the transfer to particles and back. Over a row of nodes,
+Every 16th step records both. The audit of the transfers compares the kinetic energy of the
+velocities v at the end of the previous step with that of the velocities u before the momentum
+equation of this step. Only the transfer to particles and back is between. For a row of nodes
 
     E <- E + sum m u.u / 2        before the step
-    E <- E - sum m v.v / 2        after the one before it
+    E <- E - sum m v.v / 2        after the previous step
 
 Symbols of the balance: m mass of a node, M the greater of m and its least mass, u velocity before
 the step, w velocity after the stress of the soil has acted, g after the ground around has acted
@@ -21,8 +21,8 @@ dev the deviator, G and K moduli. For each node, cell and point the sums are
     plastic         V sigma:dev(tau - sigma) / 2G
     elastic         V (e(sigma) - e(before)),   e = dev sigma:dev sigma / 4G + (tr sigma)^2 / 18K
 
-With the velocity x the works of a node add up to its kinetic energy exactly; the rest is the work
-of stress. The sums of cells and points are the same work, found in another way. The volumes of the
+With the velocity x the work on a node is exactly the change of its kinetic energy; the remainder is
+the work of stress. The sums over cells and points give the same work in another way. The volumes of
 points are those of the step: together they fill their cell.
 """
 
@@ -83,7 +83,7 @@ class EnergyBalance(Part):
         plan.add_zeros(OF_POINTS, "vec2", slots)
         keep = functools.partial(plan.launch, keep_velocity, grid.node_count)
         of_points = plan.launch(_make_work_of_points(scene.material.law()), slots)
-        # Here cells still have the mass of their points, and the rates of the last step.
+        # Here cells still have the mass of their points and the rates of the previous step.
         plan.audit(plan.launch(work_of_cells, grid.cell_count), before="cell_stress")
         plan.audit(keep(kept="balance.by_stress"), after="momentum")
         plan.audit(keep(kept="balance.by_ground"), before="surface_contact")

@@ -9,10 +9,9 @@ are partly filled only near the surface. There
   removes the energy that the transfers add where points enter empty cells. It acts as a shear
   viscosity of the order a rho h^2 / (8 dt), where h is the width of a cell: less in finer cells.
 
-Deeper cells have the mass-matrix correction instead. Their full stress acts if they are at least
-half full. If it were reduced as near the surface, the scatter of points would make the soil some
-4 % weaker. If it were never reduced, soil that separates at a hole beside the shaft would be thrown
-about.
+Deeper cells have the mass-matrix correction instead, and their full stress if they are at least
+half full. With the reduction that holds near the surface, the scatter of points would make the soil
+some 4 % weaker. Without any, soil beside a hole at the shaft would be thrown about.
 
 The soil is weightless, so the exact position of the surface in the layer near it does not matter.
 """
@@ -66,12 +65,12 @@ class PassingSurface(FreeSurface):
     pic_fraction: float = checked(Range(above=0.0, maximum=1.0))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """Move the cells near the surface up."""
+        """Update which cells are near the surface."""
         for name, values in self._of_cells(scene, travel).items():
             run.assign(name, values)
 
     def _of_cells(self, scene: Scene, travel: float) -> dict[str, Floats]:
-        """PIC fraction, and mass of full stress per radian [kg]; by whether a cell is near."""
+        """PIC fraction, and mass of full stress per radian [kg], of all cells."""
         grid = scene.grid
         near_rows = grid.rows[1:] > self.level + travel - self.layer
         is_near = np.repeat(near_rows, grid.column_count)

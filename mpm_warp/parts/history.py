@@ -1,4 +1,4 @@
-"""History: the place in the ground from which soil comes, and its plastic shear strain.
+"""History of the soil: its place in the ground at entry, and its plastic shear strain.
 
 The place of entry X is a position in the ground. Soil at rest at x in the grid is at x + T e_z
 after the grid has travelled down by T. So the displacement u since entry needs no kernel:
@@ -6,8 +6,8 @@ after the grid has travelled down by T. So the displacement u since entry needs 
     u = x - T e_z - X
 
 Every 16th step also records the plastic shear strain of the soil. Symbols: tau elastic trial
-stress, G its shear modulus, sigma stress after the step, dev the deviator. Plastic strain causes
-the difference of both stresses. Its deviator de and the sum gamma are
+stress, G its shear modulus, sigma stress after the step, dev the deviator. The difference of the
+two stresses gives the deviator of the plastic strain, de, and its sum gamma:
 
     de = dev(tau - sigma) / (2 G),    gamma <- gamma + 16 sqrt(2 de:de)
 
@@ -63,7 +63,7 @@ class History(Part):
 
 
 def displacement(run: Run, travel: float) -> Floats:
-    """Displacement of each slot's point since entry [m], after a travel of the grid [m]."""
+    """Displacement since entry of the point in each slot [m], after a travel of the grid [m]."""
     moved: Floats = run.array("particle.position") - run.array(ORIGIN)
     moved[:, 1] -= travel
     return moved

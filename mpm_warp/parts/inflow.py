@@ -14,10 +14,10 @@ Symbols: v_p velocity of the point, v velocity of the nodes, N shape functions a
 A scene may give a lower bound s. Then |w| is at most s, or OVER_CELL times the difference of v at
 opposite corners of the cell if that is more: in a coarse cell sound soil may have as much.
 
-A point does not move by its w, but passes it to the nodes in the next step. A point that stays near
-a tip, a shoulder or a pole gathers more and more of it, because it gets the same changes as points
-that pass quickly. In the end it would be faster than waves. This takes many steps, so the bound is
-applied only when a layer enters, and costs next to nothing. A point that is already faster than
+A point does not move with its w, but passes it to the nodes in the next step. The w of a point that
+stays near a tip, a shoulder or a pole grows, because each step changes it as much as that of points
+that pass quickly. In the end the point would be faster than waves. This takes many steps, so the
+bound is applied only when a layer enters, at almost no cost. A point that is already faster than
 waves is a fault; the watch reports it.
 """
 
@@ -115,7 +115,7 @@ class Inflow:
         return float(self._run.array("window.motion")[2])
 
     def steps_to(self, travel: float) -> int:
-        """Steps to a travel [m], at least 1; too few while the speed rises or falls."""
+        """Steps to a travel [m], at least 1; a lower bound while the speed rises or falls."""
         now = self.travel
         per_step = self._highest_speed_from(now) * self._run.plan.time_step
         return max(1, math.ceil((travel - now) / per_step - ROUNDING))
@@ -126,7 +126,7 @@ class Inflow:
         return self.steps_to(self._next_layer)
 
     def act(self) -> None:
-        """Let a layer in if it is time; `WindowOverfull` if too few slots are free."""
+        """Add a layer if it is due; raise `WindowOverfull` if too few slots are free."""
         travel = self.travel
         above_bottom = travel - self._next_layer
         if above_bottom < 0.0:
@@ -142,7 +142,7 @@ class Inflow:
         position = self._position.copy()
         position[:, 1] += above_bottom
         run.assign("layer.position", position)
-        run.assign("layer.slots", self._chosen(free))
+        run.assign("layer.slots", self._slots_for_layer(free))
         for part in scene.parts:
             part.enter(run, scene, position, travel)
         self._enter_by_law(position - np.array([0.0, travel]))
@@ -168,8 +168,8 @@ class Inflow:
         """Travel at which the next layer enters [m]."""
         return (self._layer_count + 0.5) * self._layer_height
 
-    def _chosen(self, free: Integers) -> Integers:
-        """Free slots for a layer, from the shares that have most."""
+    def _slots_for_layer(self, free: Integers) -> Integers:
+        """Free slots for a layer, from the shares with the most free slots."""
         bounds = self._share_bounds
         end_of_share = np.searchsorted(free, bounds)[np.searchsorted(bounds, free, side="right")]
         left_in_share = end_of_share - np.arange(len(free))
@@ -188,9 +188,9 @@ def _make_enter(dtype: Any) -> Any:
 
 @functools.cache
 def _make_enter_by_law(law: Law) -> Any:
-    """The kernel that returns stress outside the yield surface to it; over the layer's particles.
+    """The kernel that returns stress to the yield surface, over the particles of a layer.
 
-    A stress within stays, and so does the state of all.
+    Stress within the surface does not change, nor does any state.
     """
 
     @kernel

@@ -1,4 +1,4 @@
-"""The ground around a travelling window, which the body in the window moves.
+"""The elastic ground around a travelling window, displaced by the body in the window.
 
 The body displaces the volume pi R^2 per unit of its travel, where R is the radius of the shaft
 behind it. From afar it is a point source. With x = (r, z) relative to the source, z upward,
@@ -13,9 +13,9 @@ far above, the ground gets the stress 2 G grad v integrated over time, for (rr, 
     q = 1 / (d (d - z)) = (1 + z / d) / r^2
 
 The soil in the grid starts with this stress, as if the body had come from far; its deviator is
-reduced to su where it is larger. The pressure in equilibrium with it builds up with the first
-waves. Soil that yields ahead of the body transmits its push, so this source is ahead of the body,
-by 0.3 R sqrt(G/su). A start in undisturbed ground would affect the resistance over a penetration of
+reduced to su where it is larger. The first waves build up the pressure in equilibrium with it. The
+body pushes through soil that yields ahead of it, so this source is ahead of the body by
+0.3 R sqrt(G/su). A start in undisturbed ground would affect the resistance over a penetration of
 two to three heights of the window.
 
 Bottom and top of the grid have this velocity. Along the side, spring k and dashpot c of a node
@@ -83,14 +83,14 @@ class TravellingSource(Checked):
         return 0.25 * self.radius**2 * x / distance[..., None] ** 3
 
     def stress_since(self, position: Floats, travel: float) -> Floats:
-        """Stress (rr, zz, rz, tt) of soil by a travel of the body [m] so far [Pa], [..., 4].
+        """Stress (rr, zz, rz, tt) of soil due to a past travel of the body [m] [Pa], [..., 4].
 
-        The present positions are off the axis above the source.
+        Positions are the present ones; above the source they are off the axis.
         """
         return self.stress_from_afar(position) - self.stress_from_afar(_place(position, travel))
 
     def stress_from_afar(self, position: Floats) -> Floats:
-        """The same for a body that has come from infinitely far above [Pa], shape [..., 4]."""
+        """The same due to a body that has come from infinitely far above [Pa], shape [..., 4]."""
         x, distance = self._seen_from_source(position)
         r, z = x[..., 0], x[..., 1]
         # Of the two forms of q each is free of cancellation on its side of the source.
@@ -205,7 +205,7 @@ class SurroundingGround(Part):
         run.assign("layer.stress", self.stress(scene, position, travel))
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
-        """Springs rise with the soil beside them and take its stiffness."""
+        """Move the springs up with the soil beside them, and give them its stiffness."""
         if by_a_row:
             raise_springs(run, lowest=self.entering_spring(scene, travel))
         if scene.material.variation is None:

@@ -1,7 +1,7 @@
 """The window: the grid travels with the penetrometer down through the soil.
 
-Its motion is (time [s], speed of the soil past the grid [m/s], travel [m]), an array on the device:
-so a recorded step can be replayed. Soil enters below and leaves above.
+Its motion (time [s], speed of the soil past the grid [m/s], travel [m]) is an array on the device,
+so a recorded step can be replayed. Soil enters at the bottom and leaves at the top.
 """
 
 import math
@@ -62,7 +62,7 @@ class MovingGrid(RampedMotion):
         return float(rows[-1] + 0.5 * (rows[-1] - rows[-2]) / scene.particles_per_side)
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has rows that soil can rise through."""
+        """Check that the grid is not polar: soil rises through its rows."""
         refuse_together(type(self).__name__, scene.grid.polar, "a grid of rays")
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:

@@ -28,7 +28,7 @@ POISSONS_RATIO = 0.49
 FINAL_DEPTH = 0.6
 """Over the height of the cone. The ground that heaves beside the cone stays below the shoulder."""
 FITTED_FROM = 0.3
-"""Share of the final depth from which on the exponent is fitted; before, the cone is in few cells."""
+"""Share of the final depth from which the exponent is fitted: above, the cone is in few cells."""
 SAMPLE_COUNT = 60
 TIME_STEP_FRACTION = 0.7
 
