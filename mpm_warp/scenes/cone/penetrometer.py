@@ -73,9 +73,9 @@ class Penetrometer:
 
 
 def sleeve_mean(heights: Floats, values: Floats) -> float:
-    """Mean over the sleeve of values linear between heights, increasing, above the shoulder over R.
+    """Mean over the sleeve of values at increasing heights above the shoulder, over the radius.
 
-    It is NaN where the sleeve ends above the highest.
+    Values are linear between heights. The mean is NaN where the sleeve ends above the highest.
     """
     begin, end = SLEEVE_BEGIN, SLEEVE_BEGIN + SLEEVE_LENGTH
     if heights[-1] < end:
