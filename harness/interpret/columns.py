@@ -102,7 +102,7 @@ def read_columns(test: MeasuredTest) -> Columns:
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = is_of_rods(file.headings[found["depth"][0]])
     if of_rods and not angles:
-        notes.append("depth is the length of the rods; the file has no inclination")
+        notes.append("depth is the length of the rods, as the file has no inclination")
     elif of_rods or AXES[0] in test.columns:
         length = values["depth"]
         values["depth"] = _corrected(path, length, angles, places)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from harness.archive.conventions import known_digits
 from harness.interpret.measured import REASONS
 from harness.interpret.site import Layer, Site
 from mpm_warp.results import labelled
@@ -69,8 +70,8 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             continue
         own = found.isel(depth=here)
         measures = ", ".join(telling(site, own)).replace("_", " ")
-        low, middle, high = own.strength.mean("depth").values / 1e3
-        factor = own.resistance_factor.mean("depth").values
+        low, middle, high = in_digits(*own.strength.mean("depth").values / 1e3)
+        factor = in_digits(*own.resistance_factor.mean("depth").values)
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
         largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
         assumed = f"; not given and assumed: {', '.join(layer.assumed)}" if layer.assumed else ""
@@ -82,12 +83,18 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
             f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) "
-            f"{middle:.3g} kPa, {low:.3g} to {high:.3g} with 90 %, by {measures} with Nkt "
-            f"{factor[1]:.3g}, {factor[0]:.3g} to {factor[2]:.3g}, on average over "
+            f"{middle} kPa, {low} to {high} with 90 %, by {measures} with Nkt "
+            f"{factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
             f"error from {largest}{assumed}.{warning}"
         )
     return sentences
+
+
+def in_digits(low: float, middle: float, high: float) -> list[str]:
+    """Three percentiles, with as many digits as a tenth of their band justifies; all if it is 0."""
+    tenth = 0.1 * (high - low)
+    return [known_digits(it, tenth) if tenth > 0.0 else f"{it:g}" for it in (low, middle, high)]
 
 
 def telling(site: Site, own: xr.Dataset) -> list[str]:

@@ -31,7 +31,7 @@ from harness.interpret.factors import (
     at_table_rate,
     factors,
 )
-from harness.interpret.measured import OTHER_LAYER, REASONS, error_of, measured
+from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, error_of, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import ByDepth, Layer, Site
@@ -55,6 +55,8 @@ MOST_OUTSIDE = 0.05
 MOST_OF_ANISOTROPY = 0.5
 """Largest share of the draws at a depth with Delta outside the table; these are moved to its edge,
 because ground with Delta of 1 or more would have failed before any test."""
+SAND = [REASONS.index("not undrained clay"), REASONS.index(NO_INDEX)]
+"""Reasons of rows that are, or may be, sand: the clay beside them feels another layer."""
 MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
 """Causes of an error that are not inputs of a layer."""
 DRAW_BYTES = 160
@@ -140,7 +142,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
-    sand = edges_of_runs(depth, reason == REASONS.index("not undrained clay"))
+    sand = edges_of_runs(depth, np.isin(reason, SAND))
     near = near_border(depth, test.net_resistance.values, [*placed, *sand], radius)
     meaning = "1 where the resistance feels another layer"
     own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}

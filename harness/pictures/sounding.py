@@ -144,18 +144,20 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     test.set_xlabel("[kPa]")
     here = found.reason.values == 0
     shown = np.array([line.get_xdata() for line in test.get_lines()], dtype=float)
-    test.set_xlim(0.0, 1.05 * float(np.nanmax(shown[:, here] if here.any() else shown)))
+    shown = shown[:, here] if here.any() else shown
+    test.set_xlim(*(1.05 * np.array([min(0.0, np.nanmin(shown)), np.nanmax(shown)])))
     _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
     _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
     if points:
         at, values = np.array(points).T
-        strength.plot(values / KILO, at, "ko", ms=4, label="laboratory")
+        strength.plot(values / KILO, at, "ko", ms=4, label="laboratory", clip_on=False)
         strength.set_xlim(right=max(strength.get_xlim()[1], 1.05 * float(values.max()) / KILO))
         _legend(strength, 1)
     _shares(shares, found)
     _shade(figure.axes, found)
     _legend(test, 3)
-    return _finished(figure, [found], f"{found.attrs['title']}. Bands hold 90 %. {SHADES}")
+    words = f"{found.attrs['title']}. Bands hold 90 %. {SHADES}"
+    return _finished(figure, [found], words, [depth for depth, _ in points])
 
 
 @STYLED
@@ -173,7 +175,7 @@ def check_figure(found: xr.Dataset) -> Figure:
     net.legend(frameon=False, fontsize=7)
     measured, error = found.net_resistance / KILO, found.total_resistance_error / KILO
     net.fill_betweenx(depth, measured - error, measured + error, color="0.8", lw=0)
-    for axes in tests:
+    for axes in tests[:2]:  # u2 may be below 0
         axes.set_xlim(left=0.0)
     misfit.plot(100.0 * found.misfit, depth, "k", lw=0.8)
     misfit.axvline(0.0, color="k", lw=0.4)
@@ -223,10 +225,15 @@ def _legend(axes: Axes, columns: int) -> None:
     )
 
 
-def _finished(figure: Figure, found: Sequence[xr.Dataset], words: str) -> Figure:
-    """Add a caption; limit the depth, downward, to 1 m above and below the layers of the sites."""
-    inside = np.concatenate([_depths_in_layers(sounding) for sounding in found])
-    deepest = max(float(sounding.depth.max()) for sounding in found)
+def _finished(
+    figure: Figure, found: Sequence[xr.Dataset], words: str, others: Sequence[float] = ()
+) -> Figure:
+    """Add a caption; limit the depth, downward, to 1 m above and below the layers of the sites.
+
+    `others` are more depths [m] that have to be in the picture.
+    """
+    inside = np.concatenate([*(_depths_in_layers(sounding) for sounding in found), others])
+    deepest = max([*(float(sounding.depth.max()) for sounding in found), *others])
     axes = figure.axes[0]
     axes.set_ylabel("depth of the tip [m]")
     axes.set_ylim(min(deepest or 1.0, inside.max() + 1.0), max(0.0, inside.min() - 1.0))

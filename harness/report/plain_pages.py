@@ -19,13 +19,15 @@ from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
 from harness.interpret.keys import BY_SLEEVE
 from harness.interpret.measured import REASONS
-from harness.interpret.result import in_words, rate_in_words
+from harness.interpret.result import in_digits, in_words, rate_in_words
 from harness.interpret.site import Layer, Site
-from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, series
+from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, runs, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 
 Rows = list[tuple[str, ...]]
 """Rows of a table, the heading first."""
+MOST_STRETCHES = 8
+"""Stretches without a strength for one reason; of more, only the first and last depth are given."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +91,9 @@ def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     return rows
 
 
-def _span(low: float, middle: float, high: float) -> str:
-    return f"{middle:.3g} ({low:.3g} to {high:.3g})" if np.isfinite(middle) else "-"
+def _span(*percentiles: float) -> str:
+    low, middle, high = in_digits(*percentiles)
+    return f"{middle} ({low} to {high})" if np.isfinite(percentiles).all() else "-"
 
 
 def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
@@ -99,27 +102,32 @@ def _cause_rows(site: Site, found: xr.Dataset) -> Rows:
     in_layer = site.layer_at(used.depth.values)
     means = xr.concat(
         [used[in_layer == number].mean("depth") for number in range(len(site.layers))], "layer"
-    ).fillna(0.0)
+    )
     total = means.sum("layer")
     rows: Rows = [("cause", *(layer.title for layer in site.layers))]
     for cause in total.sortby(-total).cause.values:
         if float(total.sel(cause=cause)) > 0.0:
-            shares = (f"{100.0 * share:.0f} %" for share in means.sel(cause=cause).values)
+            own = means.sel(cause=cause).values
+            shares = ("-" if np.isnan(share) else f"{100.0 * share:.0f} %" for share in own)
             rows.append((str(cause).replace("_", " "), *shares))
     return rows
 
 
 def _left_out(site: Site, found: xr.Dataset) -> Rows:
-    """Number and range of the depths without a strength, by layer and reason."""
-    rows: Rows = [("layer", "why", "depths", "of", "between [m]")]
-    in_layer = site.layer_at(found.depth.values)
+    """Number and stretches of the depths without a strength, by layer and reason."""
+    rows: Rows = [("layer", "why", "depths", "of", "depth [m]")]
+    depth, in_layer = found.depth.values, site.layer_at(found.depth.values)
     for place, layer in enumerate(site.layers):
         inside = in_layer == place
         for number, why in enumerate(REASONS):
-            here = found.depth.values[inside & (found.reason.values == number)]
-            if number and len(here):
-                span = f"{here[0]:g} and {here[-1]:g}"
-                rows.append((layer.title, why, str(len(here)), str(inside.sum()), span))
+            here = inside & (found.reason.values == number)
+            if number and here.any():
+                pieces = [depth[run] for run in runs(here)]
+                if (more := len(pieces)) > MOST_STRETCHES:
+                    pieces = [depth[here]]
+                ends = (f"{it[0]:g}" + (f" to {it[-1]:g}" if len(it) > 1 else "") for it in pieces)
+                span = ", ".join(ends) + (f", in {more} stretches" if more > len(pieces) else "")
+                rows.append((layer.title, why, str(here.sum()), str(inside.sum()), span))
     return rows
 
 

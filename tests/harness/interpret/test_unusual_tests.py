@@ -10,7 +10,7 @@ from harness.cli.commands.interpret import read_points
 from harness.interpret import strength
 from harness.interpret.check import checked, misfit_in_words
 from harness.interpret.measured import CLAY_INDEX, REASONS, WATER
-from harness.interpret.result import in_words
+from harness.interpret.result import in_digits, in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from harness.pictures.sounding import interpretation_figure
@@ -130,6 +130,7 @@ def test_what_may_be_sand_by_the_tip_alone_has_no_strength(folder: Path, frictio
     found = interpret(load_site(folder / "site.toml"))
     assert reasons(found)[ROW : ROW + 5] == ["no fs and it may be sand"] * 5
     assert reasons(found)[ROW + 5 : ROW + 9] == ["used"] * 4  # too weak to be sand
+    assert (found.near_border[[ROW - 1, ROW + 5]] == 1).all()  # clay beside what may be sand
     assert found.soil_index[ROW:].isnull().all()
 
 
@@ -224,6 +225,13 @@ def test_only_what_tells_something_is_named(folder: Path) -> None:
     assert ", by tip, pore pressure with Nkt" in told
 
 
+def test_no_digit_is_finer_than_a_tenth_of_the_band() -> None:
+    """And a thousand is no power of ten."""
+    assert in_digits(7.218, 12.94, 16.42) == ["7.2", "12.9", "16.4"]
+    assert in_digits(1007.0, 1234.0, 2034.0) == ["1007", "1234", "2034"]
+    assert in_digits(1000.0, 1000.0, 1000.0) == ["1000"] * 3
+
+
 def test_rates_are_told_as_they_are_given(folder: Path) -> None:
     for rate in ("1.25 %/h", "125 %/h"):
         given = f'laboratory_rate = "{rate}"'
@@ -253,20 +261,27 @@ def test_rows_longer_than_the_header_and_depths_in_another_unit_are_refused(
 
 
 def test_points_of_a_laboratory_are_all_in_the_picture(folder: Path) -> None:
-    """Read with a blank after the comma too; the panel reaches to the strongest of them."""
+    """Read with a blank after the comma too; the panel reaches to the strongest and the deepest."""
     strongest = 3.0 * float(STRENGTH.max())
     for mark in (", ", ";", ","):
         text = f"depth [m]{mark}strength [kPa]\n5{mark}{strongest / 1e3}\n"
         (folder / "lab.csv").write_text(text)
         assert read_points(folder / "lab.csv") == [(5.0, pytest.approx(strongest))]
     found = interpret(load_site(folder / "site.toml"))
-    figure = interpretation_figure(found, [(5.0, strongest)])
+    figure = interpretation_figure(found, [(5.0, strongest), (0.5, strongest), (15.0, strongest)])
     test, _, strength, _ = figure.axes
     assert strength.get_xlim()[1] > strongest / 1e3
+    assert strength.get_ylim() == (15.0, 0.0)
     used = found.reason.values == 0
     assert test.get_xlim()[1] > max(
         float(line.get_xdata()[used].max()) for line in test.get_lines()
     )
+
+
+def test_pore_pressure_below_zero_is_in_the_picture(folder: Path) -> None:
+    rewritten(folder, "u2", "-60", slice(ROW, ROW + 5))
+    figure = interpretation_figure(interpret(load_site(folder / "site.toml")))
+    assert figure.axes[0].get_xlim()[0] == pytest.approx(-63.0)
 
 
 def test_a_test_that_is_all_pre_drilled_has_no_strength(folder: Path) -> None:

@@ -17,6 +17,10 @@ from = 10
 to = 11
 rigidity_index = { low = 50, high = 300 }
 adhesion_factor = "sleeve"
+[[layer]]
+from = 12
+to = 20
+rigidity_index = 100
 """
 
 
@@ -27,7 +31,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, list[str]
     (folder / "test.csv").write_text(measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH))
     (folder / "a.v1.toml").write_text(SITE + LAYER)
     (folder / "b.toml").write_text(SITE.replace("A site", "B site") + LAYER + ASSUMED)
-    changed(folder, ("\n5,", "\n5,,,\n5.05,"), file="test.csv")
+    emptied = ("\n5,", "\n5,,,\n5.05,"), ("\n7,", "\n7,,,\n7.02,,,\n7.05,")
+    changed(folder, *emptied, file="test.csv")
     one, two = [str(folder / "a.v1.toml")], [str(folder / f"{it}.toml") for it in ("a.v1", "b")]
     assert main(["interpret", *one, "--out", str(folder / "one")]) == 0
     assert main(["interpret", *two, "--out", str(folder / "two")]) == 0
@@ -57,7 +62,7 @@ def test_the_sentence_the_picture_and_all_inputs_are_there(
     assert pages[0].count('src="data:image/png;base64,') == 1
     assert "rigidity_index 120 120 (120 to 120)" in page
     assert re.search(r"cause 2 to 10 m numerical (99|100) %", page)
-    assert "2 to 10 m value missing 1 82 5 and 5" in page
+    assert "2 to 10 m value missing 3 84 5, 7 to 7.02" in page
     assert "area_ratio 0.8 net area ratio of the cone" in page
     assert page.count("(assumed)") == page.count("strength isotropic (assumed)") == 1
 
@@ -66,6 +71,9 @@ def test_several_tests_are_set_beside_each_other(pages: tuple[str, str, list[str
     page = words(pages[1])
     assert pages[1].count('src="data:image/png;base64,') == 3
     assert 'href="#test-2">B site<' in pages[1]
+    # Known exactly in one layer, and no strength in the last: neither has a share.
+    assert re.search(r" K0 - \d+ % - ", page)
+    assert re.search(r" numerical \d+ % \d+ % - ", page)
     assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in page
     assert "assumed <clay> adhesion_factor sleeve assumed <clay> strength" in page
     assert pages[2] == [
