@@ -29,6 +29,7 @@ from harness.archive.conventions import (
     headlines_of,
     known_digits,
     over_cases,
+    stated,
     uncertainty_of,
     varied_names,
 )
@@ -169,7 +170,7 @@ def spread_rows(spread: Spread) -> list[tuple[str, str]]:
         known_digits(percentile, spread.deviation / 3.0) for percentile in spread.percentiles
     )
     rows = [
-        (f"mean with the {spread.called}", f"{spread.mean:.3g} +- {spread.combined:.2g}"),
+        (f"mean with the {spread.called}", stated(spread.mean, spread.combined)),
         ("deviation by the inputs", f"{spread.deviation:.3g}"),
         ("median", middle),
         ("90 % of the samples", f"{low} to {high}"),

@@ -21,19 +21,22 @@ from harness.archive.conventions import (
     over_cases,
     scenes_of,
     spoken,
+    stated,
     uncertainty_of,
     varied_names,
     varied_within,
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
-from harness.pictures.drawing.caption import captioned, of_half_widths
+from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths, wrapped
 from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED, panels, series
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label, named, spelt, unit_of
+from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 
 CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
 """Heights [inch] of the row of a case, of the row of a soil, and of axis, legend and caption."""
+LABEL_LETTERS, LABEL_LINE = 36, 0.16
+"""Number of letters in a line of a row's label, and height of the line [inch]."""
 
 
 @STYLED
@@ -54,20 +57,17 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     axes.set_xlabel(axis_label(dataset, studied.headline))
     most = [assigned(dataset, name, varied[name].value(usual[name])) for name in varied]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
-    return captioned(figure, dataset, beside, studied.bars, _lost(studied.computed))
+    return captioned(figure, dataset, beside, studied.bars, not_completed(dataset))
 
 
 def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
     """A figure with one labelled row per mark, the first on top."""
-    figure, (axes,) = panels(height=height * len(labels) + MARGIN)
-    axes.set_yticks(range(len(labels)), labels, fontsize=8)
+    texts = [wrapped(label, LABEL_LETTERS) for label in labels]
+    of_text = LABEL_LINE * max(text.count("\n") + 1 for text in texts)
+    figure, (axes,) = panels(height=max(height, of_text) * len(labels) + MARGIN)
+    axes.set_yticks(range(len(labels)), texts, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     return figure, axes
-
-
-def _lost(values: Floats) -> str:
-    failed = np.isnan(values).sum()
-    return f"{failed} of {values.size} cases did not complete." if failed else ""
 
 
 def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
@@ -118,7 +118,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     unit = units.pop() or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in headlines)} [{unit}]")
     bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))
-    return captioned(figure, dataset, bars, _lost(values), legend=axes)
+    return captioned(figure, dataset, bars, not_completed(dataset), legend=axes)
 
 
 @STYLED
@@ -140,8 +140,8 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     return captioned(
         figure,
         dataset,
-        f"{len(spread.values)} samples; {spread.mean:.3g} +- {spread.combined:.2g} is the mean "
-        f"with the {spread.called}.",
+        f"{len(spread.values)} samples; {stated(spread.mean, spread.combined)} is the mean with "
+        f"the {spread.called}.",
         f"Shade: 90 % of the samples; line: median; bar: mean, {spread.called}{below}.",
         f"Inputs: {'; '.join(inputs)}.",
     )

@@ -11,7 +11,6 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
-    COMPLETED,
     over_cases,
     scenes_of,
     spoken,
@@ -19,7 +18,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
-from harness.pictures.drawing.caption import NO_BREAK, captioned
+from harness.pictures.drawing.caption import NO_BREAK, captioned, not_completed
 from harness.pictures.drawing.plot_parts import (
     INK,
     MOST_LABELS,
@@ -27,7 +26,6 @@ from harness.pictures.drawing.plot_parts import (
     chosen,
     image,
     legend_above,
-    mark_failures,
     once,
     panels,
     series,
@@ -155,9 +153,6 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
         label = "uncertainty of the reference"
         axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
-    if "case_time" in dataset:
-        failed = over_cases(dataset, "status") != COMPLETED
-        mark_failures(axes, over_cases(dataset, "case_time")[failed], height=1.0)
     has_scenes = len(set(scenes_of(dataset))) > 1
     soil = [text.replace(" ", NO_BREAK) for text in problems[0].soil] if len(problems) == 1 else []
     _dress(figure, axes, name if has_scenes else dataset[name].attrs.get("long_name", name))
@@ -169,6 +164,7 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         _settings_key(dataset, problems),
         MEANING_OF_LINES if has_half_widths else "",
         "Run times are comparable only if the cases were run one at a time.",
+        not_completed(dataset),
     )
 
 

@@ -68,7 +68,7 @@ def captioned(
     key = " ".join(_numbered(dataset))
     parts = [ended, *sentences, key, fixed(dataset)]
     figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
-    text = _wrapped(" ".join(filter(None, parts)))
+    text = wrapped(" ".join(filter(None, parts)))
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
     return figure
 
@@ -85,6 +85,13 @@ def _numbered(dataset: xr.Dataset) -> Iterator[str]:
 def left_out(count: int, noun: str) -> str:
     """A sentence on how many items are not shown; "" if there are none."""
     return f"{count} more {noun} are not shown." if count else ""
+
+
+def not_completed(dataset: xr.Dataset) -> str:
+    """A sentence on how many cases did not complete; "" if all did."""
+    status = over_cases(dataset, "status")
+    failed = np.count_nonzero(status != COMPLETED)
+    return f"{failed} of {status.size} cases did not complete." if failed else ""
 
 
 def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
@@ -154,8 +161,8 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))
 
 
-def _wrapped(text: str) -> str:
-    """The text in lines of the page's width; the placeholder of a symbol is about as wide as it."""
+def wrapped(text: str, letters: int = LETTERS) -> str:
+    """The text in lines of so many letters; the placeholder of a symbol is about as wide as it."""
     symbols = iter(SYMBOL.findall(text))
-    lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), LETTERS, break_on_hyphens=False)
+    lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), letters, break_on_hyphens=False)
     return re.sub(IN_PLACE, lambda _: next(symbols), lines)

@@ -90,8 +90,9 @@ def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
 
 def _is_valid_math(words: str) -> bool:
     """Whether matplotlib can set the mathematics in a text; texts from files may be invalid."""
+    lines = filter(is_math_text, words.splitlines())  # each is set by itself
     try:
-        return not is_math_text(words) or bool(MathTextParser("path").parse(words))
+        return all(MathTextParser("path").parse(line) for line in lines)
     except ValueError:
         return False
 
@@ -121,12 +122,12 @@ def runs(found: np.ndarray) -> list[slice]:
     return [run for (run,) in find_objects(label(found)[0])]
 
 
-def mark_failures(axes: Axes, positions: Floats, height: float = 0.03) -> None:
-    """Mark cases without a value at a height of 0 to 1 of the axes."""
+def mark_failures(axes: Axes, positions: Floats) -> None:
+    """Mark cases without a value at the bottom of the axes."""
     if positions.size:
         axes.plot(
             positions,
-            np.full(positions.shape, height),
+            np.full(positions.shape, 0.03),
             "x",
             color=FAILED,
             transform=axes.get_xaxis_transform(),

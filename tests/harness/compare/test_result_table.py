@@ -8,7 +8,13 @@ import pytest
 import xarray as xr
 from scipy.stats.qmc import LatinHypercube
 
-from harness.archive.conventions import COMPLETED, DISTRIBUTION, headline_values, uncertainty_of
+from harness.archive.conventions import (
+    COMPLETED,
+    DISTRIBUTION,
+    headline_values,
+    stated,
+    uncertainty_of,
+)
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError
 from harness.compare.differences import difference, ratio, slope
@@ -121,6 +127,8 @@ def test_why_there_is_no_uncertainty_stands_below_the_table() -> None:
     few = many.why_no_uncertainty.where(np.arange(many.sizes["case"]) > 0, "")
     line = f"no uncertainty of {2 * MOST_CASES - 1} of {2 * MOST_CASES} cases: {reason}"
     assert line in reason_notes(many.assign(why_no_uncertainty=few))
+    two = many.assign(why_no_uncertainty=few.where(np.arange(many.sizes["case"]) < 3, ""))
+    assert "; adhesion_factor=" in reason_notes(two)[0], "cases are told apart"
     of_u2 = ("adhesion_factor", [reason, reason])
     told = told.assign(pore_pressure_factor_shoulder_why_no_uncertainty=of_u2)
     assert "of u2" not in result_table(told)  # for the reason of all
@@ -337,6 +345,7 @@ def test_where_one_case_has_no_uncertainty_the_spread_is_that_of_the_inputs() ->
     assert (found.numerical, found.combined) == (0.0, pytest.approx(1.96 * found.deviation))
     labels = [spread_rows(it)[0][0] for it in (known, found)]
     assert labels == ["mean with the combined U", "mean with the U of the inputs"]
+    assert spread_rows(found)[0][1] == stated(found.mean, found.combined)
 
 
 def test_of_few_cases_no_shares_are_told() -> None:

@@ -99,6 +99,14 @@ def a_few_cases() -> xr.Dataset:
     return result(columns, [11.0, 10.2, 13.1, np.nan], "list", uncertainty=0.2)
 
 
+def many_differences() -> xr.Dataset:
+    """Three cases, the last of which differs from the others in many parameters."""
+    names = ("remoulded_strength_ratio", "reference_strain_rate", "strength_compression")
+    columns = {name: [1.0, 1.0, 0.5] for name in (*names, "strength_simple_shear", "rate_factor")}
+    made = result(columns, [11.0, 10.2, 13.1], "list", uncertainty=0.2)
+    return made.drop_vars("penetration_resistance")
+
+
 def random_cases(count: int = 40) -> xr.Dataset:
     """Cone factors that are a sum of what three random parameters do, a tenth of them failed."""
     random = np.random.default_rng(1)
@@ -128,6 +136,7 @@ MADE: Mapping[str, Callable[[], xr.Dataset]] = {
     "one at a time": one_at_a_time,
     "at random": random_cases,
     "a few cases": a_few_cases,
+    "many differences": many_differences,
     "a mesh": lambda: result(
         {"cells_per_radius": [2.0, 4.0, 8.0, 16.0], "adhesion_factor": [0.0, 1.0]},
         [10.0 + 1.0 / n + a for n in (2.0, 4.0, 8.0, 16.0) for a in (0.0, 1.5)],

@@ -40,6 +40,7 @@ MAIN = {
     "one at a time": "tornado",
     "at random": "effects",
     "a few cases": "cases",
+    "many differences": "cases",
     "a mesh": "convergence",
 }
 
