@@ -233,9 +233,14 @@ def reason_notes(dataset: xr.Dataset) -> list[str]:
 
     Reasons of u2 follow where they differ from that of the cone factor.
     """
-    reasons, of_pressure = reasons_of(dataset), _reasons_of_pressure(dataset)
-    own = [why if why != reason else "" for why, reason in zip(of_pressure, reasons, strict=True)]
-    return [*_reason_lines(dataset, reasons), *_reason_lines(dataset, own, " of u2")]
+    of_u2 = _reason_lines(dataset, own_reasons_of_pressure(dataset), " of u2")
+    return [*_reason_lines(dataset, reasons_of(dataset)), *of_u2]
+
+
+def own_reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
+    """Why u2 of each case has no uncertainty; "" where the cone factor has the same reason."""
+    pairs = zip(_reasons_of_pressure(dataset), reasons_of(dataset), strict=True)
+    return [own if own != reason else "" for own, reason in pairs]
 
 
 def _reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
@@ -250,7 +255,7 @@ def _reason_lines(dataset: xr.Dataset, reasons: list[str], what: str = "") -> li
     for reason in dict.fromkeys(filter(None, reasons)):
         cases = [label for label, own in zip(labels, reasons, strict=True) if own == reason]
         counted = f"{len(cases)} of {len(reasons)} cases"
-        suffix = f" of {', '.join(cases) if len(cases) <= MOST_CASES else counted}"
+        suffix = f" of {'; '.join(cases) if len(cases) <= MOST_CASES else counted}"
         every = len(cases) == len(reasons)
         notes.append(f"no uncertainty{what}{'' if every else suffix}: {reason}")
     return notes

@@ -15,20 +15,21 @@ from markupsafe import Markup
 from harness.archive.conventions import (
     Role,
     is_there,
-    known_digits,
     limits_of,
     over_cases,
     parameter_names,
     reasons_of,
+    stated,
     uncertainty_of,
     varied_names,
     with_role,
-    without_half_width,
 )
 from harness.compare.compared import where_it_applies
 from harness.compare.finest_error import error_name
+from harness.compare.result_table import PRESSURE, own_reasons_of_pressure
 from harness.pictures.studied import Studied
 from harness.report import words
+from mpm_warp.uncertainty.further_runs import REASON
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,9 @@ def _names(dataset: xr.Dataset) -> list[str]:
         *varied_names(dataset),
         "status",
         *with_role(dataset, Role.HEADLINE),
-        "pore_pressure_factor_shoulder",
+        PRESSURE,
         *(with_role(dataset, Role.REASON) if any(reasons_of(dataset)) else []),
+        *([f"{PRESSURE}_{REASON}"] if any(own_reasons_of_pressure(dataset)) else []),
         *([error_name(dataset)] if error_name(dataset) else []),
         *with_role(dataset, Role.DEVIATION),
         *limits_of(dataset),
@@ -105,12 +107,13 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
     }
     role, usual = str(dataset[name].attrs.get("role")), functools.partial(words.text, digits=3)
     texts = list(map(forms.get(role, usual), values))
-    is_headline, own = name in with_role(dataset, Role.HEADLINE), f"{name}_uncertainty"
-    if is_headline or own in dataset:
-        known = uncertainty_of(dataset) if is_headline else over_cases(dataset, own)
-        reasons = reasons_of(dataset) if is_headline else [""] * len(values)
-        beside = zip(values, texts, known.tolist(), reasons, strict=True)
-        texts = [_with_half_width(*pair) for pair in beside]
+    if name in with_role(dataset, Role.HEADLINE):
+        rows = zip(values, uncertainty_of(dataset).tolist(), reasons_of(dataset), strict=True)
+        texts = list(itertools.starmap(_with_half_width, rows))
+    elif (own := f"{name}_uncertainty") in dataset:
+        reasons = [why if is_there(why) else "" for why in over_cases(dataset, f"{name}_{REASON}")]
+        rows = zip(values, over_cases(dataset, own).tolist(), reasons, strict=True)
+        texts = list(itertools.starmap(_with_half_width, rows))
     if role == Role.DEVIATION:
         applies = where_it_applies(dataset, name.removeprefix(f"{role}_"))
         pairs = zip(texts, over_cases(dataset, applies), strict=True)
@@ -121,13 +124,11 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
     return Column(title, words.symbol(name), words.unit(dataset, name), cells)
 
 
-def _with_half_width(value: Any, text: str, half_width: float, reason: str) -> str:
-    """A value with its half width, or with why it has none."""
-    if text == words.MISSING:
-        return text
-    if math.isfinite(half_width):
-        return f"{known_digits(value, half_width)} ± {known_digits(half_width, half_width)}"
-    return f"{text} ({without_half_width(reason)})" if reason else text
+def _with_half_width(value: float, half_width: float, reason: str) -> str:
+    """A value as the command line states it, with its half width or why it has none."""
+    if not math.isfinite(value):
+        return words.MISSING
+    return stated(value, half_width, reason).replace("+-", "±")
 
 
 def _sortable(value: object) -> str:

@@ -38,8 +38,8 @@ def in_unit(dataset: xr.Dataset, name: str, value: object) -> object:
     return value / factor if factor != 1.0 and isinstance(value, int | float) else value
 
 
-def text(value: object, digits: int = 4) -> str:
-    """A value with a sensible number of digits; a dash if it is missing."""
+def text(value: object, digits: int = 6) -> str:
+    """A value with a number of digits, by default those of an input; a dash if it is missing."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value) or MISSING
     if not np.isfinite(value):

@@ -217,6 +217,14 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     written = page([dataset])[0]
     assert written.count(f"law: nobody has measured {laws[1]}") == 1
     assert "no U: law" in written
+    factor, why = "pore_pressure_factor_shoulder", "shoulder: the filter is lower than a cell"
+    for name, values in {"": [5.0, 4.0], "_uncertainty": [0.2, np.nan]}.items():
+        dataset[f"{factor}{name}"] = ("adhesion_factor", values, {"units": "1"})
+    dataset[f"{factor}_why_no_uncertainty"] = ("adhesion_factor", ["", why])
+    written = page([dataset])[0]
+    assert ">5.0 ± 0.2<" in written
+    assert ">4.00, no U: shoulder<" in written
+    assert why in written
     assert HALF_WIDTH in written
 
 

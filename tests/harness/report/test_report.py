@@ -75,7 +75,7 @@ def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_fil
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
     columns = {column.title: column for column in case_columns(results[0])}
-    assert [cell.text for cell in columns["cone factor"].cells] == ["9", "10.5", "12", "-"]
+    assert [cell.text for cell in columns["cone factor"].cells] == ["9.00", "10.5", "12.0", "-"]
     assert (columns["peak memory"].unit, columns["peak memory"].cells[0].text) == ("MB", "300")
     assert str(columns["rigidity index"].symbol) == "I<sub>r</sub>"
     # check value of the formula at Ir 50 and adhesion factor 0.5: 10.31
