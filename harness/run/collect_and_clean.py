@@ -102,13 +102,18 @@ def _completed_keys(dataset: xr.Dataset) -> set[str]:
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """The dataset with the error of each case, unless an exact solution gives it."""
-    method, result = study.parts[0].scene.method, study.compared.reference_result
-    reference = None if result is None else read_study(result)
+    method = study.parts[0].scene.method
     try:
-        return with_finest_error(dataset, method, reference)
+        return with_finest_error(dataset, method, read_reference(study))
     except NothingToCompareError as error:
-        tell(f"{result}: {error}")
+        tell(f"{study.compared.reference_result}: {error}")
         return with_finest_error(dataset, method)
+
+
+def read_reference(study: Study) -> xr.Dataset | None:
+    """The result of the reference study; None if the study names none."""
+    result = study.compared.reference_result
+    return None if result is None else read_study(result)
 
 
 def outcomes(study: Study, out: Path) -> list[Outcome]:

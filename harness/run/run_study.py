@@ -176,6 +176,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     folder = case_folder(out, study)
     check_no_link(out, study)
     check_place(study_file(out, study))
+    results.read_reference(study)  # if it cannot be read, no case is run in vain
     prepare(out)
     prepare(folder)
     if fresh:

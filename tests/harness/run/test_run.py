@@ -18,7 +18,7 @@ from harness.run import run_study
 from harness.run.pool import run_cases
 from harness.run.run_study import Display
 from harness.study.study import Study, load_study
-from tests.harness.conftest import Command, written
+from tests.harness.conftest import HEAD, Command, Refusal, written
 
 pytestmark = pytest.mark.slow
 
@@ -117,6 +117,17 @@ def test_running_again_goes_on_where_it_stopped(
 
     assert "0 done already" in command(*run, "--fresh").err
     assert case_files.read_case(folder, kept) is not None
+
+
+def test_a_damaged_result_of_the_reference_study_is_told_before_a_case_is_run(
+    small_file: Path, tmp_path: Path, refusal: Refusal
+) -> None:
+    small_file.write_text(f'{small_file.read_text()}[compare]\nreference_study = "finest.toml"\n')
+    (tmp_path / "finest.toml").write_text(HEAD)
+    (tmp_path / "finest.nc").write_bytes(b"noise")
+    line = refusal(["run", str(small_file), "--out", str(tmp_path / "out")])
+    assert line.startswith(f"harness: {tmp_path / 'finest.nc'}: cannot be read: ")
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_study_may_ask_for_timed_runs(small_file: Path, tmp_path: Path, command: Command) -> None:
