@@ -167,7 +167,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
     """
     prepare(folder)
     path, meta, failed = folder / "results.csv", folder / "meta.toml", 0
-    if meta.exists() and meta.read_text() != _meta(accuracy):
+    if meta.exists() and read_text(meta, "a submission") != _meta(accuracy):
         raise StudyError(f"{meta}: is from another program, accuracy or machine; name a new folder")
     results = read_results(path) if path.exists() else {}
     for case in benchmark_cases():

@@ -192,3 +192,9 @@ def test_a_run_keeps_each_case_and_goes_on(tmp_path, monkeypatch, capsys):
     assert (folder / "results.csv").read_bytes() == before
     with pytest.raises(StudyError, match="name a new folder"):
         benchmark.run_benchmark(folder, "fine")
+
+
+def test_a_description_of_another_encoding_is_told_before_anything_runs(tmp_path):
+    (tmp_path / "meta.toml").write_bytes('author = "Jürgen"\n'.encode("latin-1"))
+    with pytest.raises(StudyError, match=r"meta\.toml: not UTF-8 at byte 11"):
+        benchmark.run_benchmark(tmp_path, "quick")
