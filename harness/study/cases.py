@@ -139,6 +139,9 @@ def complete_parameters(
         The parameters, and None or why the scene refuses them. A refused scene has only plain
         defaults, because it cannot derive values. A parameter that is missing until its expression
         is evaluated is no reason to refuse.
+
+    Raises:
+        ExpressionError: an expression has no value; the message names its parameter.
     """
     defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
     to_come = dict(derived or {})
@@ -150,7 +153,10 @@ def complete_parameters(
         if not to_come or (refusal is not None and refusal.key not in to_come):
             return complete, refusal
         name = next(iter(to_come))
-        value = to_come.pop(name).value(complete)
+        try:
+            value = to_come.pop(name).value(complete)
+        except ExpressionError as error:
+            raise ExpressionError(f"[derived] {name}: {error}") from None
         given = given | {name: rounded(value) if isinstance(value, float) else value}
 
 

@@ -75,7 +75,8 @@ def find_study(study: str, beside: Path | None = None) -> Path:
         raise StudyError(f"{study}: {problem}{near}")
     if path.suffix != ".toml" or not re.fullmatch(STUDY_NAME, path.stem):
         raise StudyError(
-            f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.'"
+            f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.', "
+            "with neither '-' nor '.' first"
         )
     return path
 

@@ -43,8 +43,8 @@ def new(options: argparse.Namespace) -> int:
     path = Path(f"{name}.toml")
     if not re.fullmatch(STUDY_NAME, name):
         raise HarnessError(
-            f"{options.name}: is not a valid name; use letters, digits, '_', '-' and '.', and no "
-            "folder: the file goes into the current one"
+            f"{options.name}: is not a valid name; use letters, digits, '_', '-' and '.', with "
+            "neither '-' nor '.' first, and no folder: the file goes into the current one"
         )
     if name in study_names():
         raise HarnessError(f"{name}: a study that ships has this name; choose another")

@@ -10,6 +10,7 @@ from tests.harness.conftest import Refusal
 FILES = {
     "site.toml": 'title = "t"\n[test]\nfile = "cpt.csv"\n',
     "file.txt": "",
+    "-dash.toml": "",
     "text.toml": 'title = "t"\nscene = cone_penetration\n',
     "comma.toml": 'title = "t"\nscene = "cone_penetration"\n[fixed]\nadhesion_factor = 0,5\n',
     "colon.toml": 'title = "t"\nscene: "cone_penetration"\n',
@@ -67,6 +68,7 @@ MISTAKES = {
     "run folder.toml": "not a file",
     "run file.txt": "no such study",
     "run ./file.txt": "is called NAME.toml",
+    "run ./-dash.toml": "with neither '-' nor '.' first",
     "run mesh_size --fres": "unrecognized arguments: --fres; did you mean '--fresh'?",
     "plan adhesion_facotr": "neither a scene nor a study; did you mean 'adhesion_factor'?",
     "new adhesion_factor": "a study that ships has this name; choose another",

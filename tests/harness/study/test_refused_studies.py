@@ -52,6 +52,7 @@ OF_A_CONE = [
     ('[derived]\ndensity = "2 * density"', "is derived too"),
     ('[derived]\nadhesion_factor = "rigidity_index"', "adhesion_factor = 100.0 is not allowed"),
     ('[fixed]\ndensity = 1\n[derived]\ndensity = "2"', "is under [fixed] as well"),
+    ('[derived]\ndensity = "1e400"', "[derived] density: '1e400' has no value: it is inf"),
     ('exclude = ["density + 1"]', "neither true nor false"),
     ('exclude = ["density > 0"]', "removes every case"),
     ("exclude = [\"open('x')\"]", "unknown function 'open'"),
