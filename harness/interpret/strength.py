@@ -6,7 +6,8 @@ multiple of the error of the test, the same at all depths. Then at each depth
     su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table e_model)
 
 with Delta by K0 and su, and alpha, if the site file says so, by the sleeve friction and su; both by
-iteration. e_table and e_model are the errors of the table and of what the simulation leaves out. If
+iteration. The sleeve friction then has a random error of its own in each draw, the same at all
+depths. e_table and e_model are the errors of the table and of what the simulation leaves out. If
 `use` names sleeve or pore pressure, each draw is weighted by the likelihood of the layer's mean of
 fs and u2 - u0, and the draws are resampled by their weights.
 """
@@ -22,19 +23,12 @@ import xarray as xr
 from harness.archive.netcdf_files import memory_of_machine
 from harness.interpret.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.columns import GAP
-from harness.interpret.factors import (
-    PRESSURE,
-    RANGES,
-    SLEEVE,
-    TABLE_RATE,
-    Along,
-    at_table_rate,
-    factors,
-)
-from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, error_of, measured
+from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
+from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import ByDepth, Layer, Site
+from harness.interpret.weights import HALF_WIDTH, Measure, chosen_draws, measures_of
 from harness.study.distributions import normal, sampled
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
@@ -46,10 +40,6 @@ REPETITIONS = 30
 """Largest number of iterations of su, Delta and alpha."""
 SETTLED = 1e-6
 """Relative change of su at which the iteration ends."""
-HALF_WIDTH = 1.96
-"""Half width of 95 % over a deviation."""
-MODEL_OF_SLEEVE, MODEL_OF_U2 = 0.2, 0.2
-"""Standard deviations of the errors of fs and u2 by what the simulation leaves out, over them."""
 MOST_OUTSIDE = 0.05
 """Largest share of the draws of a layer outside the table; these are moved to its edge."""
 MOST_OF_ANISOTROPY = 0.5
@@ -58,7 +48,9 @@ because ground with Delta of 1 or more would have failed before any test."""
 SAND = [REASONS.index("not undrained clay"), REASONS.index(NO_INDEX)]
 """Reasons of rows that are, or may be, sand: the clay beside them feels another layer."""
 MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
-"""Causes of an error that are not inputs of a layer."""
+FRICTION = "sleeve_friction"
+"""Causes of an error that are not inputs of a layer. That of the sleeve friction counts where the
+adhesion follows from it."""
 DRAW_BYTES = 160
 """Memory of a draw at a depth while a layer is interpreted [byte]: twenty numbers, as measured."""
 
@@ -96,21 +88,18 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     depth, borders, radius = test.depth.values, site.borders, test.attrs["cone_radius"]
     used, placed = without_borders(test, borders, radius) if sharpen else (test, borders)
     names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
-    causes = [*names, WEIGHT, MEASUREMENT, TABLE_ERROR, MODEL, TOGETHER]
+    by_sleeve = [FRICTION] if any(map(_is_by_sleeve, site.layers)) else []
+    causes = [*names, WEIGHT, MEASUREMENT, *by_sleeve, TABLE_ERROR, MODEL, TOGETHER]
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
     in_layer = site.layer_at(depth)
     reason[in_layer < 0] = REASONS.index("no layer")
     notes = [found.attrs["notes"]] if found.attrs["notes"] else []
-    for said, lies in zip(borders, placed, strict=True):
-        between = (depth >= min(said, lies)) & (depth < max(said, lies))
-        if between.any():
-            reason[between & (reason == 0)] = REASONS.index(OTHER_LAYER)
-            notes.append(f"border told at {said:.2f} m, found at {lies:.2f} m")
+    notes += _moved_borders(borders, placed, depth, reason)
     notes += _beyond_the_test(site.layers, depth)
     for number, layer in enumerate(site.layers):
-        if "adhesion_factor" not in layer.inputs:  # by the sleeve
+        if _is_by_sleeve(layer):
             lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
             reason[lacking & (in_layer == number)] = REASONS.index("value missing")
         here = np.flatnonzero((in_layer == number) & (reason == 0))
@@ -123,8 +112,9 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
                 f"{layer.title} at most {int(most / DRAW_BYTES / len(here))} fit into "
                 f"{most / 1e9:.3g} GB of memory"
             )
+        notes += _unused(site, layer, measures_of(site.test, used, here))
         drawn = draw(site, number, used, here)
-        chosen, arrays["draws"][number] = _chosen(drawn.log_likelihood, site.seed)
+        chosen, arrays["draws"][number] = chosen_draws(drawn.log_likelihood, site.seed)
         distinct, weights = np.unique(chosen, return_counts=True)
         for name, draws in (("strength", drawn.strength), ("resistance_factor", drawn.factor)):
             arrays[name][here] = np.percentile(draws[:, chosen], PERCENTILES, axis=1).T
@@ -154,7 +144,7 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
 
 def _refuse_without_values(site: Site, test: xr.Dataset) -> None:
     """Refuse a site that needs fs or u2 of a test that has no value of it."""
-    by_sleeve = [it.title for it in site.layers if "adhesion_factor" not in it.inputs]
+    by_sleeve = [layer.title for layer in site.layers if _is_by_sleeve(layer)]
     asked = [("fs", "sleeve_friction", f"adhesion_factor of {title}") for title in by_sleeve]
     if "sleeve" in site.use:
         asked.append(("fs", "sleeve_friction", "use"))
@@ -163,6 +153,28 @@ def _refuse_without_values(site: Site, test: xr.Dataset) -> None:
     for name, variable, key in asked:
         if test[variable].isnull().all():
             raise StudyError(f"{site.name}.toml: {key} asks for {name}, which the test has not")
+
+
+def _moved_borders(
+    borders: Sequence[float], placed: Sequence[float], depth: Floats, reason: np.ndarray
+) -> list[str]:
+    """Notes on borders found at another depth; no strength between, which `reason` is told."""
+    notes = []
+    for said, lies in zip(borders, placed, strict=True):
+        between = (depth >= min(said, lies)) & (depth < max(said, lies))
+        if between.any():
+            reason[between & (reason == 0)] = REASONS.index(OTHER_LAYER)
+            notes.append(f"border told at {said:.2f} m, found at {lies:.2f} m")
+    return notes
+
+
+def _unused(site: Site, layer: Layer, measures: Mapping[str, Measure]) -> list[str]:
+    """Notes on what `use` names and a layer cannot use."""
+    return [
+        f"{layer.title}: the {name.replace('_', ' ')} is not used, its mean is not above 0"
+        for name, measure in measures.items()
+        if name in site.use and not measure.mean > 0.0
+    ]
 
 
 def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
@@ -188,6 +200,8 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     }
     if not isinstance(weight, ByDepth):
         causes[WEIGHT] = weight
+    if _is_by_sleeve(layer):
+        causes[FRICTION] = normal(1.0)
     inputs = sampled(causes, site.samples, site.seed + number)
 
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
@@ -200,27 +214,27 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     soil, ratio = _in_table(site, number, inputs)
     along, errors = table.along(soil), ratio * np.exp(inputs[TABLE_ERROR] + inputs[MODEL])
 
+    measures = measures_of(site.test, test, here)
+    friction, friction_error = at["sleeve_friction"], np.zeros(site.samples)
+    if _is_by_sleeve(layer):
+        friction_error = measures["sleeve"].deviation[:, None] * inputs[FRICTION]
+
     # Delta and the adhesion by the sleeve depend on the strength, so all three are iterated.
     strength = net / (10.0 * errors)
     for _ in range(REPETITIONS):
         anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
         held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
-        adhesion = _adhesion(inputs, at["sleeve_friction"], strength * ratio, along, held)
+        adhesion = _adhesion(inputs, friction + friction_error, strength * ratio, along, held)
         before, strength = strength, net / (along(held, adhesion, 1)["cone_factor"] * errors)
         if np.max(np.abs(strength / before - 1.0)) < SETTLED:
             break
     simulated = along(held, adhesion)
     likelihood = np.zeros(site.samples)
-    fs, u2 = test.sleeve_friction.values[here], test.pore_pressure.values[here]
-    excess = u2 - test.water_pressure.values[here]
-    for use, values, half_width, quantity, left_out in (
-        ("sleeve", fs, error_of(site.test, "fs", fs), SLEEVE, MODEL_OF_SLEEVE),
-        ("pore_pressure", excess, error_of(site.test, "u2", u2), PRESSURE, MODEL_OF_U2),
-    ):
-        if use in site.use:
-            width = math.hypot(left_out, table.half_widths[quantity] / HALF_WIDTH)
-            expected = simulated[quantity] * ratio * strength
-            likelihood += log_likelihood(values, expected, half_width, width)
+    drawn = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
+    for name, measure in measures.items():
+        if name in site.use:
+            expected = simulated[measure.quantity] * ratio * strength
+            likelihood += measure.log_likelihood(expected - drawn[name])
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
     wanted = strength * _over_average(layer, inputs)
@@ -270,6 +284,11 @@ def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Float
     return delta
 
 
+def _is_by_sleeve(layer: Layer) -> bool:
+    """Whether the adhesion factor follows from the sleeve friction."""
+    return "adhesion_factor" not in layer.inputs
+
+
 def _adhesion(
     inputs: Mapping[str, Floats], friction: Floats, strength: Floats, along: Along, delta: Floats
 ) -> Floats:
@@ -293,37 +312,3 @@ def _over_average(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
     }
     ratio: Floats = of_mode[layer.strength] / average
     return ratio
-
-
-def log_likelihood(values: Floats, expected: Floats, half_width: Floats, width: float) -> Floats:
-    """Log-likelihood of each draw by the mean of the measured values of a layer, shape [draws].
-
-    The error of a test is constant along it, and that of the model in a layer, so the depths of a
-    layer are one observation.
-
-    Args:
-        values: measured values, shape [depths]; values that are not above 0 are ignored.
-        expected: values of each draw, shape [depths, draws].
-        half_width: half width of 95 % of the measured values, shape [depths].
-        width: standard deviation of the error of the model, over the value.
-    """
-    tells = values > 0.0
-    if not tells.any():
-        return np.zeros(expected.shape[1])
-    distance = np.log(values[tells, None] / np.maximum(expected[tells], 1.0)).mean(axis=0)
-    deviation = math.hypot(width, float((half_width[tells] / values[tells]).mean()) / HALF_WIDTH)
-    likelihood: Floats = -0.5 * (distance / deviation) ** 2
-    return likelihood
-
-
-def _chosen(likelihood: Floats, seed: int) -> tuple[np.ndarray, float]:
-    """Indices of draws, resampled by their weights, and the effective number of draws.
-
-    The latter is 1 / sum of squared weights.
-    """
-    weights = np.exp(likelihood - likelihood.max())
-    weights /= weights.sum()
-    count = len(weights)
-    start = np.random.default_rng(seed).random()
-    places = np.searchsorted(np.cumsum(weights), (np.arange(count) + start) / count)
-    return np.minimum(places, count - 1), float(1.0 / np.sum(weights**2))

@@ -8,9 +8,10 @@ import pytest
 import xarray as xr
 
 from harness.archive.netcdf_files import write_netcdf
-from harness.interpret.factors import PRESSURE, RANGES, cone_factor, factors
+from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import _in_table, interpret
+from harness.interpret.weights import LEFT_OUT, Measure
 from mpm_warp.errors import ParameterError
 from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
@@ -123,12 +124,58 @@ def test_the_sleeve_tells_the_adhesion(folder: Path) -> None:
     assert high - low < 0.7 * (before[2] - before[0])
     assert low < 0.4 < high
     assert abs(middle - 0.4) < 0.1
-    at = {"depth": 50}
     widths = [
-        float(np.ptp(found.strength.isel(at).values / STRENGTH[50]))
+        float(np.ptp(found.strength.isel(depth=50).values / STRENGTH[50]))
         for found in (by_sleeve, weighed, without)
     ]
-    assert widths[0] < widths[1] < widths[2]
+    # The sleeve tells the same whether the adhesion follows from it or is weighed by it.
+    assert widths[0] == pytest.approx(widths[1], rel=0.1)
+    assert max(widths[:2]) < 0.95 * widths[2]
+
+
+def test_the_error_of_the_sleeve_is_one_of_the_strength_where_it_tells_the_adhesion(
+    folder: Path,
+) -> None:
+    """As far as the strength by a sleeve friction off by its standard deviation differs."""
+    site = load_site(changed(folder, ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"')))
+    found = interpret(site).isel(depth=50)
+    off, medians = LEFT_OUT[SLEEVE], []
+    for friction in (1.0 - off, 1.0 + off):
+        rows = measured_rows(DEPTH, FACTOR * STRENGTH, 0.4 * friction * STRENGTH)
+        (folder / "test.csv").write_text(rows)
+        medians.append(float(interpret(site).strength.sel(percentile=50.0)[50]))
+    by_sleeve = 0.5 * abs(math.log(medians[1] / medians[0]))
+    low, _, high = np.log(found.strength.values)
+    share = (by_sleeve / ((high - low) / 2.0 / 1.645)) ** 2
+    assert share > 0.2
+    assert float(found.error_share.sel(cause="sleeve_friction")) == pytest.approx(share, abs=0.05)
+
+
+def test_a_sleeve_that_tells_the_adhesion_is_not_counted_twice(folder: Path) -> None:
+    """Each draw then meets the sleeve friction, with the error drawn for it."""
+    by_sleeve = ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"')
+    site = load_site(changed(folder, by_sleeve, ("[test]", 'use = ["tip", "sleeve"]\n[test]')))
+    assert float(interpret(site).draws[0]) == pytest.approx(site.samples)
+
+
+def test_one_reading_near_zero_does_not_silence_a_measure(folder: Path) -> None:
+    """The likelihood is that of the mean, which such a reading hardly changes."""
+    values = np.full(100, 200e3)
+    expected = np.broadcast_to([150e3, 200e3, 260e3], (100, 3))
+    of_all = Measure(SLEEVE, values, np.full(100, 1e3)).log_likelihood(expected)
+    values[50] = 300.0
+    with_one = Measure(SLEEVE, values, np.full(100, 1e3)).log_likelihood(expected)
+    # A mean that is 1 % less changes it by 0.01 ln(4/3) / 0.2^2 at most.
+    np.testing.assert_allclose(with_one, of_all, atol=0.073)
+
+
+def test_a_measure_that_cannot_be_used_is_told(folder: Path) -> None:
+    rows = [line.split(",") for line in (folder / "test.csv").read_text().splitlines()]
+    dry = [",".join([*row[:3], f"{-5.0 * float(row[0]):g}"]) for row in rows[1:]]
+    (folder / "test.csv").write_text("\n".join([",".join(rows[0]), *dry]))
+    used = changed(folder, ("[test]", 'use = ["tip", "pore_pressure"]\n[test]'))
+    told = "2 to 10 m: the pore pressure is not used, its mean is not above 0"
+    assert told in interpret(load_site(used)).attrs["notes"]
 
 
 @pytest.mark.parametrize(
