@@ -8,14 +8,14 @@ shoulder. So u2 is not read there. It is the sum of F, the radial stress on the 
 of 5 to 56 rows beside the face. C was measured on 14 to 112 rows. h is the width of the cells at
 the cone:
 
-    u2 = F - S h + C + T,    C = B + G + 0.16 |Delta| - K (nu - 0.45) + D
-                             D = w D_l + (1 - w) D_b
-    half width  0.045 h F, 0.2 S, B_l, G_l, 0.08 |Delta|, 0.8 (nu - 0.45), 0.3 (1 - r), 0.05,
-                0.05 (D_b - D_l), E i, 0.035, W
+    u2 = F - (S + E f) h + C + T,    C = B + G + 0.16 |Delta| - K (nu - 0.45) + D
+                                     D = w D_l + (1 - w) D_b
+    half width  0.045 h F, 0.22 S, B_l, G_l, 0.08 |Delta|, 0.8 (nu - 0.45), 0.3 (1 - r), 0.05,
+                0.05 (D_b - D_l), E_l i, 0.035, W
 
 The parts of the half width are added as squares.
 
-- S h is the error of the mesh.
+- S h is the error of the mesh in a slow test.
 - B is the rise of the radial stress from the place of F down to the filter, B_l its half width.
 - D is the radial deviator, radial stress less mean stress, averaged over the 0.06 R; tension is
   positive. Soil that has gone round the shoulder forms a layer beside the shaft. D_l is the
@@ -23,7 +23,9 @@ The parts of the half width are added as squares.
   that the layer takes; its half width is 0.05, or w where w is less. A mesh makes the layer thicker
   by about half a row, so w is extrapolated from meshes of up to 112 rows. D is in proportion to r,
   the strength of the soil at the shaft over su.
-- E i bounds the effect of the inertia i = rho V^2 / su on F; no correction is made for it.
+- E f h, f = i / (i + 0.1), is the effect of the inertia i = rho V^2 / su on F; E_l i is its half
+  width. Beside a rough shaft it is larger on coarser meshes; beside others it is small, of either
+  sign, and E is 0.
 - G, with half width G_l, is the gain of C in a slow test: B and D were measured at i = 0.1 to 0.36.
 - T = 0.025 (1 - 2 Delta), at least 0, is the effect of a taller window. Below Ir 50, T and its half
   width are in proportion to Ir.
@@ -53,12 +55,12 @@ su."""
 RIGIDITY_INDICES = (20.0, 50.0, 100.0, 200.0, 300.0, 450.0, 1000.0)
 ADHESION_FACTORS = (0.0, 0.5, 1.0)
 MESH_SLOPE = (
-    (-0.3, -0.4, 0.0),
-    (-0.1, -0.1, 0.2),
-    (-0.1, -0.1, 0.2),
+    (-0.3, -0.4, -0.2),
+    (-0.1, -0.1, -0.2),
+    (-0.1, -0.1, -0.3),
     (0.5, 0.0, -0.4),
-    (0.5, 0.5, -0.6),
-    (0.9, 0.6, 0.2),
+    (0.5, 0.5, 0.2),
+    (0.9, 0.6, 1.1),
     (0.9, 0.7, 1.9),
 )
 """S by rigidity index (rows) and adhesion factor (columns). One fit to all clays measured on five
@@ -106,24 +108,28 @@ DEVIATOR_IN_LAYER = ((0.0, 0.25, 0.5, 0.75, 1.0), (-1.22, -1.21, -1.14, -0.98, -
 """D_l at all rigidity indices: adhesion factors, and its values there."""
 DEVIATOR_OUTSIDE_LAYER = ((30.0, 100.0, 300.0, 600.0), (-0.6, 0.0, 0.45, 0.62))
 """D_b at all adhesion factors: rigidity indices, and its values there."""
-MESH_HALF_WIDTH, MESH_POWER_HALF_WIDTH = 0.045, 0.2
+MESH_HALF_WIDTH, MESH_POWER_HALF_WIDTH = 0.045, 0.22
 """Half widths of u2: for the scatter between meshes, over h F; for the power of h, over S."""
 DEVIATOR_HALF_WIDTH, LAYER_SHARE_HALF_WIDTH, SOFTENING_HALF_WIDTH = 0.05, 0.05, 0.3
 """Half widths: of D; of w; of u2 for softened soil at the shaft, over 1 - r."""
 WIDE_CELL_HALF_WIDTH, WIDE_CELL = 0.42, 0.385
 """Further half width of u2 where h is above `WIDE_CELL`, over F (h - WIDE_CELL)."""
 INERTIA_ADHESION_FACTORS = (0.5, 1.0)
-INERTIA_EFFECT = (
+INERTIA_EFFECT = (0.2, 0.5, 0.6, 0.8, -0.9, -0.7, 0.0)
+"""E at adhesion factor 1 by `RIGIDITY_INDICES`, found at i = 0.02 to 0.36 on 4 to 10 rows. It falls
+to 0 at adhesion factor 0.5."""
+HALF_EFFECT = 0.1
+"""Inertia at which f is a half."""
+INERTIA_HALF_WIDTH = (
     (0.1, 0.6),
     (0.2, 0.2),
-    (0.35, 0.45),
-    (0.2, 0.8),
-    (0.1, 0.5),
-    (0.1, 0.45),
-    (0.3, 0.45),
+    (0.35, 0.3),
+    (0.2, 0.4),
+    (0.1, 0.25),
+    (0.1, 0.25),
+    (0.2, 0.2),
 )
-"""E by `RIGIDITY_INDICES` (rows) and these adhesion factors (columns): the change of F over i,
-found at i = 0.02 to 0.36."""
+"""E_l by `RIGIDITY_INDICES` (rows) and `INERTIA_ADHESION_FACTORS` (columns)."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which the laws of u1 and u2 hold. They were measured at 0.4."""
 TALLER_WINDOW, TALLER_WINDOW_HALF_WIDTH = 0.025, 0.035
@@ -161,12 +167,13 @@ def shoulder_pressure(
     """
     soil = {"rigidity_index": rigidity_index, "adhesion_factor": adhesion_factor}
     slope = interpolated_table(MESH_SLOPE, RIGIDITY_INDICES, ADHESION_FACTORS, **soil)
+    effect = inertia_effect(**soil, inertia=inertia)
     share, in_layer, beside = _layer(**soil)
     excess = excess_at_filter(
         **soil, stress_anisotropy=stress_anisotropy, strength_ratio=strength_ratio
     )
-    by_inertia = interpolated_table(
-        INERTIA_EFFECT, RIGIDITY_INDICES, INERTIA_ADHESION_FACTORS, **soil
+    of_inertia = interpolated_table(
+        INERTIA_HALF_WIDTH, RIGIDITY_INDICES, INERTIA_ADHESION_FACTORS, **soil
     )
     ratio_excess = poissons_ratio - MEASURED_POISSONS_RATIO
     felt = np.minimum(1.0, rigidity_index / FULL_DOMAIN_INDEX)
@@ -184,11 +191,11 @@ def shoulder_pressure(
         strength_ratio * np.minimum(share, LAYER_SHARE_HALF_WIDTH) * (beside - in_layer),
         DEVIATOR_HALF_WIDTH,
         RANGE_HALF_WIDTH * beyond_range(RIGIDITY_INDICES, rigidity_index),
-        by_inertia * inertia,
+        of_inertia * inertia,
         window_uncertainty(extent_ratio),
         TALLER_WINDOW_HALF_WIDTH * felt,
     )
-    pressure = radial - slope * cell_size + excess + of_window
+    pressure = radial - (slope + effect) * cell_size + excess + of_window
     return pressure - interpolated(POISSON_SLOPE, rigidity_index) * ratio_excess, half_width
 
 
@@ -209,6 +216,15 @@ def excess_at_filter(
         SLOW_GAIN, SLOW_GAIN_INDICES, RISE_ADHESION_FACTORS, rigidity_index, adhesion_factor
     )
     return rise + gain + by_anisotropy + deviator
+
+
+def inertia_effect(rigidity_index: Value, adhesion_factor: Value, inertia: Value) -> Value:
+    """E f, shape [...]; arguments as in `shoulder_pressure`."""
+    table = tuple((0.0, rough) for rough in INERTIA_EFFECT)
+    effect = interpolated_table(
+        table, RIGIDITY_INDICES, INERTIA_ADHESION_FACTORS, rigidity_index, adhesion_factor
+    )
+    return effect * inertia / (inertia + HALF_EFFECT)
 
 
 def deviator_near_shaft(

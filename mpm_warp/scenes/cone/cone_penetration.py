@@ -69,7 +69,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 39
+    version = 40
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

@@ -62,7 +62,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 30
+    version = 31
 
     def check_clay(self) -> None:
         """Check the clay as `ClayScene` does, in a profile that of each row."""

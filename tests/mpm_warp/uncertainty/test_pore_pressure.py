@@ -252,22 +252,45 @@ def test_what_inertia_changes_of_u1_is_within_its_half_width() -> None:
         assert (np.abs(factor - factor[0]) <= known + noise).all()
 
 
-def test_what_inertia_changes_of_u2_is_within_its_parts_of_the_half_width(
+INERTIA_OF_U2_BESIDE_ROUGH_SHAFTS = (
+    (150.0, 1.0, 5, {0.0225: 3.719, 0.045: 3.756, 0.09: 3.812, 0.18: 3.852, 0.36: 3.880}),
+    (150.0, 1.0, 7, {0.0225: 3.677, 0.09: 3.721, 0.36: 3.812}),
+    (200.0, 0.75, 5, {0.0225: 4.229, 0.09: 4.236, 0.36: 4.180}),
+    (200.0, 1.0, 5, {0.0225: 3.816, 0.045: 3.856, 0.09: 3.891, 0.18: 3.958, 0.36: 3.984}),
+    (200.0, 1.0, 7, {0.0225: 3.850, 0.09: 3.855, 0.36: 3.942}),
+    (200.0, 1.0, 10, {0.045: 3.872, 0.36: 3.930}),
+    (250.0, 1.0, 5, {0.0225: 4.046, 0.045: 4.043, 0.09: 4.075, 0.18: 4.051, 0.36: 4.036}),
+    (250.0, 1.0, 7, {0.0225: 4.005, 0.09: 3.979, 0.36: 4.017}),
+    (300.0, 0.75, 5, {0.0225: 4.690, 0.09: 4.702, 0.36: 4.567}),
+    (300.0, 1.0, 5, {0.0225: 4.289, 0.045: 4.264, 0.09: 4.289, 0.18: 4.189, 0.36: 4.099}),
+    (300.0, 1.0, 7, {0.0225: 4.221, 0.09: 4.198, 0.36: 4.067}),
+)
+"""Rigidity index, adhesion factor, rows beside the face, and F over i: means over the radii from 4
+to 20 after the approach."""
+
+
+def test_what_inertia_changes_of_u2_is_corrected_within_its_parts_of_the_half_width(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """At any speed against the slowest: that of the inertia, and that of C in slow clay."""
     left = law.SLOW_GAIN_HALF_WIDTH
     monkeypatch.setattr(law, "SLOW_GAIN_HALF_WIDTH", NOTHING_LEFT)
+    series = list(INERTIA_OF_U2_BESIDE_ROUGH_SHAFTS)
     for index, of_adhesions in INERTIA_OF_U2.items():
-        for adhesion, readings in zip((0.0, 0.5, 1.0), of_adhesions, strict=True):
-            at = {"cell_size": 0.35, "adhesion_factor": adhesion, "rigidity_index": index}
-            slowest = readings[min(readings)]
-            _, at_rest = radial_error(slowest, **at)
-            for inertia, reading in readings.items():
-                _, half_width = radial_error(slowest, inertia=inertia, **at)
-                by_inertia = math.sqrt(half_width**2 - at_rest**2)
-                of_slow = float(interpolated(left, index))
-                assert abs(reading - slowest) <= math.hypot(by_inertia, of_slow)
+        rows = 6 if index <= 50.0 else 5
+        of_index = zip((0.0, 0.5, 1.0), of_adhesions, strict=True)
+        series += [(index, adhesion, rows, readings) for adhesion, readings in of_index]
+    for index, adhesion, rows, readings in series:
+        size = math.sqrt(3.0) / rows
+        at = {"cell_size": size, "adhesion_factor": adhesion, "rigidity_index": index}
+        first, slowest = min(readings.items())
+        _, at_rest = radial_error(slowest, **at)
+        known, _ = radial_error(slowest, inertia=first, **at)
+        for inertia, reading in readings.items():
+            correction, half_width = radial_error(slowest, inertia=inertia, **at)
+            changed = reading - slowest + float(correction - known)
+            by_inertia = math.sqrt(half_width**2 - at_rest**2)
+            assert abs(changed) <= math.hypot(by_inertia, float(interpolated(left, index)))
 
 
 IN_SMALL_WINDOWS = (
