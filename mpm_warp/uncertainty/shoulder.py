@@ -114,22 +114,30 @@ DEVIATOR_HALF_WIDTH, LAYER_SHARE_HALF_WIDTH, SOFTENING_HALF_WIDTH = 0.05, 0.05, 
 """Half widths: of D; of w; of u2 for softened soil at the shaft, over 1 - r."""
 WIDE_CELL_HALF_WIDTH, WIDE_CELL = 0.42, 0.385
 """Further half width of u2 where h is above `WIDE_CELL`, over F (h - WIDE_CELL)."""
-INERTIA_ADHESION_FACTORS = (0.5, 1.0)
-INERTIA_EFFECT = (0.2, 0.5, 0.6, 0.8, -0.9, -0.7, 0.0)
-"""E at adhesion factor 1 by `RIGIDITY_INDICES`, found at i = 0.02 to 0.36 on 4 to 10 rows. It falls
-to 0 at adhesion factor 0.5."""
+INERTIA_ADHESION_FACTORS = (0.5, 0.75, 1.0)
+INERTIA_EFFECT = (
+    (0.0, 0.1, 0.2),
+    (0.0, 0.25, 0.5),
+    (0.0, 0.3, 0.6),
+    (0.0, -0.2, 0.8),
+    (0.0, -0.6, -0.9),
+    (0.0, -0.4, -0.7),
+    (0.0, 0.0, 0.0),
+)
+"""E by `RIGIDITY_INDICES` (rows) and these adhesion factors (columns), found at i = 0.02 to 0.36 on
+4 to 10 rows; at adhesion factor 0.75 at Ir 200 and 300 alone."""
 HALF_EFFECT = 0.1
 """Inertia at which f is a half."""
 INERTIA_HALF_WIDTH = (
-    (0.1, 0.6),
-    (0.2, 0.2),
-    (0.35, 0.3),
-    (0.2, 0.4),
-    (0.1, 0.25),
-    (0.1, 0.25),
-    (0.2, 0.2),
+    (0.1, 0.35, 0.6),
+    (0.2, 0.2, 0.2),
+    (0.35, 0.3, 0.2),
+    (0.2, 0.25, 0.25),
+    (0.1, 0.2, 0.25),
+    (0.1, 0.2, 0.25),
+    (0.2, 0.2, 0.2),
 )
-"""E_l by `RIGIDITY_INDICES` (rows) and `INERTIA_ADHESION_FACTORS` (columns)."""
+"""E_l, likewise."""
 LARGEST_GROWTH = 0.5
 """Growth of the cells up to which the laws of u1 and u2 hold. They were measured at 0.4."""
 TALLER_WINDOW, TALLER_WINDOW_HALF_WIDTH = 0.025, 0.035
@@ -220,9 +228,12 @@ def excess_at_filter(
 
 def inertia_effect(rigidity_index: Value, adhesion_factor: Value, inertia: Value) -> Value:
     """E f, shape [...]; arguments as in `shoulder_pressure`."""
-    table = tuple((0.0, rough) for rough in INERTIA_EFFECT)
     effect = interpolated_table(
-        table, RIGIDITY_INDICES, INERTIA_ADHESION_FACTORS, rigidity_index, adhesion_factor
+        INERTIA_EFFECT,
+        RIGIDITY_INDICES,
+        INERTIA_ADHESION_FACTORS,
+        rigidity_index,
+        adhesion_factor,
     )
     return effect * inertia / (inertia + HALF_EFFECT)
 
