@@ -191,6 +191,8 @@ PARTS = ("stretch_number", "stretch_count", "to_depth", "from_depth")
 """Parameters that choose a part of one sounding."""
 Known = tuple[float, float]
 """A value and its half width of 95 %; NaN where none is known."""
+SHARES = ("ratio", "share")
+"""Last words of the names of results that are no factors, though they have no unit either."""
 
 
 def difference(first: Known, second: Known) -> Known:
@@ -215,9 +217,9 @@ def slope(places: np.ndarray, values: np.ndarray) -> Known:
 def ratio_notes(dataset: xr.Dataset) -> list[str]:
     """A line for each ratio of two scenes in the same soil, with its half width.
 
-    Only results of the same unit are compared, and no errors.
+    Only results of the same unit and kind are compared, and no errors.
     """
-    values, reasons, units = _headlines(dataset), reasons_of(dataset), _units_of_results(dataset)
+    values, reasons, kinds = _headlines(dataset), reasons_of(dataset), _kinds_of_results(dataset)
     scenes, stored, within = scenes_of(dataset), parameter_names(dataset), varied_within(dataset)
     known = [scene_class(scene) for scene in {*scenes} & {*scene_names()}]
     method = {stored.get(name, name) for scene in known for name in scene.method}
@@ -237,7 +239,7 @@ def ratio_notes(dataset: xr.Dataset) -> list[str]:
     notes = []
     for label, cases in soils.items():
         for (one, first), (other, second) in itertools.combinations(cases.items(), 2):
-            are_alike = units[first] is not None and units[first] == units[second]
+            are_alike = kinds[first] is not None and kinds[first] == kinds[second]
             if are_alike and values[second][0]:
                 reason = "; ".join(filter(None, (reasons[first], reasons[second])))
                 text = stated(*ratio(values[first], values[second]), reason)
@@ -268,15 +270,19 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
     return [f"{name} from {places.min():g} to {places.max():g}: {', '.join(effects)}"]
 
 
-def _units_of_results(dataset: xr.Dataset) -> list[str | None]:
-    """The unit of the headline of each case; None if it has none, or if it is an error."""
-    units: list[str | None] = [None] * dataset["status"].size
+def _kinds_of_results(dataset: xr.Dataset) -> list[tuple[str, str] | None]:
+    """What the headline of each case is: its unit, and whether it is a factor, a ratio or a share.
+
+    None if a case has no headline, or if that is an error.
+    """
+    kinds: list[tuple[str, str] | None] = [None] * dataset["status"].size
     for name in headlines_of(dataset):
         if name != ERROR:
-            unit = str(dataset[name].attrs.get("units", "1"))
+            word = name.rpartition("_")[2]
+            kind = str(dataset[name].attrs.get("units", "1")), word if word in SHARES else ""
             known = np.isfinite(over_cases(dataset, name))
-            units = [unit if it else had for it, had in zip(known, units, strict=True)]
-    return units
+            kinds = [kind if it else had for it, had in zip(known, kinds, strict=True)]
+    return kinds
 
 
 def _headlines(dataset: xr.Dataset) -> list[Known]:

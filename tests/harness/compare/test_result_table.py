@@ -188,7 +188,7 @@ def test_the_ratio_of_two_scenes_in_one_soil_stands_below_the_tables() -> None:
     assert not any(" over t bar" in it for it in result_table(footings(["completed"] * 2)))
 
 
-def test_errors_and_results_of_other_units_have_no_ratio() -> None:
+def test_errors_and_results_of_other_kinds_have_no_ratio() -> None:
     """A scene may be run for its error, which others have beside their headline."""
     errors = xr.Dataset({"error": ("case", [0.01, 0.02, 0.03], {"role": "headline"})})
     by_error = errors.merge(cone_and_bar())
@@ -198,6 +198,8 @@ def test_errors_and_results_of_other_units_have_no_ratio() -> None:
     in_pascal = cone_and_bar()
     in_pascal["resistance_factor"].attrs["units"] = "Pa"
     assert " over t bar" not in result_table(in_pascal)
+    share = cone_and_bar().rename(resistance_factor="resistance_ratio")
+    assert " over t bar" not in result_table(share)
 
 
 def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:

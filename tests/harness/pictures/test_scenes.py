@@ -54,7 +54,7 @@ def test_no_half_width_stands_in_a_table_where_the_value_is_missing() -> None:
         for it in case_columns(cones_and_bars([0.5, 0.0]))
     }
     assert cells["cone factor"] == ["11.30 ± 0.10", "10.5 ± 0.2", "-", "-"]
-    assert cells["resistance factor"] == ["-", "-", "10.8", "8.4"]
+    assert cells["resistance factor"] == ["-", "-", "10.8", "8.40"]
 
 
 def test_a_case_that_did_not_complete_is_told_of() -> None:
