@@ -22,7 +22,7 @@ from harness.archive.conventions import (
     spoken,
     varied_within,
 )
-from harness.pictures.drawing.caption import captioned
+from harness.pictures.drawing.caption import captioned, wrapped
 from harness.pictures.drawing.plot_parts import (
     INK,
     KILO,
@@ -42,6 +42,8 @@ from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation
 
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
+LABEL_LETTERS = 30
+"""Number of letters in a line of the label of a curve."""
 OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"
 APPROACHED = (
     "Before the gap the cone approaches faster; this part is no result. Its speed rises over the "
@@ -84,7 +86,7 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
         named = _with_scene(dataset, case) if few and several else None
         axes.plot(x, curves[case], color=colour, lw=width, label=named)
         if case in labelled and studied and studied.varied:
-            label = studied.label(case)
+            label = wrapped(studied.label(case), LABEL_LETTERS)
             marks.append(CurveEnd(x[last[case]], ends[case], label, colour))
     axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))

@@ -192,7 +192,7 @@ def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
 def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
     """Write labels right of the axes, as near to the ends of their curves as possible.
 
-    They are 0.06 of the axes' height apart, or less if there are too many.
+    They are 0.06 of the axes' height a line apart, or less if there are too many.
     """
     from scipy.optimize import isotonic_regression
 
@@ -201,7 +201,8 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
         return
     low, high = axes.get_ylim()
     heights = [(end.y - low) / (high - low) for end in ordered]
-    steps = min(0.06, 1.0 / len(ordered)) * np.arange(len(ordered))
+    lines = np.array([end.label.count("\n") + 1.0 for end in ordered])
+    steps = min(0.06, 1.0 / lines.sum()) * (np.cumsum(lines) - 0.5 * (lines + lines[0]))
     # After subtraction of these steps the heights only have to be non-decreasing.
     places = np.clip(isotonic_regression(heights - steps).x, 0.0, 1.0 - steps[-1]) + steps
     for end, place in zip(ordered, places, strict=True):
