@@ -9,7 +9,7 @@ import xarray as xr
 
 from harness.interpret import borders
 from harness.interpret.borders import sharpened
-from harness.interpret.measured import REASONS
+from harness.interpret.measured import NO_INDEX, REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.grid.fitted import Floats
@@ -164,15 +164,23 @@ def test_between_the_border_told_and_the_one_found_there_is_no_strength(
     assert (as_told.reason.values[between] == 0).all()
 
 
-def test_clay_beside_sand_inside_a_layer_feels_another_layer(folder: Path) -> None:
-    """In rows 1.12 radii apart 2 of the 3 radii above it, and 3 of the 4 below; 3 rows are none."""
+@pytest.mark.parametrize("has_sleeve", [True, False])
+def test_clay_beside_sand_inside_a_layer_feels_another_layer(
+    folder: Path, has_sleeve: bool
+) -> None:
+    """In rows 1.12 radii apart 2 of the 3 radii above it, and 3 of the 4 below; 3 rows are none.
+
+    Without fs, beside what may be sand as well.
+    """
     first, end = 30, 45
     table = [line.split(",") for line in (folder / "test.csv").read_text().splitlines()]
     for row in (*range(first, end), 60, 61, 62):
         table[1 + row][1] = "10"
+    if not has_sleeve:
+        table[1:] = [[depth, qc, "", u2] for depth, qc, _, u2 in table[1:]]
     (folder / "test.csv").write_text("\n".join(map(",".join, table)))
     found = interpret(load_site(folder / "site.toml"))
-    sand = REASONS.index("not undrained clay")
+    sand = REASONS.index("not undrained clay" if has_sleeve else NO_INDEX)
     assert (found.reason[[*range(first, end), 60, 61, 62]] == sand).all()
     felt = (found.near_border.values == 1) & (found.reason.values == 0) & (DEPTH < BORDER - 0.2)
     np.testing.assert_array_equal(
