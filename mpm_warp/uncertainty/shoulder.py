@@ -126,7 +126,7 @@ INERTIA_EFFECT = (
 )
 """E by `RIGIDITY_INDICES` (rows) and these adhesion factors (columns), found at i = 0.02 to 0.36 on
 4 to 10 rows; at adhesion factor 0.75 at Ir 200 and 300 alone."""
-HALF_EFFECT = 0.1
+INERTIA_OF_HALF_EFFECT = 0.1
 """Inertia at which f is a half."""
 INERTIA_HALF_WIDTH = (
     (0.1, 0.35, 0.6),
@@ -235,7 +235,7 @@ def inertia_effect(rigidity_index: Value, adhesion_factor: Value, inertia: Value
         rigidity_index,
         adhesion_factor,
     )
-    return effect * inertia / (inertia + HALF_EFFECT)
+    return effect * inertia / (inertia + INERTIA_OF_HALF_EFFECT)
 
 
 def deviator_near_shaft(
