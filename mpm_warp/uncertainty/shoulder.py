@@ -186,10 +186,9 @@ def shoulder_pressure(
     ratio_excess = poissons_ratio - MEASURED_POISSONS_RATIO
     felt = np.minimum(1.0, rigidity_index / FULL_DOMAIN_INDEX)
     of_window = TALLER_WINDOW * np.maximum(0.0, 1.0 - 2.0 * stress_anisotropy) * felt
-    of_cells = MESH_HALF_WIDTH * cell_size
-    of_cells += WIDE_CELL_HALF_WIDTH * max(0.0, cell_size - WIDE_CELL)
     half_width = root_sum_square(
-        of_cells * radial,
+        MESH_HALF_WIDTH * cell_size * radial,
+        WIDE_CELL_HALF_WIDTH * max(0.0, cell_size - WIDE_CELL) * radial,
         MESH_POWER_HALF_WIDTH * slope,
         interpolated(RISE_HALF_WIDTH, rigidity_index),
         interpolated(SLOW_GAIN_HALF_WIDTH, rigidity_index),

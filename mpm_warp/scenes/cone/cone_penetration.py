@@ -69,7 +69,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 40
+    version = 41
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

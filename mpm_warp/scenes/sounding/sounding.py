@@ -62,7 +62,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 31
+    version = 32
 
     def check_clay(self) -> None:
         """Check the clay as `ClayScene` does, in a profile that of each row."""
