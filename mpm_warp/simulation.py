@@ -13,7 +13,8 @@ from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.execution.threads import in_turn
 from mpm_warp.parts.inflow import Inflow
-from mpm_warp.plan.plan import Launch, Plan
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import BetweenSteps, Scene
 from mpm_warp.watch import make_watch

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from mpm_warp.execution.threads import LEFT, barrier, in_turn, run_together, share_of
 from mpm_warp.kernel_types import functions_understood, kernels_kept
-from mpm_warp.plan.plan import AUDIT_INTERVAL, Launch, Plan
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import AUDIT_INTERVAL, Plan
 
 UPDATES_PER_CALL = 5_000_000
 """Approximate particle updates in one call: a quarter of a second, which delays Ctrl-C."""

@@ -14,7 +14,7 @@ from typing import ParamSpec, TypeVar
 
 import warp as wp
 
-from mpm_warp.plan.plan import Launch
+from mpm_warp.plan.launch import Launch
 
 _WARP = threading.RLock()
 Arguments = ParamSpec("Arguments")

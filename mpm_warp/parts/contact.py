@@ -55,7 +55,8 @@ from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material
 from mpm_warp.parts.window import MovingGrid
-from mpm_warp.plan.plan import Plan, ShareRow
+from mpm_warp.plan.launch import ShareRow
+from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Part, Scene
 
 PRESSURE_ROUNDING = 1e-3

@@ -34,7 +34,8 @@ from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.grid.location import between_nodes, make_location
 from mpm_warp.kernel_types import kernel, maybe, real, vec2, vec3, vec4, vec5
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES, Law
-from mpm_warp.plan.plan import Plan, Run, share_bounds
+from mpm_warp.plan.launch import share_bounds
+from mpm_warp.plan.plan import Plan, Run
 from mpm_warp.scene import Scene
 
 ROUNDING = 1e-6

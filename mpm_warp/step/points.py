@@ -25,7 +25,8 @@ from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec3, vec4, vec5, zero
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
-from mpm_warp.plan.plan import Plan, ShareRow, share_bounds
+from mpm_warp.plan.launch import ShareRow, share_bounds
+from mpm_warp.plan.plan import Plan
 from mpm_warp.scene import Scene
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.threads import run_together, share_of
-from mpm_warp.plan.plan import OFFSET
+from mpm_warp.plan.launch import OFFSET
 from mpm_warp.planning import SHARE_COUNT
 from mpm_warp.scenes import CatalogueScene
 from tests.mpm_warp.execution.conftest import CONE, FEW_ROWS

@@ -10,15 +10,8 @@ from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SceneError
 from mpm_warp.kernel_types import maybe
-from mpm_warp.plan.plan import (
-    OFFSET,
-    WORTH_SHARING,
-    Launch,
-    Plan,
-    ShareRow,
-    TimeStepControl,
-    share_bounds,
-)
+from mpm_warp.plan.launch import OFFSET, WORTH_SHARING, Launch, ShareRow, share_bounds
+from mpm_warp.plan.plan import Plan, TimeStepControl
 from mpm_warp.planning import SHARE_COUNT, make_plan
 from mpm_warp.scene import Scene
 from mpm_warp.simulation import CHECK_INTERVAL, Simulation

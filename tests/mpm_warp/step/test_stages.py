@@ -8,7 +8,7 @@ import pytest
 
 from mpm_warp import FreeSurface, Grid, Scene, Simulation, Window
 from mpm_warp.grid.fitted import nodal_areas
-from mpm_warp.plan.plan import share_bounds
+from mpm_warp.plan.launch import share_bounds
 from mpm_warp.planning import make_plan
 from tests.mpm_warp.conftest import cells_of, nodal_forces
 
