@@ -19,6 +19,7 @@ from harness.archive.case_files import (
     read_fields,
     read_outcome,
 )
+from harness.archive.collection import collect
 from harness.archive.conventions import (
     COMPLETED,
     DAMAGED,
@@ -31,7 +32,7 @@ from harness.archive.conventions import (
 )
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import SOURCES, sources_digest
-from harness.archive.study_files import collect, read_study, study_file, write_study
+from harness.archive.study_files import read_study, study_file, write_study
 from harness.compare.compared import (
     NothingToCompareError,
     with_experience,

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
-from harness.archive import study_files as archive
 from harness.archive.atomic_files import ArchiveError
+from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, varied_names
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
@@ -98,7 +98,7 @@ def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
 def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
     study = load_study(str(small_file), ['material=["von_mises"]', "rigidity_index=[200, 100]"])
     complete(folder, study.cases)
-    dataset = archive.collect(study, folder)
+    dataset = collect(study, folder)
     assert dataset.cone_factor.dims == ("adhesion_factor", "material", "rigidity_index")
     assert dataset.penetration_resistance.dims[-1] == "penetration"
     assert dataset.rigidity_index.values.tolist() == [200, 100]
@@ -108,7 +108,7 @@ def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_
 
 def test_all_parameters_are_in_the_study(folder: Path, small: Study) -> None:
     complete(folder, small.cases)
-    dataset = archive.collect(small, folder)
+    dataset = collect(small, folder)
     assert dataset.rigidity_index.item() == 100
     assert dataset.undrained_shear_strength.attrs["units"] == "Pa"
     assert dataset.material.item() == "tresca"
@@ -123,7 +123,7 @@ def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> No
     cases = small.cases
     for case, depths in zip(cases, ([0.1, 0.2], [0.1, 0.2, 0.3], [0.3]), strict=True):
         case_files.write_case(folder, case, result(depths, 1.0), COMPLETED)
-    resistance = archive.collect(small, folder).penetration_resistance
+    resistance = collect(small, folder).penetration_resistance
     assert resistance.penetration.values.tolist() == [0.1, 0.2, 0.3]
     expected = [[0.1 / 3, 0.2 / 3, np.nan], [0.1 / 3, 0.2 / 3, 0.3 / 3], [np.nan, np.nan, 0.3 / 3]]
     np.testing.assert_array_equal(resistance.values, np.array(expected))
@@ -150,7 +150,7 @@ def test_parameters_that_a_scene_returns_are_those_of_the_case(folder: Path, sma
         own["rigidity_index"] = (), 100.0, {"role": "parameter"}
         own["adhesion_factor"] = (), case.parameters["adhesion_factor"], {"role": "parameter"}
         case_files.write_case(folder, case, own, COMPLETED)
-    dataset = archive.collect(small, folder)
+    dataset = collect(small, folder)
     assert dataset.rigidity_index.item() == 100
     assert dataset.adhesion_factor.values.tolist() == [0, 0.5, 1]
     assert dataset.adhesion_factor.attrs["role"] == "parameter"
@@ -168,7 +168,7 @@ def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
         derived.append(dataclasses.replace(case, parameters={**case.parameters, **own}))
     vars(small)["cases"] = tuple(derived)
     complete(folder, derived)
-    dataset = archive.collect(small, folder)
+    dataset = collect(small, folder)
     assert dataset.shaft_adhesion_factor.values.tolist() == [0, 0.5, 1]
     assert dataset.undrained_shear_strength.values.tolist() == [1e4, 1.5e4, 2e4]
     assert not {"shaft_adhesion_factor", "undrained_shear_strength"} & set(dataset.coords)
@@ -177,9 +177,9 @@ def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
 
 def test_numbers_keep_their_type_where_all_cases_have_them(folder: Path, small: Study) -> None:
     complete(folder, small.cases)
-    assert archive.collect(small, folder).particle_updates.dtype == np.int64
+    assert collect(small, folder).particle_updates.dtype == np.int64
     case_files.discard(folder, small.cases[:1])
-    assert np.isnan(archive.collect(small, folder).particle_updates.values[0])
+    assert np.isnan(collect(small, folder).particle_updates.values[0])
 
 
 Change = Callable[[xr.Dataset], xr.Dataset]
@@ -247,7 +247,7 @@ def test_a_fault_is_told_in_words(
     folder: Path, small: Study, fault: str, change: Change, tmp_path: Path
 ) -> None:
     complete(folder, small.cases)
-    collected, path = archive.collect(small, folder), tmp_path / "a.nc"
+    collected, path = collect(small, folder), tmp_path / "a.nc"
     netcdf_files.write_netcdf(collected, path)
     assert netcdf_files.read_netcdf(path).identical(collected)
     netcdf_files.write_netcdf(change(collected), path)

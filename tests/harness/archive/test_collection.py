@@ -11,6 +11,7 @@ import xarray as xr
 from scipy.stats import norm
 
 from harness.archive.case_files import case_file, case_folder, write_case
+from harness.archive.collection import collect
 from harness.archive.conventions import (
     COMPLETED,
     HALF_WIDTH,
@@ -18,7 +19,7 @@ from harness.archive.conventions import (
     without_incomplete_curves,
 )
 from harness.archive.provenance import SOURCES, sources_digest
-from harness.archive.study_files import collect, read_study, write_study
+from harness.archive.study_files import read_study, write_study
 from harness.compare.result_table import cone_factor_table
 from harness.compare.spread import spreads_of
 from harness.pictures.pictures import draw

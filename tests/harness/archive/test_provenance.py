@@ -10,9 +10,10 @@ import xarray as xr
 import mpm_warp
 from harness.archive import provenance as origin
 from harness.archive.case_files import case_file, write_case
+from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
 from harness.archive.provenance import SOURCES, provenance, sources_digest
-from harness.archive.study_files import collect, read_study, write_study
+from harness.archive.study_files import read_study, write_study
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
 from harness.study.cases import Case

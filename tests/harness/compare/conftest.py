@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 from harness.archive.case_files import write_case
+from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
-from harness.archive.study_files import collect
 from harness.compare.compared import with_references
 from harness.references.registry import cone_factor_reference
 from tests.harness.conftest import HEAD, prepared, study_in

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from harness.archive.study_files import collect
+from harness.archive.collection import collect
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
 from harness.references.registry import cone_factor_reference

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from harness.archive.case_files import Outcome
-from harness.archive.study_files import collect
+from harness.archive.collection import collect
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case

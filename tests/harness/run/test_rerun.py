@@ -11,6 +11,7 @@ import xarray as xr
 
 from harness.archive import case_files, netcdf_files, study_files
 from harness.archive.atomic_files import ArchiveError
+from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
 from harness.cli.main import main
 from harness.run.rerun import PROVENANCE, read_for_rerun, verdict
@@ -71,7 +72,7 @@ def test_another_bit_is_noticed(
     path = case_files.case_file(folder, case)
     if collected:
         path = tmp_path / "changed.nc"
-        study_files.write_study(path, study_files.collect(done, folder))
+        study_files.write_study(path, collect(done, folder))
     told = command("rerun", path, case.key, code=1).out
     assert told.startswith(f"{case.key}: differs in penetration_resistance; ")
     assert "; commit other -> " in told
@@ -134,7 +135,7 @@ def test_a_result_that_cannot_be_run_again_is_one_line(
     tmp_path: Path,
     refusal: Refusal,
 ) -> None:
-    path, result = tmp_path / "changed.nc", study_files.collect(small, tmp_path)
+    path, result = tmp_path / "changed.nc", collect(small, tmp_path)
     changed = result.drop_vars("friction_coefficient").assign_attrs(version)
     if friction is not None:
         changed = changed.assign(friction_coefficient=friction)
@@ -148,7 +149,7 @@ def test_a_case_that_is_not_in_the_file_is_one_line(
     one, other, _ = small.cases
     folder = keep(small, tmp_path)
     path, result = case_files.case_file(folder, one), tmp_path / "small.nc"
-    study_files.write_study(result, study_files.collect(small, folder))
+    study_files.write_study(result, collect(small, folder))
     stranger = tmp_path / "stranger.nc"
     netcdf_files.write_netcdf(xr.Dataset(attrs={"format_version": 1}), stranger)
     for arguments, told in (
@@ -164,7 +165,7 @@ def test_a_case_that_is_not_in_the_file_is_one_line(
 def test_the_only_case_of_a_result_need_not_be_named(small_file: Path, tmp_path: Path) -> None:
     study = load_study(str(small_file), ["adhesion_factor=0.5"])
     result = tmp_path / "small.nc"
-    study_files.write_study(result, study_files.collect(study, keep(study, tmp_path)))
+    study_files.write_study(result, collect(study, keep(study, tmp_path)))
     case, _ = read_for_rerun(result, None)
     assert case.key == study.cases[0].key
 
