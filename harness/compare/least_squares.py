@@ -23,15 +23,9 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import alike, over_cases, stated, varied_names
+from harness.compare.columns import MISSING, column, half_width_column, parameter_columns, table
 from harness.compare.compared import NothingToCompareError
-from harness.compare.result_table import (
-    MISSING,
-    RESOLUTION,
-    column,
-    half_width_column,
-    parameter_columns,
-    table,
-)
+from harness.compare.result_table import RESOLUTION
 from mpm_warp.uncertainty.laws import CURVATURE_POWER
 
 ORDERS = np.linspace(0.05, 8.0, 1591)

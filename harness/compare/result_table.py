@@ -1,7 +1,6 @@
 """The result of a study as a text table: beside published cone factors, or exact solutions."""
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,10 +17,18 @@ from harness.archive.conventions import (
     reasons_of,
     scenes_of,
     spoken,
-    stated,
-    uncertainty_of,
-    varied_names,
     with_role,
+)
+from harness.compare.columns import (
+    MISSING,
+    Column,
+    column,
+    half_width_column,
+    number_text,
+    numbers_column,
+    stated_column,
+    table,
+    with_runs,
 )
 from harness.compare.compared import (
     NothingToCompareError,
@@ -42,8 +49,6 @@ from harness.references.cone_factors import (
     envelope_applies,
 )
 
-MISSING = "-"
-"""Shown instead of a missing number."""
 MOST_CASES = 3
 """A note lists up to so many cases; of more it gives the number."""
 RESOLUTION = "cells_per_radius"
@@ -65,8 +70,6 @@ BESIDE_FACTOR = {
 """Results shown beside the cone factor: heading and number format."""
 PRESSURE = "pore_pressure_factor_shoulder"
 """(u2 - u0) / su of a cone; it has an uncertainty of its own."""
-Column = list[str]
-"""The lines of a column, all of the same width."""
 
 
 def result_table(dataset: xr.Dataset) -> str:
@@ -102,58 +105,6 @@ def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
     )
 
 
-def table(columns: Iterable[Column], notes: Iterable[str]) -> str:
-    """Columns side by side, an empty line, and notes."""
-    rows = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
-    return "\n".join([*rows, "", *notes])
-
-
-def column(name: str, texts: Iterable[object]) -> Column:
-    """A column: a heading of two lines, split at the last "_" of `name`, a rule, and the texts."""
-    head, _, tail = name.rpartition("_")
-    lines = [head, tail, *map(str, texts)]
-    width = max(map(len, lines))
-    return [line.rjust(width) for line in (head, tail, "-" * width, *lines[2:])]
-
-
-def parameter_columns(dataset: xr.Dataset) -> list[Column]:
-    """A column for each parameter that the study varies."""
-    varied = varied_names(dataset)
-    return [column(name, map(_text, over_cases(dataset, name))) for name in varied]
-
-
-def half_width_column(dataset: xr.Dataset, name: str, heading: str) -> Column:
-    """A column of numbers, each with its half width or with why it has none."""
-    return _stated(heading, over_cases(dataset, name), uncertainty_of(dataset), reasons_of(dataset))
-
-
-def _stated(heading: str, *columns: Iterable[Any]) -> Column:
-    """A column of numbers with half widths, or with reasons why they have none; all by case."""
-    rows = zip(*columns, strict=True)
-    return column(heading, (stated(*row) if np.isfinite(row[0]) else MISSING for row in rows))
-
-
-def _with_runs(dataset: xr.Dataset, columns: Iterable[Column]) -> Iterable[Column]:
-    """Add the parameters before the columns, and run time and status after them."""
-    yield from parameter_columns(dataset)
-    yield from columns
-    if "run_time" in dataset:
-        yield _numbers(dataset, "run_time", ".1f", "run time_[s]")
-    yield column("status", over_cases(dataset, "status"))
-
-
-def _numbers(dataset: xr.Dataset, variable: object, form: str, name: str) -> Column:
-    return column(name, (_number(value, form) for value in over_cases(dataset, variable)))
-
-
-def _number(value: float, form: str) -> str:
-    return format(value, form) if np.isfinite(value) else MISSING
-
-
-def _text(value: object) -> str:
-    return _number(value, "g") if isinstance(value, float) else str(value)
-
-
 def cone_factor_table(dataset: xr.Dataset) -> str:
     """The table of cone factors."""
     cone_factor_of(dataset)  # an error if there are none
@@ -169,23 +120,23 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         *_notes(dataset, references),
         *experience_notes(dataset),
     ]
-    return table(_with_runs(dataset, columns), notes)
+    return table(with_runs(dataset, columns), notes)
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
     yield half_width_column(dataset, COMPARED, COMPARED)
     for name, (heading, form) in BESIDE_FACTOR.items():
         if name in dataset:
-            yield _numbers(dataset, name, form, heading)
+            yield numbers_column(dataset, name, form, heading)
     if f"{PRESSURE}_uncertainty" in dataset:
         pressure, half_widths = (
             over_cases(dataset, name) for name in (PRESSURE, f"{PRESSURE}_uncertainty")
         )
-        yield _stated("u2_over su", pressure, half_widths, _reasons_of_pressure(dataset))
+        yield stated_column("u2_over su", pressure, half_widths, _reasons_of_pressure(dataset))
     if "cone_factor_shear" in dataset:
         shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
         deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
-        yield _numbers(dataset, shear, ".3f", "shear_part")
+        yield numbers_column(dataset, shear, ".3f", "shear_part")
         pairs = zip(over_cases(dataset, exact), deviations, strict=True)
         yield column("exact_shear", (_with_deviation(*pair, digits=3) for pair in pairs))
 
@@ -214,7 +165,7 @@ def _envelope_column(dataset: xr.Dataset) -> Column:
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
     percent = f"{deviation:+z.1%}" if np.isfinite(deviation) else MISSING
-    return f"{_number(value, f'.{digits}f')} {percent:>6}"
+    return f"{number_text(value, f'.{digits}f')} {percent:>6}"
 
 
 def _bracketed(text: str, inside: bool) -> str:
@@ -322,26 +273,26 @@ def _exact_table(dataset: xr.Dataset) -> str:
         if f"{name}_uncertainty" in with_role(dataset, Role.UNCERTAINTY):
             columns.append(half_width_column(dataset, name, name))
         else:
-            columns.append(_numbers(dataset, name, ".4g", name))
+            columns.append(numbers_column(dataset, name, ".4g", name))
         columns += [
-            _numbers(dataset, by_mode, "#.3g", heading)
+            numbers_column(dataset, by_mode, "#.3g", heading)
             for mode, heading in BY_MODE.items()
             if (by_mode := f"{name}_by_{mode}") in dataset
         ]
         notes.append(_note(dataset, name))
         if (exact := f"{name}_exact") in one_a_case:
-            columns.append(_numbers(dataset, exact, ".4g", exact))
+            columns.append(numbers_column(dataset, exact, ".4g", exact))
             notes.append(_note(dataset, exact))
     if error is not None:
-        columns.append(_numbers(dataset, error, ".2%", error))
+        columns.append(numbers_column(dataset, error, ".2%", error))
         notes.append(_note(dataset, error))
     for name, limit in limits_of(dataset).items():
         if name in one_a_case - {error, *headlines}:
-            columns.append(_numbers(dataset, name, ".2%", name))
+            columns.append(numbers_column(dataset, name, ".2%", name))
             notes.append(f"{_note(dataset, name)}; at most {limit:g}")
     if with_role(dataset, Role.UNCERTAINTY):
         notes.append(f"+-: {HALF_WIDTH}")
-    return table(_with_runs(dataset, columns), [*notes, *reason_notes(dataset)])
+    return table(with_runs(dataset, columns), [*notes, *reason_notes(dataset)])
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:
