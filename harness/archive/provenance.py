@@ -10,10 +10,16 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from datetime import UTC, datetime
 from pathlib import Path
 
+import xarray as xr
+
 import mpm_warp
+from harness.archive.conventions import COMPLETED, is_there, over_cases, scenes_of
+from harness.errors import counted, tell
+from mpm_warp.scenes import scene_class, scene_names
 
 SOURCES = "sources"
 """Attribute of a case file: the digest of the code that computed the case."""
@@ -67,6 +73,33 @@ def sources_digest(scene: type) -> str:
         name = file.relative_to(package) if file.is_relative_to(package) else file.name
         digest.update(f"{name}\0".encode() + file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
+
+
+def other_version(dataset: xr.Dataset) -> str:
+    """In words, how many cases of a result are of another version of their scene than here.
+
+    "" if there are none. The result is that of a study, or the snapshots of a case. A scene that is
+    not installed has no version to compare with.
+    """
+    own = dataset if "status" in dataset.variables else dataset.assign(status=COMPLETED)
+    stored = "scene_version" if "scene_version" in own.coords else own.attrs.get("scene_version")
+    cases = Counter(zip(scenes_of(own), over_cases(own, stored).tolist(), strict=True))
+    others = {
+        f"{scene} {version}, installed is {installed}": count
+        for (scene, version), count in cases.items()
+        if is_there(version) and scene in scene_names()
+        if version != (installed := scene_class(scene).version)
+    }
+    if not others:
+        return ""
+    number = f"{sum(others.values())} of {counted(own['status'].size, 'case')}"
+    return f"{number} computed by another version of the scene ({'; '.join(others)})"
+
+
+def tell_of_other_version(path: Path, dataset: xr.Dataset) -> None:
+    """Print one line if cases of a result are of another version of their scene than here."""
+    if text := other_version(dataset):
+        tell(f"{path}: {text}; `harness run` computes them anew")
 
 
 @functools.cache

@@ -23,6 +23,7 @@ from harness.archive.conventions import (
     varied_names,
 )
 from harness.archive.netcdf_files import read_attributes
+from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
 from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
@@ -62,6 +63,8 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     method = {name: parameters_of(known)[name] for name in method_of(known)}
     read = {file: read_study(file) for file in files if _has(file, scene)}
     results = {file: _of_scene(scene, dataset) for file, dataset in read.items()}
+    for file, dataset in results.items():
+        tell_of_other_version(file, dataset)
     found = [one for file, dataset in results.items() for one in _measured(method, dataset, file)]
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")

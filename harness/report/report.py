@@ -22,7 +22,7 @@ from harness.archive.conventions import (
     uncertainty_of,
     with_role,
 )
-from harness.archive.provenance import OF_CASE
+from harness.archive.provenance import OF_CASE, other_version
 from harness.compare.compared import misses, stored_references
 from harness.compare.result_table import which_strength
 from harness.compare.spread import spread_rows, spreads_of
@@ -107,6 +107,7 @@ def _section(place: int, dataset: xr.Dataset, *, has_small: bool) -> dict[str, A
         "study": str(dataset.attrs["study"]),
         "scene": str(dataset.attrs["scene"]).replace(" ", ", "),
         "summary": _summary(dataset),
+        "other_version": other_version(dataset),
         "stands_on": _stands_on(dataset, parameters["fixed"]),
         "small": small,
         "pictures": pictures,

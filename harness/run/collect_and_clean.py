@@ -31,7 +31,12 @@ from harness.archive.conventions import (
     without_half_width,
 )
 from harness.archive.netcdf_files import read_attributes
-from harness.archive.provenance import SOURCES, sources_digest
+from harness.archive.provenance import (
+    SOURCES,
+    other_version,
+    sources_digest,
+    tell_of_other_version,
+)
 from harness.archive.study_files import read_study, study_file, write_study
 from harness.compare.compared import (
     NothingToCompareError,
@@ -86,11 +91,14 @@ def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
                 "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one "
                 "name apart"
             )
-        elif others := _completed_keys(read_study(path)) - _completed_keys(dataset):
+        elif others := _completed_keys(earlier := read_study(path)) - _completed_keys(dataset):
+            remedy = (
+                "`harness collect` with each --set of then gathers them again; `--out FOLDER` "
+                "keeps two runs apart"
+            )
             tell(
                 f"{path}: had {counted(len(others), 'other result')}, kept in the files of the "
-                "cases; `harness collect` with each --set of then gathers them again, unless their "
-                "scene has another version since; `--out FOLDER` keeps two runs apart"
+                f"cases; {other_version(earlier) or remedy}"
             )
     except ArchiveError:
         return  # there is no file, or it is damaged
@@ -103,9 +111,11 @@ def _completed_keys(dataset: xr.Dataset) -> set[str]:
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """The dataset with the error of each case, unless an exact solution gives it."""
-    method = study.parts[0].scene.method
+    method, reference = study.parts[0].scene.method, read_reference(study)
+    if study.compared.reference_result is not None and reference is not None:
+        tell_of_other_version(study.compared.reference_result, reference)
     try:
-        return with_finest_error(dataset, method, read_reference(study))
+        return with_finest_error(dataset, method, reference)
     except NothingToCompareError as error:
         tell(f"{study.compared.reference_result}: {error}")
         return with_finest_error(dataset, method)

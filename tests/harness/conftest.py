@@ -20,6 +20,7 @@ from harness.cli.main import main
 from harness.compare.finest_error import with_finest_error
 from harness.errors import LONGEST_LINE
 from harness.study.study import Study, load_study
+from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 SMALL = """
     title = "A study for tests"
@@ -110,7 +111,8 @@ def as_collected(
     """A made-up dataset with what the result of every study has; the status is over the cases."""
     values = np.asarray(status)
     keys = np.char.add("key ", np.arange(values.size).astype(str)).reshape(values.shape)
-    known = {"scene": "cone_penetration", "scene_version": 1, "study": "made", "title": "Made <up>"}
+    scene = {"scene": "cone_penetration", "scene_version": ConePenetration.version}
+    known = {**scene, "study": "made", "title": "Made <up>"}
     return made.assign(
         status=(dims, values, {"long_name": "outcome of the case"}),
         message=(dims, np.where(values == COMPLETED, "", "velocity of <particle 3>")),

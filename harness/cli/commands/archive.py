@@ -7,6 +7,7 @@ from pathlib import Path
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
 from harness.archive.netcdf_files import read_attributes
+from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import check_place, read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
 from harness.errors import HarnessError, counted, tell
@@ -27,6 +28,7 @@ def status(options: argparse.Namespace) -> int:
         return DONE
     if name.endswith(".nc"):
         dataset = read_study(Path(name))
+        tell_of_other_version(Path(name), dataset)
         keys, labels = over_cases(dataset, "case_key").tolist(), labels_of(dataset)
         stand = results.outcomes_of(dataset)
         print(*results.status_rows(list(zip(keys, labels, strict=True)), stand), sep="\n")
@@ -59,6 +61,7 @@ def _list_results(folder: Path, scene: str | None) -> None:
             continue
         scenes = str(dataset.attrs["scene"])
         if scene is None or scene in scenes.split():
+            tell_of_other_version(path, dataset)
             stand = results.outcomes_of(dataset)
             rows.append(f"{path}  {scenes}: {results.summary(stand)}")
     if not rows:

@@ -12,6 +12,7 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import ENDING, find_fields, read_fields
 from harness.archive.conventions import TOLERANCES
+from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, misses
@@ -37,9 +38,9 @@ def compare(options: argparse.Namespace) -> int:
         )
     if options.standards and options.other is not None:
         raise HarnessError("--standards: takes a single result; leave OTHER out")
-    dataset = read_study(options.file)
+    dataset = _read(options.file)
     if options.other is not None:
-        return _compare_two(dataset, read_study(options.other), options.tolerance or 0.0)
+        return _compare_two(dataset, _read(options.other), options.tolerance or 0.0)
     with _result_of(options.file):
         if options.standards:
             print(least_squares_table(dataset))
@@ -50,6 +51,13 @@ def compare(options: argparse.Namespace) -> int:
             if TOLERANCES not in dataset.attrs:
                 raise
         return list_misses(dataset)
+
+
+def _read(file: Path) -> xr.Dataset:
+    """Read the result of a study; a line says if it is of another version of its scene."""
+    dataset = read_study(file)
+    tell_of_other_version(file, dataset)
+    return dataset
 
 
 @contextmanager
@@ -107,7 +115,7 @@ def _list_pictures(paths: list[Path], failed: Failures, *, debug: bool) -> int:
 
 def plot(options: argparse.Namespace) -> int:
     """Draw the pictures of a result."""
-    dataset = read_study(options.file)
+    dataset = _read(options.file)
     folder = options.out or options.file.parent
     prepare(folder)
     with _result_of(options.file):
@@ -118,7 +126,7 @@ def plot(options: argparse.Namespace) -> int:
 def report(options: argparse.Namespace) -> int:
     """Write a page on results."""
     check_replaceable(options.out)  # first, because drawing takes time
-    datasets = [read_study(file) for file in options.file]
+    datasets = [_read(file) for file in options.file]
     prepare(options.out.parent)
     with _result_of(*options.file):
         failed = write_report(datasets, options.out)
@@ -139,6 +147,7 @@ def view(options: argparse.Namespace) -> int:
     """Draw the sections and the traction of the last snapshot, and a film of all of them."""
     path = find_fields(options.file, options.case)
     fields = read_fields(path)
+    tell_of_other_version(path, fields)
     folder = options.out or options.file.parent
     prepare(folder)
     name = path.name.removesuffix(ENDING)

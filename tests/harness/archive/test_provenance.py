@@ -12,14 +12,14 @@ from harness.archive import provenance as origin
 from harness.archive.case_files import case_file, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
-from harness.archive.provenance import SOURCES, provenance, sources_digest
+from harness.archive.provenance import SOURCES, other_version, provenance, sources_digest
 from harness.archive.study_files import read_study, write_study
 from harness.run.collect_and_clean import collect_and_write
 from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from tests.harness.conftest import DONE, keep
+from tests.harness.conftest import DONE, Command, keep, study_in
 
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
 
@@ -133,3 +133,55 @@ def test_a_case_names_the_code_that_computes_it_though_it_is_edited_meanwhile(
     for function in (origin.sources_digest, origin._of_process):
         function.cache_clear()
     assert (said[SOURCES], said["commit"]) == (loaded, "loaded")
+
+
+@pytest.mark.usefixtures("cases")
+@pytest.mark.parametrize(
+    ("line", "code"),
+    [
+        ("compare small.nc", 0),
+        ("compare same.nc small.nc", 0),
+        ("plot small.nc", 0),
+        ("status small.nc", 0),
+        ("status --out .", 0),
+        ("report small.nc", 0),
+        ("collect small.toml --out .", 0),
+        ("collect referring.toml --out .", 0),
+        ("recommend cone_penetration --error 1% --results .", 2),
+    ],
+)
+def test_a_result_of_another_version_of_its_scene_is_told(
+    line: str, code: int, small: Study, here: Path, command: Command
+) -> None:
+    collect_and_write(small, here)
+    same = read_study(here / "small.nc")
+    write_study(here / "same.nc", same)
+    text = f'{small.source.read_text()}[compare]\nreference_study = "small.toml"\n'
+    keep(study_in(here, text, name="referring"), here)
+    assert "another version" not in command(*line.split(), code=code).err
+    installed = ConePenetration.version
+    older = same.assign_attrs(scene_version=installed - 1)
+    write_study(here / "small.nc", older.assign(case_key="0" + older["case_key"]))
+    told = (
+        "3 of 3 cases computed by another version of the scene "
+        f"(cone_penetration {installed - 1}, installed is {installed})"
+    )
+    said = command(*line.split(), code=code).err
+    assert said.count(told) == 1
+    assert "small.nc" in said
+    if line.startswith("report"):
+        assert f'<p class="bad">{told}.</p>' in (here / "report.html").read_text()
+
+
+def test_versions_are_told_scene_by_scene_and_of_snapshots(
+    small: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both = study_in(tmp_path, 'title = "t"\nscene = ["cone_penetration", "t_bar_penetration"]\n')
+    result = collect(both, keep(both, tmp_path))
+    installed = ConePenetration.version
+    fields = xr.Dataset(attrs={"scene": "cone_penetration", "scene_version": installed})
+    assert other_version(result) == other_version(fields) == ""
+    monkeypatch.setattr(ConePenetration, "version", installed + 1)
+    scene = f"another version of the scene (cone_penetration {installed}, installed is"
+    assert other_version(result).startswith(f"1 of 2 cases computed by {scene}")
+    assert other_version(fields).startswith(f"1 of 1 case computed by {scene}")
