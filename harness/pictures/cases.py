@@ -28,7 +28,15 @@ from harness.archive.conventions import (
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
 from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths, wrapped
-from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED, panels, series
+from harness.pictures.drawing.plot_parts import (
+    ACCENT,
+    INK,
+    LIGHT,
+    STYLED,
+    mark_failures,
+    panels,
+    series,
+)
 from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
@@ -54,10 +62,12 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     figure, axes = _rows([label or "as most" for label in labels], CASE_HEIGHT)
     x, y, half_width = studied.computed, range(count), studied.half_width
     axes.errorbar(x, y, xerr=half_width, fmt="o", color=INK, ms=4, capsize=3)
+    mark_failures(axes, np.flatnonzero(~np.isfinite(x)).astype(float), of_rows=True)
     axes.set_xlabel(axis_label(dataset, studied.headline))
     most = [assigned(dataset, name, varied[name].value(usual[name])) for name in varied]
     beside = f"Beside each case: where it differs from {', '.join(most)}."
-    return captioned(figure, dataset, beside, studied.bars, not_completed(dataset))
+    failed = not_completed(dataset)
+    return captioned(figure, dataset, beside, studied.bars, failed, legend=axes)
 
 
 def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:

@@ -122,15 +122,15 @@ def runs(found: np.ndarray) -> list[slice]:
     return [run for (run,) in find_objects(label(found)[0])]
 
 
-def mark_failures(axes: Axes, positions: Floats) -> None:
-    """Mark cases without a value at the bottom of the axes."""
+def mark_failures(axes: Axes, positions: Floats, *, of_rows: bool = False) -> None:
+    """Mark cases without a value: at the bottom of the axes, or at the left end of their rows."""
     if positions.size:
+        edge = np.full(positions.shape, 0.03)
         axes.plot(
-            positions,
-            np.full(positions.shape, 0.03),
+            *((edge, positions) if of_rows else (positions, edge)),
             "x",
             color=FAILED,
-            transform=axes.get_xaxis_transform(),
+            transform=axes.get_yaxis_transform() if of_rows else axes.get_xaxis_transform(),
             label=once(axes, "not completed"),
             clip_on=False,
         )

@@ -53,6 +53,8 @@ _PREFIXES = {"Pa": ((1e9, "G"), (1e6, "M"), (1e3, "k"))}
 """Larger units that readers expect, by the unit."""
 LONGEST_LABEL = 24
 """Number of letters of the longest text that an axis has room for."""
+DERIVED = "derived"
+"""Shown for a parameter without a value in a case."""
 _SUBSCRIPT = re.compile(r"_(\w+)")
 
 
@@ -128,20 +130,29 @@ class Values:
     unit: str  # SI unit, "1" for a dimensionless number
     numbers: Floats  # the value of each case, or the index of its category
     categories: tuple[str, ...] = ()  # all values as texts, unless all are numbers
+    some_are_numbers: bool = False  # whether categories are numbers, but for cases without one
     long: tuple[str, ...] = ()  # texts too long for a picture; their categories are numbers
 
     @classmethod
     def of(cls, dataset: xr.Dataset, name: str) -> Self:
         """The values that the cases of a dataset have."""
         values, unit = over_cases(dataset, name), str(dataset[name].attrs.get("units", "1"))
-        if values.dtype.kind in "iuf" and np.isfinite(values).all():
+        are_numbers = values.dtype.kind in "iuf"
+        if are_numbers and np.isfinite(values).all():
             return cls(name=name, unit=unit, numbers=values.astype(float))
         texts = [_category(value) for value in values.tolist()]
         every = list(dict.fromkeys(texts))
         numbers = np.array([float(every.index(text)) for text in texts])
         long = tuple(text for text in every if len(text) > LONGEST_LABEL)
         shown = tuple(f"{long.index(text) + 1}" if text in long else text for text in every)
-        return cls(name=name, unit=unit, numbers=numbers, categories=shown, long=long)
+        return cls(
+            name=name,
+            unit=unit,
+            numbers=numbers,
+            categories=shown,
+            some_are_numbers=are_numbers,
+            long=long,
+        )
 
     def at(self, cases: np.ndarray) -> Self:
         """The values of some cases."""
@@ -195,7 +206,10 @@ class Values:
 
     def value(self, number: float) -> float | str:
         """The value of a case with this number: itself, or a category."""
-        return self.categories[int(number)] if self.categories else number
+        if not self.categories:
+            return number
+        category = self.categories[int(number)]
+        return float(category) if self.some_are_numbers and category != DERIVED else category
 
     def of_case(self, case: int) -> float | str:
         """The value of a case."""
@@ -247,5 +261,5 @@ def apart(ascending: Floats, scale: str, room: int) -> Sequence[float]:
 
 def _category(value: object) -> str:
     if isinstance(value, float):
-        return "derived" if np.isnan(value) else f"{value:.6g}"
-    return str(value) or "derived"
+        return DERIVED if np.isnan(value) else f"{value:.6g}"
+    return str(value) or DERIVED

@@ -74,7 +74,7 @@ def result(
 
 def _labels(name: str, value: object) -> dict[str, str]:
     labels = {"role": "parameter", "long_name": name.replace("_", " ")}
-    units = {"undrained_shear_strength": "Pa"}
+    units = {"undrained_shear_strength": "Pa", "mean_effective_stress": "Pa"}
     return labels if isinstance(value, str) else labels | {"units": units.get(name, "1")}
 
 
@@ -90,11 +90,12 @@ def one_at_a_time() -> xr.Dataset:
 
 
 def a_few_cases() -> xr.Dataset:
-    """Four cases that differ in three parameters; one failed."""
+    """Four cases that differ in four parameters, one of which a single case has; one failed."""
     columns = {
         "material": ["tresca", "von_mises", "tresca", "tresca"],
         "adhesion_factor": [0.5, 0.5, 1.0, 0.5],
         "apex_angle": [60.0, 60.0, 120.0, 90.0],
+        "mean_effective_stress": [np.nan, np.nan, np.nan, 60e3],
     }
     return result(columns, [11.0, 10.2, 13.1, np.nan], "list", uncertainty=0.2)
 

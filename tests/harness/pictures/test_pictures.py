@@ -20,14 +20,21 @@ from harness.archive.study_files import write_study
 from harness.compare.compared import with_experience
 from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import captioned, fixed
-from harness.pictures.drawing.plot_parts import MOST_LABELS, SHADES, NotOwnFileError, image, panels
+from harness.pictures.drawing.plot_parts import (
+    FAILED,
+    MOST_LABELS,
+    SHADES,
+    NotOwnFileError,
+    image,
+    panels,
+)
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from tests.harness.conftest import Command
 
-from .conftest import MADE, caption_of, drawn, figures, random_cases, result, texts
+from .conftest import MADE, caption_of, drawn, figures, legend, random_cases, result, texts
 
 pytestmark = pytest.mark.slow
 
@@ -88,9 +95,9 @@ def test_no_picture_labels_more_than_eight_curves(made_up: MadeUp) -> None:
         # A tornado has a label at each end of a bar, a map on its contours.
         for axes in figure.axes[1:] if name in ("map", "tornado") else figure.axes:
             assert len(axes.texts) <= MOST_LABELS
-        for legend in figure.legends:
+        for shown in figure.legends:
             # Beside the curves it tells what the band is, and what is outside its validity.
-            assert len(legend.get_texts()) <= MOST_LABELS + 2
+            assert len(shown.get_texts()) <= MOST_LABELS + 2
 
 
 def test_the_caption_says_what_was_fixed(made_up: MadeUp) -> None:
@@ -235,8 +242,11 @@ def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
         "as most",
         "material = von mises",
         "$α$ = 1, $β$ = 120",
-        "$β$ = 90",
+        "$β$ = 90, mean effective stress = 60\nkPa",
     ]
+    (cross,) = (line for line in axes.lines if line.get_marker() == "x")
+    assert (cross.get_color(), np.asarray(cross.get_ydata()).tolist()) == (FAILED, [3.0])
+    assert legend(figure) == ["not completed"]
     assert "1 of 4 cases did not complete" in caption_of(figure)
     bottom, top = axes.get_ylim()
     assert bottom > top, "the first case is the uppermost"
