@@ -207,14 +207,18 @@ def find_fields(file: Path, key: str | None) -> Path:
     if "study" not in attributes:
         return file.with_suffix(ENDING)
     study = str(attributes["study"])
-    found = sorted((file.parent / study / "cases").glob(f"*{ENDING}"))
+    folder = file.parent / study / "cases"
+    found = sorted(folder.glob(f"*{ENDING}"))
     keys = [path.name.removesuffix(ENDING) for path in found]
     if key is None and len(found) == 1:
         return found[0]
     if key in keys:
         return found[keys.index(key)]
     if not found:
-        raise ArchiveError(f"{file}: no case has snapshots; run {study} with --snapshots")
+        raise ArchiveError(
+            f"{file}: no case has snapshots in {folder}; run {study} with --snapshots, or move "
+            "that folder with its result"
+        )
     problem = "several cases have snapshots; name one" if key is None else f"case {key} has none"
     more = f" and {len(keys) - MOST_NAMED} more" if len(keys) > MOST_NAMED else ""
     listed = f"; cases with snapshots: {', '.join(keys[:MOST_NAMED])}{more}"

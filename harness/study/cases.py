@@ -87,7 +87,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
                 )
                 if refusal is not None and design.kind != LATIN_HYPERCUBE:
                     raise StudyError(f"{where}: {label}: {refusal}")
-                is_excluded = any(condition.is_true(complete) for condition in part.excluded)
+                is_excluded = _is_excluded(part, complete)
             except ExpressionError as error:
                 raise StudyError(f"{where}: {label}: {error}") from None
             if is_excluded:
@@ -111,6 +111,14 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
     if len(refusals) == len(cases):
         raise next(iter(refusals.values()))
     return tuple(cases.values())
+
+
+def _is_excluded(part: ScenePart, complete: Mapping[str, Value | None]) -> bool:
+    """Whether a condition of `exclude` holds for these parameters."""
+    try:
+        return any(condition.is_true(complete) for condition in part.excluded)
+    except ExpressionError as error:
+        raise ExpressionError(f"exclude: {error}") from None
 
 
 def identifying_parameters(

@@ -149,9 +149,10 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         of_scene = own.table(name)
         of_scene.allow(*SCENE_KEYS)
         _check_derived(document, of_scene)
-        parts.append(
-            _part(name, scene, of_scene, replace(document, values=shared), design, settings)
-        )
+        # Of several scenes only one may lack a parameter that the table of all of them has.
+        where = document.where if len(scenes) == 1 else f"{document.where} {name}:"
+        of_all = replace(document, where=where, values=shared)
+        parts.append(_part(name, scene, of_scene, of_all, design, settings))
     timing = document.table("timing")
     timing.allow("repeats")
     return Study(
@@ -185,7 +186,7 @@ def _part(
         try:
             read_part(name, scene, replace(shared, known=known), design, settings)
         except StudyError as at_shared_place:
-            if str(at_shared_place).removeprefix(shared.where) == str(error).removeprefix(
+            if at_shared_place.whole.removeprefix(shared.where) == error.whole.removeprefix(
                 own.where
             ):
                 raise at_shared_place from None

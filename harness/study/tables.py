@@ -20,9 +20,13 @@ LONGEST_TEXT = 1000
 
 
 class StudyError(HarnessError):
-    """A study file or a setting is wrong. The message is one printable line of limited length."""
+    """A study file or a setting is wrong. The message is one printable line of limited length.
+
+    `whole` is the message before it is shortened.
+    """
 
     def __init__(self, message: str) -> None:
+        self.whole = message
         super().__init__(shortened(message, LONGEST_MESSAGE))
 
 

@@ -53,7 +53,11 @@ OF_A_CONE = [
     ('[derived]\nadhesion_factor = "rigidity_index"', "adhesion_factor = 100.0 is not allowed"),
     ('[fixed]\ndensity = 1\n[derived]\ndensity = "2"', "is under [fixed] as well"),
     ('[derived]\ndensity = "1e400"', "[derived] density: '1e400' has no value: it is inf"),
-    ('exclude = ["density + 1"]', "neither true nor false"),
+    ('exclude = ["density + 1"]', "exclude: 'density + 1' is 1701.0, neither true nor false"),
+    (
+        'exclude = ["1 / stress_anisotropy > 2"]',
+        "exclude: '1 / stress_anisotropy > 2' has no value",
+    ),
     ('exclude = ["density > 0"]', "removes every case"),
     ("exclude = [\"open('x')\"]", "unknown function 'open'"),
     (
@@ -183,6 +187,10 @@ OTHERS = [
     (POINT + 'references = ["lu_2004"]', "references = ['lu_2004']: needs a scene that computes"),
     (POINT + STUDY_OF_REFERENCE, "needs a single scene that computes a cone_factor"),
     (BOTH + STUDY_OF_REFERENCE, "reference': needs a single scene that computes a cone_factor"),
+    (
+        BOTH.replace("[compare]", "[fixed]\napex_angle = 60"),
+        "s.toml: material_point: [fixed] apex_angle = 60: unknown parameter 'apex_angle'; known: ",
+    ),
     (POINT + OURS.replace("Ir", "2"), "[references]: needs a scene that computes a cone_factor"),
 ]
 SOUNDING = 'title = "t"\nscene = "sounding"\n'
@@ -199,6 +207,9 @@ OF_A_SOUNDING = [
     (COLUMNS + '[fixed]\nprofile = "x"', "stands under [profile] as well"),
     (COLUMNS + "[fixed]\nto_depth = 9", "profile: ends at 8 m, must reach to_depth = 9 m"),
     ("snapshots = [1]", "sounding takes no snapshots"),
+    # The message is shortened, because it lists all parameters.
+    ("[fixed]\nzzz = 1", "s.toml: [fixed] zzz = 1: unknown parameter 'zzz'; known: "),
+    ('exclude = ["zzz > 1"]', "s.toml: exclude = 'zzz > 1': unknown parameter 'zzz'; known: "),
 ]
 MISTAKES = [(HEAD + text, told) for text, told in OF_A_CONE]
 MISTAKES += [(SOUNDING + text, told) for text, told in OF_A_SOUNDING] + OTHERS

@@ -91,7 +91,8 @@ def test_without_snapshots_there_is_nothing_to_view(
     (result,) = seen.glob("results/*.nc")
     copy = tmp_path / result.name
     copy.write_bytes(result.read_bytes())
-    assert "no case has snapshots; run" in refusal(["view", str(copy)])
+    searched = tmp_path / result.stem / "cases"
+    assert f"no case has snapshots in {searched}; run" in refusal(["view", str(copy)])
     (case,) = (it for it in seen.glob("results/*/cases/*.nc") if not it.name.endswith("fields.nc"))
     alone = tmp_path / case.name
     alone.write_bytes(case.read_bytes())
