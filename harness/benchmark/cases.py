@@ -97,7 +97,7 @@ def benchmark_cases() -> tuple[BenchmarkCase, ...]:
             fixed=dict(map(parse_setting, row["parameters"].split())),
             accuracy={name: dict(map(parse_setting, row[name].split())) for name in ACCURACIES},
         )
-        for row in csv.DictReader(path.read_text().splitlines())
+        for row in csv.DictReader(read_text(path, "a table of cases").splitlines())
     )
 
 

@@ -34,6 +34,15 @@ def test_each_case_is_a_scene_that_this_program_takes():
             scene_class(case.scene)(**{**case.fixed, **settings})
 
 
+def test_the_cases_are_utf_8_with_or_without_a_mark(tmp_path, monkeypatch):
+    shipped = (benchmark.benchmark_folder() / "cases.csv").read_bytes()
+    title = benchmark_cases()[0].title
+    marked = b"\xef\xbb\xbf" + shipped.replace(title.encode(), "größer".encode())
+    (tmp_path / "cases.csv").write_bytes(marked)
+    monkeypatch.setattr(benchmark, "benchmark_folder", lambda: tmp_path)
+    assert benchmark_cases()[0].title == "größer"
+
+
 def test_the_shipped_schema_is_that_of_the_keys():
     path = benchmark.benchmark_folder() / "schema.json"
     said = json.loads(path.read_text())
