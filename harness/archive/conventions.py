@@ -162,8 +162,8 @@ def known_digits(value: float, half_width: float) -> str:
         return f"{value:#.3g}".removesuffix(".")
     # With one digit only, rounding could change a half width of 0.1 to 0.2 by half.
     leading = math.floor(math.log10(half_width))
-    decimals = max(0, -leading + (half_width < 2.0 * 10.0**leading))
-    return f"{value:.{decimals}f}"
+    decimals = -leading + (half_width < 2.0 * 10.0**leading)
+    return f"{round(value, decimals):z.{max(0, decimals)}f}"
 
 
 def stated(value: float, half_width: float, reason: str = "") -> str:

@@ -264,10 +264,13 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
         return []
     order = np.argsort(places)
     least, greatest = ((float(value[0]), float(value[1])) for value in values[order[[0, -1]]])
-    effects = [f"difference {stated(*difference(greatest, least))}"]
+    kind, own = _kinds_of_results(dataset)[0], str(dataset[name].attrs.get("units", "1"))
+    unit = f" {kind[0]}" if kind is not None and kind[0] != "1" else ""
+    own_unit, per_unit = ("", "") if own == "1" else (f" {own}", f" per {own}")
+    effects = [f"difference {stated(*difference(greatest, least))}{unit}"]
     effects += [f"ratio {stated(*ratio(greatest, least))}"] if least[0] else []
-    effects += [f"slope of the straight line {stated(*slope(places, values))}"]
-    return [f"{name} from {places.min():g} to {places.max():g}: {', '.join(effects)}"]
+    effects += [f"slope of the straight line {stated(*slope(places, values))}{unit}{per_unit}"]
+    return [f"{name} from {places.min():g} to {places.max():g}{own_unit}: {', '.join(effects)}"]
 
 
 def _kinds_of_results(dataset: xr.Dataset) -> list[tuple[str, str] | None]:

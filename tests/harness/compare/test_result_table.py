@@ -69,6 +69,24 @@ def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
     assert "6.10, no U: Delta, speed" in result_table(told).splitlines()[4]
 
 
+@pytest.mark.parametrize(
+    ("value", "half_width", "text"),
+    [
+        (123456.0, 2000.0, "123000 +- 2000"),
+        (123456.0, 1500.0, "123500 +- 1500"),
+        (-123456.0, 9990.0, "-123000 +- 10000"),
+        (12345.0, 15.0, "12345 +- 15"),
+        (10.494, 0.08, "10.49 +- 0.08"),
+        (-0.001, 0.1, "0.00 +- 0.10"),
+        (123456.0, np.nan, "1.23e+05"),
+    ],
+)
+def test_a_value_has_the_digits_that_its_half_width_justifies(
+    value: float, half_width: float, text: str
+) -> None:
+    assert stated(value, half_width) == text
+
+
 def cone_and_bar() -> xr.Dataset:
     """A cone and two T-bars; only the cone has an apex angle, only a T-bar a half width."""
     nan, dims = np.nan, ("case",)
@@ -209,6 +227,14 @@ def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
         "slope of the straight line 0.35 +- 0.04"
     )
     assert said in result_table(known).splitlines()
+    in_pascal = known.copy(deep=True)
+    for name, unit in (("bearing_capacity", "Pa"), ("adhesion_factor", "m")):
+        in_pascal[name].attrs["units"] = unit
+    said = (
+        "adhesion_factor from 0 to 1 m: difference 0.35 +- 0.04 Pa, ratio 1.061 +- 0.006, "
+        "slope of the straight line 0.35 +- 0.04 Pa per m"
+    )
+    assert said in result_table(in_pascal).splitlines()
     assert "difference" not in result_table(footings(["completed", "completed"]))
     for name in ("cells_per_radius", "penetration_parameter"):
         method = known.rename(adhesion_factor=name).assign_attrs(scene="cone_penetration")
