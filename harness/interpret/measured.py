@@ -31,7 +31,8 @@ BQ_RANGE = -0.3, 1.4
 ROUNDING = 1e-6
 """Rounding error of a depth [m]."""
 FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
-"""A filter whose readings vary less than this [Pa] over this length [m] is not saturated."""
+"""A filter whose readings vary less than this [Pa] over this length [m] is not saturated, except in
+sand above the water table: there it has nothing to read."""
 LEAST_SHARE_ABOVE = 0.5
 """Least share of rows with qt above sigma_v0; with fewer the unit of qc is probably wrong."""
 NO_INDEX, OTHER_LAYER = "no fs and it may be sand", "between border told and found"
@@ -87,13 +88,16 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         index = np.hypot(by_tip, 1.22 + np.log10(100.0 * friction))
     low, high = BQ_RANGE
     may_drain = ~(ratio >= UNDRAINED_BQ)
+    is_sand = may_drain & (index < CLAY_INDEX)
+    may_be_sand = may_drain & np.isnan(friction) & (by_tip < CLAY_INDEX)
+    dry = (is_sand | may_be_sand) & (u0 < FLAT_RANGE)
     reasons = {
         "pre-drilled": depth < read.pre_drilled,
         "value missing": ~np.isfinite(net),
         "qnet not above 0": net <= 0.0,
-        "filter not saturated": _flat(depth, u2, qc),
-        "not undrained clay": may_drain & (index < CLAY_INDEX) | (ratio < low) | (ratio > high),
-        NO_INDEX: may_drain & np.isnan(friction) & (by_tip < CLAY_INDEX),
+        "filter not saturated": _flat(depth, u2, qc) & ~dry,
+        "not undrained clay": is_sand | (ratio < low) | (ratio > high),
+        NO_INDEX: may_be_sand,
     }  # the first that holds is taken
     reason = np.select(list(reasons.values()), [REASONS.index(it) for it in reasons])
     found = curves(

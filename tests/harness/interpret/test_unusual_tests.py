@@ -184,6 +184,27 @@ def test_a_dead_filter_is_told_to_the_last_row(folder: Path) -> None:
     assert set(reasons(found)[ROW:]) == {"filter not saturated"}
 
 
+@pytest.mark.parametrize(
+    ("friction", "told"),
+    [(None, "not undrained clay"), ("", "no fs and it may be sand")],
+    ids=["sleeve", "no sleeve"],
+)
+def test_the_filter_is_not_blamed_in_sand_above_the_water(
+    folder: Path, friction: str | None, told: str
+) -> None:
+    """Below the water table a filter that stands still is not saturated in any soil."""
+    rewritten(folder, "u2", "0", slice(ROW, None))
+    rewritten(folder, "qc", 8.0, slice(ROW, None))  # MPa
+    if friction is not None:
+        rewritten(folder, "fs", friction, slice(ROW, None))
+    path = changed(folder, (LAYER_ENDS, "from = 2\nto = 12"))
+    assert set(reasons(interpret(load_site(path)))[ROW:]) == {"filter not saturated"}
+    dry = interpret(load_site(changed(folder, ("water_level = 1.0", "water_level = 9.0"))))
+    above = int(np.searchsorted(dry.depth.values, 9.0))
+    assert set(reasons(dry)[ROW:above]) == {told}
+    assert set(reasons(dry)[above + 1 :]) == {"filter not saturated"}
+
+
 def test_more_draws_than_the_memory_holds_are_refused(
     folder: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -227,7 +248,7 @@ def test_only_what_tells_something_is_named(folder: Path) -> None:
 def test_no_digit_is_finer_than_a_tenth_of_the_band() -> None:
     """And a thousand is no power of ten."""
     assert in_digits(7.218, 12.94, 16.42) == ["7.2", "12.9", "16.4"]
-    assert in_digits(1007.0, 1234.0, 2034.0) == ["1007", "1234", "2034"]
+    assert in_digits(1007.0, 1234.0, 2034.0) == ["1010", "1230", "2030"]
     assert in_digits(1000.0, 1000.0, 1000.0) == ["1000"] * 3
 
 
