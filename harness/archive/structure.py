@@ -23,6 +23,7 @@ from harness.archive.conventions import (
     parameter_of,
 )
 from harness.archive.provenance import OF_CASE
+from harness.study.compared import ERROR
 from harness.study.files import STUDY_NAME
 from harness.study.scene_part import LARGEST_STUDY
 from mpm_warp.parameters import parameters_of
@@ -45,6 +46,8 @@ _OF_EACH_CASE = (
     *(Role.ERROR, Role.PARAMETER, Role.DEVIATION),
 )
 """Roles of variables that have one value per case."""
+_BY_NAME = "run_time", "run_time_sample", "case_time", "particle_updates", "peak_memory", ERROR
+"""Numbers that the harness reads by name; see `harness.archive.conventions`."""
 _ROLES = frozenset(Role)
 _TEXTS = ("units", "long_name", "description", "coordinates", "dtype")
 _ENCODED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")
@@ -75,7 +78,7 @@ def _faults(result: Stored) -> Iterator[str]:
                 yield f"{name} is not a text"
         # Which parameters are texts is known only if the scene is known.
         elif form.dtype.kind not in NUMBERS and (
-            form.dtype.kind != TEXT or (is_known and "units" in form.attrs)
+            form.dtype.kind != TEXT or name in _BY_NAME or (is_known and "units" in form.attrs)
         ):
             yield f"{name} is not a number"
         yield from _faulty_attributes(forms, name)

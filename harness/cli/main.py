@@ -46,6 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Names in a result may have letters that the font lacks; pictures then show a box.
     warnings.filterwarnings("ignore", message="Glyph .* missing from font")
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # the same for mathematical text
+    # Jupyter names its own backend to every command, and matplotlib ends where it is not installed.
+    os.environ.pop("MPLBACKEND", None)
     with safe_remarks():
         return _exit_code(parser, given)
 
@@ -59,6 +61,8 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
             # Imported here so that help appears at once and only needed modules are loaded.
             module, function = options.function.split(".")
             command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
+            if "matplotlib" in sys.modules:  # no matplotlibrc of the user changes a picture
+                sys.modules["matplotlib"].rcdefaults()
             code: int = command(options)
     except BrokenPipeError:
         # Nobody reads the output any more, as in `harness run ... | head`: no message is needed.

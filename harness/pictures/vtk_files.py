@@ -4,7 +4,6 @@ Coordinates are (r, 0, z), so that z points up; all units are SI. The files are 
 an optional dependency that uses the library VTK, as ParaView does.
 """
 
-import tempfile
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
@@ -102,8 +101,13 @@ def _in_space(r: Floats, z: Floats) -> Floats:
 
 
 def _content(mesh: Any) -> bytes:
-    """The file of a mesh; VTK can only write to a disk."""
-    with tempfile.TemporaryDirectory(prefix="harness-vtk-") as folder:
-        path = Path(folder) / "mesh.vtu"
-        mesh.save(path)
-        return path.read_bytes()
+    """The file of a mesh, made in memory: where a disk is full, VTK ends the process."""
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter  # comes with PyVista
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.SetInputData(mesh)
+    writer.Write()
+    content: str = writer.GetOutputString()
+    return content.encode()

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.netcdf_files import read_attributes, write_netcdf
+from harness.archive.provenance import provenance
 from harness.cli.process import DONE
 from harness.errors import HarnessError, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
@@ -125,7 +126,7 @@ def _title_of(path: Path) -> str:
 def _write(test: Interpreted, base: str) -> None:
     """Write the results of a test; print the sentences to quote and the depths left out."""
     found = test.found
-    write_netcdf(found.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
+    _write_data(found, base)
     write_csv(_table(found), Path(f"{base}.csv"))
     _write_figure(test.figure, base)
     print(*in_words(test.site, found), sep="\n")
@@ -139,6 +140,11 @@ def _write(test: Interpreted, base: str) -> None:
     if found.attrs["notes"]:
         tell(f"{test.site.test.file}: {found.attrs['notes']}")
     tell(f"written: {base}.nc, .csv, .png, .svg")
+
+
+def _write_data(dataset: xr.Dataset, base: str) -> None:
+    said = provenance() | {"format_version": FORMAT_VERSION}
+    write_netcdf(dataset.assign_attrs(said), Path(f"{base}.nc"))
 
 
 def _write_figure(figure: Figure, base: str) -> None:
@@ -157,7 +163,7 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
     except (InaccurateRun, ParameterError, SceneError, SimulationDiverged) as error:
         raise HarnessError(f"{site.name}: the simulated sounding {error.status}: {error}") from None
     both = checked(test.found, simulated)
-    write_netcdf(both.assign_attrs(format_version=FORMAT_VERSION), Path(f"{base}.nc"))
+    _write_data(both, base)
     _write_figure(check_figure(both), base)
     print(*misfit_in_words(site, both), sep="\n")
     tell(f"written: {base}.nc, .png, .svg")

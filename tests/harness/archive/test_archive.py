@@ -221,6 +221,7 @@ FAULTS: list[tuple[str, Change]] = [
         lambda it: it.assign(cone_factor=it.status.assign_attrs(units="1")),
     ),
     ("accuracy is not a number", said("accuracy", role="error", units="1")),
+    ("run_time is not a number", lambda it: it.assign(run_time=it.status)),
     ("the role of cone_factor is unknown", said("cone_factor", role="guess")),
     ("long_name of cone_factor is not a text", said("cone_factor", long_name=7)),
     ("limit of cone_factor is not a number", said("cone_factor", limit="much")),

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.netcdf_files import write_netcdf
+from harness.archive.netcdf_files import read_attributes, write_netcdf
+from harness.archive.provenance import provenance
 from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import _in_table, interpret
@@ -229,6 +230,10 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
     assert header.endswith(",share of together [1],reason")
     assert row.endswith(",no layer")
+    said = read_attributes(here / "results/mine_interpretation.nc")
+    assert [said[name] for name in ("commit", "mpm_warp_version")] == [
+        provenance()[name] for name in ("commit", "mpm_warp_version")
+    ]
 
 
 def test_another_site_of_the_same_name_is_not_replaced_silently(

@@ -1,6 +1,7 @@
 """All pictures: which is meant for which study, what a page has room for, and the files."""
 
 import re
+import sys
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -32,6 +33,7 @@ from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
+from tests.conftest import finished
 from tests.harness.conftest import Command
 
 from .conftest import MADE, caption_of, drawn, figures, legend, random_cases, result, texts
@@ -168,6 +170,25 @@ def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
     luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue
     # eight steps between black and white, none less than half the even one
     assert np.diff(luminance).min() > 0.5 * np.ptp(luminance) / 8
+
+
+def test_the_surroundings_of_a_command_change_no_picture(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither the backend that Jupyter gives to all commands, nor a matplotlibrc of the user."""
+    made = result({"adhesion_factor": [0.0, 1.0]}).drop_vars("penetration_resistance")
+    write_study(Path("demo.nc"), made)
+    plot = [sys.executable, "-m", "harness", "plot", "demo.nc", "--out"]
+    assert finished([*plot, "plain"]).returncode == 0
+    monkeypatch.setenv("MPLBACKEND", "module://of_no_package")
+    Path("matplotlibrc").write_text("text.usetex: True\nfigure.facecolor: red\n")
+    told = finished([*plot, "other"])
+    assert told.returncode == 0, told.stderr
+    plain, other = (
+        {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+        for folder in ("plain", "other")
+    )
+    assert plain == other
 
 
 def test_formats_from_the_command_line(tmp_path: Path, command: Command) -> None:

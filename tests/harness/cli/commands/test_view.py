@@ -1,6 +1,7 @@
 """`harness view`: the commands of its page, its pictures, and VTK files in another reader."""
 
 import shlex
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,9 @@ import pyvista as pv
 import xarray as xr
 from PIL import Image
 
+from harness.archive.case_files import read_fields
 from harness.cli.main import main
+from harness.pictures.vtk_files import write_vtk
 from tests.conftest import blocks
 from tests.harness.conftest import Refusal
 
@@ -82,6 +85,17 @@ def test_the_series_leads_to_points_grid_and_surface(seen: Path) -> None:
         for name in ("cone_radius", "resistance"):
             assert surface.field_data[name][0] == last[name].item()
     assert grid["displacement"].shape == (grid.n_points, 3)
+
+
+def test_no_temporary_file_is_needed_for_vtk(
+    seen: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """VTK ends the process where the disk of temporary files is full."""
+    (file,) = seen.glob("results/*/cases/*.fields.nc")
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+    listed, *written = write_vtk(read_fields(file), tmp_path, "soil")
+    assert listed.exists()
+    assert pv.read(written[0]).n_points > 0
 
 
 def test_without_snapshots_there_is_nothing_to_view(
