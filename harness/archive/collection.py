@@ -18,6 +18,7 @@ from harness.archive.conventions import (
     FORMAT_VERSION,
     GIVEN_BY,
     MISSING,
+    ORDER,
     Role,
     parameter_attributes,
     spoken,
@@ -76,7 +77,6 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     variables = of_scenes | _records(study, results, names) | differing_origins | inputs
     coordinates |= _case_coordinates(study, axes)
     sizes = {name: len(values) for name, values in axes.items()}
-    # A file does not keep the order of its coordinates, the varied parameters.
     order = " ".join(names[name] for name in study.parts[0].varied)
     return xr.Dataset(
         {name: _over_grid(variable, sizes) for name, variable in variables.items()},
@@ -88,6 +88,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene": " ".join(part.name for part in study.parts),
             "scene_version": study.cases[0].scene_version,
             "format_version": FORMAT_VERSION,
+            ORDER: " ".join(map(str, coordinates)),
             **({STABILITY_MAP: order} if study.stability_map else {}),
             **common_origins,
         },

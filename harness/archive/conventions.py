@@ -56,6 +56,8 @@ PER_CASE = ("status", "message", "case_key")
 """Texts that every collected result has for each case."""
 CHANGED = "changed"
 """In a one-at-a-time study: the parameter changed in each case, "" in the case of fixed values."""
+ORDER = "order_of_coordinates"
+"""Attribute of the dataset of a study: its coordinates in order, which a file does not keep."""
 DRAWS = "draws"
 """Number of Latin hypercube samples that give the same case: its weight in means and percentiles.
 

@@ -6,6 +6,7 @@ import xarray as xr
 
 from harness.archive.atomic_files import ArchiveError, DamagedError
 from harness.archive.case_files import ENDING as FIELDS_ENDING
+from harness.archive.conventions import ORDER
 from harness.archive.netcdf_files import read_attributes, read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
 from harness.study.study import Study
@@ -45,7 +46,9 @@ def read_study(path: Path) -> xr.Dataset:
     dataset = read_result(path)
     if "study" not in dataset.attrs:
         raise ArchiveError(f"{path}: is not the result of a study{_content(path, dataset)}")
-    return dataset
+    order = str(dataset.attrs.get(ORDER, "")).split()
+    in_order = sorted(dataset.coords, key=lambda name: (*order, name).index(name))
+    return dataset[[*dataset.data_vars, *in_order]]
 
 
 def _content(path: Path, dataset: xr.Dataset) -> str:

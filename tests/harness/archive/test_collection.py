@@ -73,6 +73,18 @@ def test_what_a_profile_takes_the_place_of_says_nothing(tmp_path: Path) -> None:
         assert read_for_rerun(tmp_path / "s.nc", case.key)[0].parameters == case.parameters
 
 
+def test_the_file_of_a_study_has_its_coordinates_in_order(tmp_path: Path) -> None:
+    """Tables and pictures of the file are those of the run, whose coordinates are not sorted."""
+    cases = (
+        "[[case]]\nrigidity_index = 50\n[[case]]\napex_angle = 90\n[[case]]\nadhesion_factor = 1\n"
+    )
+    made = study_in(tmp_path, f'{HEAD}design = "list"\n{cases}')
+    dataset = collect(made, keep(made, tmp_path))
+    write_study(tmp_path / "s.nc", dataset)
+    assert [*read_study(tmp_path / "s.nc").coords] == [*dataset.coords]
+    assert [*dataset.coords] != sorted(map(str, dataset.coords))
+
+
 def test_derived_parameters_stand_over_the_grid(tmp_path: Path) -> None:
     text = HEAD + '[derived]\ndomain_radius = "6 * sqrt(rigidity_index)"\n'
     text += "[vary]\nrigidity_index = [25, 100]\nadhesion_factor = [0, 1]\n"
