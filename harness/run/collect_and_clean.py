@@ -91,7 +91,11 @@ def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
                 "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one "
                 "name apart"
             )
-        elif others := _completed_keys(earlier := read_study(path)) - _completed_keys(dataset):
+            return
+        earlier = read_study(path)
+        of_study = {str(key) for key in over_cases(dataset, "case_key")}
+        missed = _completed_keys(earlier) - _completed_keys(dataset)
+        if others := missed - of_study:
             remedy = (
                 "`harness collect` with each --set of then gathers them again; `--out FOLDER` "
                 "keeps two runs apart"
@@ -100,6 +104,9 @@ def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
                 f"{path}: had {counted(len(others), 'other result')}, kept in the files of the "
                 f"cases; {other_version(earlier) or remedy}"
             )
+        if lost := missed & of_study:
+            had = counted(len(lost), "result")
+            tell(f"{path}: had {had} that no case has any more; `harness run` computes such anew")
     except ArchiveError:
         return  # there is no file, or it is damaged
 

@@ -262,11 +262,14 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
     small: Study, completed: list[Case], folder: Path, tmp_path: Path, command: Command
 ) -> None:
     path = case_file(folder, completed[1])
+    collect_and_write(small, tmp_path)
     path.write_bytes(path.read_bytes()[:-3000])
     told = command("collect", small.source, "--out", tmp_path, code=1).err.splitlines()
     assert told[-2].startswith(f"harness: {path}: cannot be read: ")
     assert told[-2].endswith("; `harness run` runs the case again")
     assert told[-1].startswith("harness: 3 cases: 2 completed, 1 damaged; ")
+    lost = "had 1 result that no case has any more; `harness run` computes such anew"
+    assert told[:-2] == [f"harness: {tmp_path / 'small.nc'}: {lost}"]
     dataset = read_study(tmp_path / "small.nc")
     assert dataset.status.values.tolist() == [COMPLETED, "damaged", COMPLETED]
     assert str(dataset.message.values[1]).startswith(f"{path}: cannot be read: ")
