@@ -267,12 +267,13 @@ def labels_of(dataset: xr.Dataset) -> list[str]:
     if not names:
         return [str(dataset.attrs["scene"])] * dataset["status"].size
     columns = [over_cases(dataset, name).tolist() for name in names]
-    return [
-        ", ".join(
-            f"{name}={value}" for name, value in zip(names, row, strict=True) if is_there(value)
-        )
-        for row in zip(*columns, strict=True)
-    ]
+    rows = [zip(names, row, strict=True) for row in zip(*columns, strict=True)]
+    return [", ".join(f"{name}={_text(it)}" for name, it in row if is_there(it)) for row in rows]
+
+
+def _text(value: object) -> str:
+    # Eight digits tell cases apart; those after them are of the binary number.
+    return str(float(f"{value:.8g}") if isinstance(value, float) else value)
 
 
 def scenes_of(dataset: xr.Dataset) -> list[str]:

@@ -22,7 +22,7 @@ from harness.archive.conventions import (
     spoken,
     varied_within,
 )
-from harness.pictures.drawing.caption import captioned, wrapped
+from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     INK,
     KILO,
@@ -36,7 +36,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label, spelt
+from harness.pictures.drawing.quantities import Floats, assigned, axis_label, spelt, wrapped
 from harness.pictures.studied import Studied, case_labels, series_of
 from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation

@@ -27,7 +27,7 @@ from harness.archive.conventions import (
     varied_within,
 )
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
-from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths, wrapped
+from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
     INK,
@@ -37,7 +37,7 @@ from harness.pictures.drawing.plot_parts import (
     panels,
     series,
 )
-from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
+from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of, wrapped
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 

@@ -20,7 +20,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import Series, mark_failures, series
-from harness.pictures.drawing.quantities import Floats, Values, assigned
+from harness.pictures.drawing.quantities import DERIVED, Floats, Values, assigned
 from harness.references.cone_factors import COMPARED
 from harness.study import scene_part
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
@@ -118,11 +118,13 @@ class Studied:
 
 
 def label_of(dataset: xr.Dataset, values: Iterable[Values], case: int, start: int = 0) -> str:
-    """The values of a case; in a one-at-a-time study only those that differ from case `start`."""
+    """The values that a case has; one at a time only those that differ from case `start`."""
+    shown = list(values)
     is_one_at_a_time = dataset.attrs.get("design") == ONE_AT_A_TIME
     if is_one_at_a_time:
-        values = [it for it in values if it.numbers[case] != it.numbers[start]]
-    texts = [assigned(dataset, it.name, it.of_case(case)) for it in values]
+        shown = [it for it in shown if it.numbers[case] != it.numbers[start]]
+    shown = [it for it in shown if it.of_case(case) != DERIVED] or shown
+    texts = [assigned(dataset, it.name, it.of_case(case)) for it in shown]
     return ", ".join(texts or ["start"] * is_one_at_a_time)
 
 

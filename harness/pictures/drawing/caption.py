@@ -1,8 +1,6 @@
 """Captions of pictures: what is shown, and which parameters are fixed."""
 
 import math
-import re
-import textwrap
 from collections.abc import Iterator
 
 import numpy as np
@@ -25,7 +23,15 @@ from harness.archive.conventions import (
 )
 from harness.compare.defaults import defaults_of_law, not_by_default
 from harness.pictures.drawing.plot_parts import legend_above
-from harness.pictures.drawing.quantities import Values, assigned, plain, quantity, spelt, symbol
+from harness.pictures.drawing.quantities import (
+    Values,
+    assigned,
+    plain,
+    quantity,
+    spelt,
+    symbol,
+    wrapped,
+)
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
@@ -37,8 +43,6 @@ MOST_FIXED = 14
 """Largest number of parameters that a caption names."""
 MOST_TEXTS = 4
 """Largest number of long texts that a caption explains."""
-SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
-"""Pattern of a mathematical symbol, and its placeholder while lines are wrapped."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 """Keeps a symbol and its value on one line."""
 SOIL_AND_CONE = (
@@ -68,7 +72,7 @@ def captioned(
     key = " ".join(_numbered(dataset))
     parts = [ended, *sentences, key, fixed(dataset)]
     figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
-    text = wrapped(" ".join(filter(None, parts)))
+    text = wrapped(" ".join(filter(None, parts)), LETTERS)
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
     return figure
 
@@ -159,10 +163,3 @@ def _fixed_names(dataset: xr.Dataset) -> Iterator[str]:
     main = [name for name in SOIL_AND_CONE if name in constant]
     main += [name for name in defaults_of_law(dataset) if name in others]
     yield from (constant[name] for name in dict.fromkeys([*main, *others]))
-
-
-def wrapped(text: str, letters: int = LETTERS) -> str:
-    """The text in lines of so many letters; the placeholder of a symbol is about as wide as it."""
-    symbols = iter(SYMBOL.findall(text))
-    lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), letters, break_on_hyphens=False)
-    return re.sub(IN_PLACE, lambda _: next(symbols), lines)

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 
 from harness.archive.atomic_files import write_whole
 from harness.errors import HarnessError
-from harness.pictures.drawing.quantities import Floats
+from harness.pictures.drawing.quantities import IN_PLACE, SYMBOL, Floats, wrapped
 
 MAKER = "mpm_warp harness"
 """A text in every picture and page, by which the harness recognises its own files."""
@@ -220,15 +220,20 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
 
 
 def legend_above(figure: Figure, axes: Axes) -> None:
-    """A legend above the axes, no wider than the page."""
+    """A legend above the axes, no wider than the page; long labels are wrapped."""
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
         return
-    for columns in range(min(len(handles), 4), 0, -1):
+    longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)
+    share = 1.0
+    for columns in range(min(len(handles), 4), -1, -1):
         for before in figure.legends:
             before.remove()
+        if not columns:
+            labels = [wrapped(label, int(0.9 * longest / share)) for label in labels]
         legend = figure.legend(
-            handles, labels, loc="outside upper left", ncols=columns, alignment="left"
+            handles, labels, loc="outside upper left", ncols=max(columns, 1), alignment="left"
         )
-        if legend.get_window_extent().width <= 0.98 * figure.bbox.width:
+        share = legend.get_window_extent().width / figure.bbox.width
+        if share <= 0.98:
             break

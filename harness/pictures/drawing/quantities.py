@@ -5,6 +5,7 @@ is called by its name.
 """
 
 import re
+import textwrap
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
@@ -55,7 +56,16 @@ LONGEST_LABEL = 24
 """Number of letters of the longest text that an axis has room for."""
 DERIVED = "derived"
 """Shown for a parameter without a value in a case."""
+SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
+"""Pattern of a mathematical symbol, and its placeholder while lines are wrapped."""
 _SUBSCRIPT = re.compile(r"_(\w+)")
+
+
+def wrapped(text: str, letters: int) -> str:
+    """The text in lines of so many letters; the placeholder of a symbol is about as wide as it."""
+    symbols = iter(SYMBOL.findall(text))
+    lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), letters, break_on_hyphens=False)
+    return re.sub(IN_PLACE, lambda _: next(symbols), lines)
 
 
 def symbol(name: Hashable) -> str:

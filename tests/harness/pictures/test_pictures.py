@@ -27,6 +27,7 @@ from harness.pictures.drawing.plot_parts import (
     SHADES,
     NotOwnFileError,
     image,
+    legend_above,
     panels,
 )
 from harness.pictures.effects import effects_figure, tornado_figure
@@ -163,6 +164,17 @@ def test_a_title_with_dollars_is_no_mathematics() -> None:
     lines = figure.get_supxlabel().splitlines()
     assert max(map(len, lines)) < 160  # wrapped: 112 letters, and those of symbols
     assert all(len(re.findall(r"(?<!\\)\$", line)) % 2 == 0 for line in lines)
+
+
+def test_long_labels_of_a_legend_stay_on_the_page() -> None:
+    figure = Figure(layout="constrained")
+    axes = figure.subplots()
+    for number in (50, 100):
+        axes.plot([0, 1], label=f"$I_{{\\mathrm{{r}}}}$ = {number}, " * 20)
+    legend_above(figure, axes)
+    (above,) = figure.legends
+    assert above.get_window_extent().width <= figure.bbox.width
+    assert all("\n" in text for text in texts(above.get_texts()))
 
 
 def test_the_colours_of_a_scale_can_be_told_apart_in_grey() -> None:
