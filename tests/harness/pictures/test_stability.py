@@ -15,7 +15,8 @@ from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.effects import tornado_figure
-from harness.pictures.stability import short_reason, stability_figure, stability_rows
+from harness.pictures.stability import stability_figure, stability_rows
+from harness.pictures.stability_strips import short_reason
 from tests.harness.conftest import as_collected
 from tests.harness.pictures.conftest import caption_of, collected, figures, legend, texts
 
