@@ -1,12 +1,13 @@
 """What pictures have in common: style, axes, series, labels and files."""
 
 import io
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from matplotlib import colormaps, style
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cbook import is_math_text
 from matplotlib.colors import ListedColormap, to_hex
@@ -224,16 +225,23 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
         return
-    longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)
     share = 1.0
-    for columns in range(min(len(handles), 4), -1, -1):
-        for before in figure.legends:
-            before.remove()
-        if not columns:
-            labels = [wrapped(label, int(0.9 * longest / share)) for label in labels]
-        legend = figure.legend(
-            handles, labels, loc="outside upper left", ncols=max(columns, 1), alignment="left"
-        )
-        share = legend.get_window_extent().width / figure.bbox.width
+    for columns in range(min(len(handles), 4), 0, -1):
+        share = _legend_share(figure, handles, labels, columns)
         if share <= 0.98:
-            break
+            return
+    longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)
+    lines = [wrapped(label, int(0.9 * longest / share)) for label in labels]
+    _legend_share(figure, handles, lines, 1)
+
+
+def _legend_share(
+    figure: Figure, handles: Sequence[Artist], labels: Sequence[str], columns: int
+) -> float:
+    """Place the only legend of a figure; its width over that of the page."""
+    for before in figure.legends:
+        before.remove()
+    legend = figure.legend(
+        handles, labels, loc="outside upper left", ncols=columns, alignment="left"
+    )
+    return float(legend.get_window_extent().width / figure.bbox.width)
