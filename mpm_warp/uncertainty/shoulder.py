@@ -125,7 +125,7 @@ INERTIA_EFFECT = (
     (0.0, 0.0, 0.0),
 )
 """E by `RIGIDITY_INDICES` (rows) and these adhesion factors (columns), found at i = 0.02 to 0.36 on
-4 to 10 rows; at adhesion factor 0.75 at Ir 200 and 300 alone."""
+4 to 10 rows; at adhesion factor 0.75 at Ir 200 to 600 alone."""
 INERTIA_OF_HALF_EFFECT = 0.1
 """Inertia at which f is a half."""
 INERTIA_HALF_WIDTH = (
@@ -133,7 +133,7 @@ INERTIA_HALF_WIDTH = (
     (0.2, 0.2, 0.2),
     (0.35, 0.3, 0.2),
     (0.2, 0.25, 0.25),
-    (0.1, 0.2, 0.25),
+    (0.1, 0.3, 0.25),
     (0.1, 0.2, 0.25),
     (0.2, 0.2, 0.2),
 )
