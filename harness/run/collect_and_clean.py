@@ -105,8 +105,10 @@ def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
                 f"cases; {other_version(earlier) or remedy}"
             )
         if lost := missed & of_study:
-            had = counted(len(lost), "result")
-            tell(f"{path}: had {had} that no case has any more; `harness run` computes such anew")
+            tell(
+                f"{path}: had {counted(len(lost), 'result')} that no case has any more; "
+                "`harness run` computes what is missing"
+            )
     except ArchiveError:
         return  # there is no file, or it is damaged
 
