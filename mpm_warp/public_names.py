@@ -10,6 +10,7 @@ from mpm_warp.errors import (
     WindowOverfull,
 )
 from mpm_warp.execution.execution import Execution
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.anisotropic import Anisotropic
@@ -20,7 +21,6 @@ from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.variation import Variation
 from mpm_warp.materials.von_mises import VonMises
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow

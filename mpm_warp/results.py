@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from mpm_warp.parameters import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, parameters_of
 
 ROLES = {
     "headline": "the scalar that the scene is run for; one in each dataset",

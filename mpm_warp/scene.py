@@ -22,8 +22,9 @@ from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
-from mpm_warp.arguments import FROM_ONE, POSITIVE, Checked, array_of, checked
+from mpm_warp.checks import FROM_ONE, POSITIVE
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, array_of, checked
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run

@@ -7,7 +7,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import Range, check_kind, check_number, check_whole
+from mpm_warp.checks import Range, check_kind, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import DeviceRun

@@ -22,7 +22,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, ParameterError, SceneError, StepCost, scene_class, scene_names
-from mpm_warp.parameters import parameters_of
+from mpm_warp.fields import parameters_of
 from mpm_warp.scenes.step_cost import LEAST_STEPS
 from tests.harness.run.test_random_cases import NAMED, drawn, random_scene
 

@@ -31,7 +31,7 @@ from harness.archive.netcdf_files import opened, read_attributes, read_netcdf, w
 from harness.archive.provenance import SOURCES, provenance
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.parameters import did_you_mean
+from mpm_warp.names import did_you_mean
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ import numpy as np
 import xarray as xr
 
 from harness.study.compared import ERROR
-from mpm_warp.parameters import Parameter
+from mpm_warp.fields import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
 
 FORMAT_VERSION = 1

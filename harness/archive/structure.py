@@ -26,7 +26,7 @@ from harness.archive.provenance import OF_CASE
 from harness.study.compared import ERROR
 from harness.study.files import STUDY_NAME
 from harness.study.scene_part import LARGEST_STUDY
-from mpm_warp.parameters import parameters_of
+from mpm_warp.fields import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 Forms = Mapping[str, xr.Variable]

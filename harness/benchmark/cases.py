@@ -21,7 +21,7 @@ from harness.errors import in_one_line, tell
 from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
-from mpm_warp.parameters import nearest_name
+from mpm_warp.names import nearest_name
 from mpm_warp.scenes import scene_class
 
 META_KEYS: Mapping[str, str] = {

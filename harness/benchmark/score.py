@@ -18,7 +18,7 @@ import numpy as np
 from harness.benchmark.cases import BenchmarkCase, Result, Submission
 from harness.references.cone_factors import CONE_FACTORS, Conditions
 from harness.study.tables import StudyError
-from mpm_warp.parameters import nearest_name
+from mpm_warp.names import nearest_name
 
 
 @dataclass(frozen=True)

@@ -191,7 +191,7 @@ def options_of(command: str) -> list[str]:
 
 def unrecognised(words: Sequence[str], command: str) -> str:
     """The error for words that the parser does not know, with what was probably meant."""
-    from mpm_warp.parameters import did_you_mean  # imported here so that help appears at once
+    from mpm_warp.names import did_you_mean  # imported here so that help appears at once
 
     first, *_ = words
     problem = f"unrecognized arguments: {' '.join(words)}"
@@ -206,7 +206,7 @@ def _unknown_command(arguments: Sequence[str]) -> str | None:
     if not arguments or arguments[0].startswith("-") or arguments[0] in HELP:
         return None
     from harness.study.files import study_names  # imported here so that help appears at once
-    from mpm_warp.parameters import did_you_mean
+    from mpm_warp.names import did_you_mean
 
     word = arguments[0]
     shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."

@@ -23,7 +23,7 @@ from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFa
 from harness.references.experience import HOLDS, Experience
 from harness.references.registry import cone_factor_reference, experience_entry
 from harness.study.compared import OWN_LABEL, OwnReference, stored_own_reference
-from mpm_warp.parameters import did_you_mean
+from mpm_warp.names import did_you_mean
 
 
 class NothingToCompareError(HarnessError):

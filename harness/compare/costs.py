@@ -29,7 +29,7 @@ from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError, counted
 from harness.study.scene_part import method_of
-from mpm_warp.parameters import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, parameters_of
 from mpm_warp.scenes import scene_class
 
 DERIVED = "derived"

@@ -8,8 +8,8 @@ import xarray as xr
 
 from harness.archive.conventions import is_there, over_cases, parameter_names, scenes_of
 from mpm_warp.errors import ParameterError
+from mpm_warp.fields import Value, parameters_of
 from mpm_warp.materials.other_laws import loaded_laws, other_law
-from mpm_warp.parameters import Value, parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 

@@ -24,7 +24,7 @@ from harness.interpret.headings import columns_in, is_of_rods
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
 from harness.study.tables import StudyError
-from mpm_warp.arguments import Range
+from mpm_warp.checks import Range
 from mpm_warp.grid.fitted import Floats
 
 MOST_INCLINED = math.radians(45.0)

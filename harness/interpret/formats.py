@@ -15,7 +15,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from harness.study.tables import StudyError
-from mpm_warp.parameters import nearest_name
+from mpm_warp.names import nearest_name
 
 
 class NotNamedError(StudyError):

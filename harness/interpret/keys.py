@@ -11,7 +11,7 @@ from enum import Enum
 
 from harness.interpret.factors import TABLE_RATE
 from harness.study.distributions import HOW
-from mpm_warp.arguments import FINITE, NOT_NEGATIVE, Range
+from mpm_warp.checks import FINITE, NOT_NEGATIVE, Range
 
 MEASURES = ("tip", "sleeve", "pore_pressure")
 """Measurements by which strength may be found."""

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from harness.errors import HarnessError
 from harness.references.cone_factors import CONE_FACTORS, ConeFactor
 from harness.references.experience import BESIDE_COMPRESSION, EXPERIENCE, HOLDS, Experience, Factor
-from mpm_warp.parameters import nearest_name
+from mpm_warp.names import nearest_name
 
 WIDTH = 80
 """Columns of a terminal, at least."""

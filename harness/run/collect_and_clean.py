@@ -48,7 +48,7 @@ from harness.compare.finest_error import with_finest_error
 from harness.errors import coloured, counted, tell
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.parameters import Value
+from mpm_warp.fields import Value
 
 
 def check_begun(study: Study, out: Path) -> None:

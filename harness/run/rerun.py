@@ -17,7 +17,8 @@ from harness.compare.differences import differing
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case, complete_parameters, identifying_parameters
-from mpm_warp.parameters import Parameter, Value, did_you_mean, parameters_of
+from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.names import did_you_mean
 from mpm_warp.scenes import scene_class
 
 PROVENANCE = [name for name in OF_CASE if name not in ("command_line", "cores", "time_written")]

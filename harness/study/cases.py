@@ -19,7 +19,7 @@ from harness.study.expressions import Expression, ExpressionError
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Value, parameters_of
+from mpm_warp.fields import Value, parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000

@@ -22,7 +22,8 @@ from harness.study.expressions import Expression, ExpressionError
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError, Table, is_number, shown
-from mpm_warp.parameters import Value, did_you_mean, nearest_name
+from mpm_warp.fields import Value
+from mpm_warp.names import did_you_mean, nearest_name
 
 ERROR = "error"
 """Result with the error against the exact solution, of scenes that have one."""

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from harness.study.distributions import Input
-from mpm_warp.parameters import Parameter, Value
+from mpm_warp.fields import Parameter, Value
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
 DESIGNS = {

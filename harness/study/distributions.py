@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from harness.study.tables import Table, is_number
-from mpm_warp.arguments import Range
+from mpm_warp.checks import Range
 from mpm_warp.grid.fitted import Floats
 
 Quantiles = Callable[[Floats], Floats]

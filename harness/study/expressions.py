@@ -13,7 +13,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
-from mpm_warp.parameters import Value, nearest_name
+from mpm_warp.fields import Value
+from mpm_warp.names import nearest_name
 
 LONGEST_EXPRESSION = 200
 """Characters that an expression may have; this limits its depth too."""

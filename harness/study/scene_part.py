@@ -22,7 +22,8 @@ from harness.study.distributions import is_distribution, read_input
 from harness.study.expressions import Expression, ExpressionError
 from harness.study.tables import StudyError, Table, shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.parameters import Parameter, Value, nearest_parameter, parameters_of
+from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.names import nearest_parameter
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 LARGEST_STUDY = 100_000

@@ -28,8 +28,8 @@ from harness.study.scene_part import (
     moment_of,
 )
 from harness.study.study import LARGEST_SEED, MOST_REPEATS, STABILITY_MAP
-from mpm_warp.arguments import Range
-from mpm_warp.parameters import Parameter, parameters_of
+from mpm_warp.checks import Range
+from mpm_warp.fields import Parameter, parameters_of
 from mpm_warp.scenes.sounding.table import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

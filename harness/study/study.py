@@ -26,7 +26,8 @@ from harness.study.scene_part import (
 )
 from harness.study.tables import StudyError, Table, parse_setting, parse_value, shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.parameters import known_names, nearest_name, parameters_of
+from mpm_warp.fields import parameters_of
+from mpm_warp.names import known_names, nearest_name
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000

@@ -12,7 +12,8 @@ from typing import Any, TypeGuard
 
 from harness.errors import HarnessError, shortened
 from mpm_warp.errors import ParameterError
-from mpm_warp.parameters import Parameter, Value, did_you_mean, nearest_name, nearest_parameter
+from mpm_warp.fields import Parameter, Value
+from mpm_warp.names import did_you_mean, nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
 LONGEST_TEXT = 1000

@@ -22,20 +22,18 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import (
+from mpm_warp.checks import (
     FINITE,
     FROM_ONE,
     NOT_NEGATIVE,
     POSITIVE,
-    Checked,
     Range,
-    array_of,
     check_array,
     check_number,
     check_whole,
-    checked,
 )
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, array_of, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.materials.elasticity import LinearElastic

@@ -31,8 +31,9 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, Checked, checked
 from mpm_warp.bodies.body import Body, UniformGrid, first_node
+from mpm_warp.checks import NOT_NEGATIVE
+from mpm_warp.fields import Checked, checked
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, Checked, checked
 from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, checked
 from mpm_warp.grid.fitted import Floats
 
 TOUCHING = 0.9

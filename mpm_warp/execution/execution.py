@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.arguments import FROM_ONE, check_kind, check_known, check_whole
+from mpm_warp.checks import FROM_ONE, check_kind, check_known, check_whole
 from mpm_warp.execution import THREAD_COUNTS
 
 

@@ -24,19 +24,17 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import (
+from mpm_warp.checks import (
     FROM_ONE,
     POSITIVE,
-    Checked,
     Range,
-    array_of,
     check_array,
     check_number,
     check_rising,
     check_whole,
-    checked,
 )
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, array_of, checked
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]

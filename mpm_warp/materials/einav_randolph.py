@@ -24,8 +24,9 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range, checked
+from mpm_warp.checks import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
 from mpm_warp.materials.elasticity import elastic_increment

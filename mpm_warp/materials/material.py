@@ -17,20 +17,12 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import (
-    POSITIVE,
-    Checked,
-    as_array,
-    check_array,
-    check_kind,
-    check_number,
-    checked,
-)
+from mpm_warp.checks import POSITIVE, as_array, check_array, check_kind, check_number
 from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields import Checked, check_own, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parameters import check_own
 
 PROPERTIES = "particle.properties"
 """Array of the properties of each point, where they vary by place; shape [slot_count]."""

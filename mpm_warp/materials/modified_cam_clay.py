@@ -31,8 +31,9 @@ from typing import Any
 
 import numpy as np
 
-from mpm_warp.arguments import Range, checked
+from mpm_warp.checks import Range
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import checked, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.cam_clay_return import (
     WATER,
@@ -41,7 +42,6 @@ from mpm_warp.materials.cam_clay_return import (
     strength_at_critical_state,
 )
 from mpm_warp.materials.material import EFFECTIVE_STRESS, PORE_PRESSURE, Material
-from mpm_warp.parameters import parameter
 
 FLOOR = 1e-6
 """Least effective mean stress, over the initial one."""

@@ -5,7 +5,7 @@ Another package offers a law by an entry point in its pyproject.toml:
     [project.entry-points."mpm_warp.materials"]
     my_clay = "their_package.my_clay:MyClay"
 
-The class is a `Material`. Fields made by `mpm_warp.parameters.parameter` become parameters of every
+The class is a `Material`. Fields made by `mpm_warp.fields.parameter` become parameters of every
 scene that takes a law; they are given together with `material = "my_clay"`. The scene itself gives
 the fields of `GIVEN`.
 """
@@ -18,9 +18,9 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.fields import Parameter, Value, definition_of
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material, register_name
-from mpm_warp.parameters import Parameter, Value, definition_of
 
 GROUP = "mpm_warp.materials"
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")

@@ -15,8 +15,9 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, checked
+from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, SHARE, Checked, Range, array_of, check_rising, checked
+from mpm_warp.checks import POSITIVE, SHARE, Range, check_rising
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, array_of, checked
 from mpm_warp.grid.fitted import Floats
 
 

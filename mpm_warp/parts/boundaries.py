@@ -19,8 +19,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import NOT_NEGATIVE, SHARE, array_of, check_known, check_nodes
+from mpm_warp.checks import NOT_NEGATIVE, SHARE, check_known, check_nodes
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import array_of
 from mpm_warp.grid.fitted import Floats, Grid, Integers, nodal_areas
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material

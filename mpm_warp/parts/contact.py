@@ -49,8 +49,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import FROM_ONE, NOT_NEGATIVE, array_of, check_nodes, check_whole, checked
+from mpm_warp.checks import FROM_ONE, NOT_NEGATIVE, check_nodes, check_whole
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import array_of, checked
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, array_of, check_nodes, checked
+from mpm_warp.checks import POSITIVE, check_nodes
+from mpm_warp.fields import array_of, checked
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan

@@ -20,7 +20,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.arguments import POSITIVE, Range, checked
+from mpm_warp.checks import POSITIVE, Range
+from mpm_warp.fields import checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run

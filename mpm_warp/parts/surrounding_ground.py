@@ -44,8 +44,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, checked
+from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, checked
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material, principal_stresses

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.arguments import POSITIVE, Checked, Range, check_number, checked
+from mpm_warp.checks import POSITIVE, Range, check_number
+from mpm_warp.fields import Checked, checked
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, zero
 from mpm_warp.parts.inflow import Inflow, add_inflow

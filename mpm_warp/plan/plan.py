@@ -12,7 +12,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import (
+from mpm_warp.checks import (
     FROM_ONE,
     POSITIVE,
     Range,
@@ -23,7 +23,7 @@ from mpm_warp.arguments import (
 )
 from mpm_warp.errors import Fault, SceneError
 from mpm_warp.kernel_types import mat22, real, vector
-from mpm_warp.parameters import nearest_name
+from mpm_warp.names import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
 
 AUDIT_INTERVAL = 16

@@ -28,10 +28,11 @@ import numpy as np
 import xarray as xr
 from tqdm import tqdm
 
-from mpm_warp.arguments import check_kind, check_known, in_words
+from mpm_warp.checks import check_kind, check_known, in_words
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.parameters import Value, check_names, check_parameters, nearest_name, parameters_of
+from mpm_warp.fields import Value, check_names, check_parameters, parameters_of
+from mpm_warp.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
@@ -88,7 +89,7 @@ class CatalogueScene(ABC):
     """A scene, which has a name and parameters and can be run.
 
     A subclass is a frozen dataclass with keyword-only fields, its parameters, each made by
-    `mpm_warp.parameters.parameter`. It builds a composition (`build`) and records its run
+    `mpm_warp.fields.parameter`. It builds a composition (`build`) and records its run
     (`record`).
 
     Raises:

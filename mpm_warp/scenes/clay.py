@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields import Derived, Parameter, fill_in, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.parameters import Derived, Parameter, fill_in, parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 NEEDED = (

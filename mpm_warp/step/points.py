@@ -19,7 +19,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.arguments import check_array
+from mpm_warp.checks import check_array
 from mpm_warp.errors import SceneError
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location

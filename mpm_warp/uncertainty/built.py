@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields import parameters_of
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.materials.einav_randolph import EinavRandolph
@@ -22,7 +23,6 @@ from mpm_warp.materials.material import Material, built_name
 from mpm_warp.materials.modified_cam_clay import ModifiedCamClay
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.materials.von_mises import VonMises
-from mpm_warp.parameters import parameters_of
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.energy import EnergyAudit, EnergyBalance
 from mpm_warp.parts.history import History

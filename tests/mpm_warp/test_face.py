@@ -56,8 +56,8 @@ def test_an_unknown_name_is_refused_with_the_nearest(name: str, nearest: str) ->
 
 def test_modules_are_not_names_and_import_as_they_do_everywhere() -> None:
     assert not hasattr(mpm_warp, "_no_such_name")
-    done = run("from mpm_warp import parameters, scene; print(parameters.__name__, scene.__name__)")
-    assert done.stdout.split() == ["mpm_warp.parameters", "mpm_warp.scene"]
+    done = run("from mpm_warp import fields, scene; print(fields.__name__, scene.__name__)")
+    assert done.stdout.split() == ["mpm_warp.fields", "mpm_warp.scene"]
 
 
 def test_the_import_alone_brings_no_simulator() -> None:

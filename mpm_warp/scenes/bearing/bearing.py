@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
-from mpm_warp.parameters import parameter
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import curves, labelled

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, graded, nodal_areas
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.variation import Variation
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import parameter
 from mpm_warp.scenes.catalogue import CatalogueScene
 
 BASE_CELLS = 3

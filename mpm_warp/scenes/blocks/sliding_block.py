@@ -10,9 +10,9 @@ import xarray as xr
 from mpm_warp.bodies.body import MARGIN, Body, InterfaceFrame, Load, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.fields import Value
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parameters import Value
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import BASE_CELLS, SAMPLE_COUNT, BlockOnBase

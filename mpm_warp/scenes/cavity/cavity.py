@@ -10,12 +10,12 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import Value, parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
-from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import Quantity, curves, labelled

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Floats, graded
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window

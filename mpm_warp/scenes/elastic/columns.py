@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.results import curves, labelled, variable

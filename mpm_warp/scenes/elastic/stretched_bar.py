@@ -8,9 +8,9 @@ import xarray as xr
 
 from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.scene import BodyScene
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parameters import parameter
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared

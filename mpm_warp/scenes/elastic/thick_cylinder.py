@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.elasticity import LinearElastic
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.forces import Damping, NodalLoad
 from mpm_warp.results import labelled

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import redefined
 from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
-from mpm_warp.parameters import redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled

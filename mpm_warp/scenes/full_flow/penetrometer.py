@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, growing, nodal_areas
 from mpm_warp.materials.material import Material
-from mpm_warp.parameters import parameter, redefined
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.cyclic_window import CyclicWindow

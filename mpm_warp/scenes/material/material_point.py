@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from mpm_warp.fields import Value, parameter, redefined
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
@@ -27,7 +28,6 @@ from mpm_warp.materials.material import (
     principal_stresses,
 )
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
-from mpm_warp.parameters import Value, parameter, redefined
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import Samples, even_steps, follow

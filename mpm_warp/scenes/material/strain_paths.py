@@ -22,8 +22,9 @@ import numpy as np
 import scipy  # loads its integrators where they are first used: no other scene waits for them
 import warp as wp
 
-from mpm_warp.arguments import FROM_ONE, Checked, array_of, check_array, checked
+from mpm_warp.checks import FROM_ONE, check_array
 from mpm_warp.errors import Fault
+from mpm_warp.fields import Checked, array_of, checked
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
 from mpm_warp.materials.einav_randolph import EinavRandolph

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.errors import ParameterError
+from mpm_warp.fields import Derived, Value, parameter, parameters_of, redefined
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.parameters import Derived, Value, parameter, parameters_of, redefined
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile

@@ -9,8 +9,8 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.execution.execution import Execution
+from mpm_warp.fields import Derived, parameters_of
 from mpm_warp.materials.material import Material
-from mpm_warp.parameters import Derived, parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window

@@ -30,12 +30,12 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from mpm_warp.arguments import NOT_NEGATIVE, POSITIVE, Range
+from mpm_warp.checks import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law
-from mpm_warp.parameters import nearest_parameter
+from mpm_warp.names import nearest_parameter
 from mpm_warp.scenes.clay import FieldClayScene
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}

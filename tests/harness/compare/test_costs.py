@@ -17,7 +17,7 @@ from harness.compare.costs import DERIVED, bench_rows, recommend
 from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
-from mpm_warp.parameters import Value
+from mpm_warp.fields import Value
 from tests.harness.conftest import Command, as_collected
 
 

@@ -12,7 +12,7 @@ from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import differences, differing, unshared
-from mpm_warp.parameters import parameter
+from mpm_warp.fields import parameter
 from tests.harness.compare.conftest import FACTORS, Two, collected
 from tests.harness.conftest import Command, Refusal, as_collected
 

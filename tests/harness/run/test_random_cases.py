@@ -19,7 +19,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, ParameterError, SceneError, scene_class, scene_names
-from mpm_warp.parameters import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, parameters_of
 from tests.harness.conftest import Depth
 
 from .conftest import Record

@@ -9,7 +9,7 @@ import pytest
 from harness.study.distributions import read_input, sampled
 from harness.study.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
 from harness.study.tables import StudyError, Table
-from mpm_warp.arguments import FINITE, POSITIVE
+from mpm_warp.checks import FINITE, POSITIVE
 from tests.harness.conftest import HEAD, study_in, values
 
 PARAMETERS = {"a": 2.0, "n": 3, "flag": True, "word": "tresca", "none": None}

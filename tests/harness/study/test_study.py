@@ -13,7 +13,7 @@ from harness.study.description import unusual_values
 from harness.study.files import study_names
 from harness.study.study import Study, load_study
 from harness.study.tables import LONGEST_MESSAGE, StudyError
-from mpm_warp.parameters import parameter
+from mpm_warp.fields import parameter
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from tests.harness.conftest import HEAD, Refusal, study_in, values
 

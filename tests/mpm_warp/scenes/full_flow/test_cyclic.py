@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import EnclosedSoil, InaccurateRun, ParameterError, Simulation, SimulationDiverged
-from mpm_warp.parameters import parameters_of
+from mpm_warp.fields import parameters_of
 from mpm_warp.scenes.cone import soundness
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,

@@ -1,6 +1,7 @@
-"""Other names of parameters and scenes: symbols and words of the field."""
+"""The name that is meant by a wrong one: the nearest, or that of a symbol or word of the field."""
 
-from collections.abc import Container
+import difflib
+from collections.abc import Collection, Container, Iterable
 
 ALIASES: dict[str, dict[str, str]] = {
     "ir rigidity rigidity_index": {"rigidity_index": "G / su", "shear_modulus": "Ir su, in Pa"},
@@ -91,3 +92,33 @@ def what_to_give(word: str, known: Container[str]) -> str:
         if small in words.split() and name in known
     ]
     return f"; give {', or '.join(offers)}" if offers else ""
+
+
+def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
+    """A phrase with the nearest valid name; "" if none has this likeness, 0 to 1 for the same."""
+    close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def known_names(known: Iterable[str]) -> str:
+    """A phrase with all valid names; "" for none."""
+    names = ", ".join(known)
+    return f"; known: {names}" if names else ""
+
+
+def nearest_name(name: str, known: Iterable[str]) -> str:
+    """A phrase with the nearest valid name, or with all if none is near.
+
+    An alias of a scene comes first. A name that begins with the words given is near at any length.
+    """
+    names = list(known)
+    meant = SCENES.get(name.lower(), "")
+    if meant in names:
+        return f"; did you mean {meant!r}?"
+    begun = [longer for longer in names if longer.startswith(f"{name}_")]
+    return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
+
+
+def nearest_parameter(name: str, known: Collection[str]) -> str:
+    """A phrase with what to give instead: the meaning of an alias, or the nearest name."""
+    return what_to_give(name, known) or nearest_name(name, known)

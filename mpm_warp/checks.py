@@ -7,10 +7,9 @@ includes the part: "contact: nodes". The error is a `SceneError`, or of the clas
 import math
 import reprlib
 from collections.abc import Collection, Sequence
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import dataclass
 from numbers import Integral, Real
-from types import UnionType
-from typing import Any, ClassVar, get_args, get_origin
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,63 +66,6 @@ def check_number(
         raise error(
             f"{name} = {in_words(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}"
         )
-
-
-def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
-    """Declare a number as a field of a `Checked`; with the type `int` an integer."""
-    return field(default=default, metadata={"allowed": allowed, "unit": unit})
-
-
-def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:
-    """Metadata of an array field of a `Checked`.
-
-    A name in the shape stands for the length of that field, None for any length.
-    """
-    return {"allowed": allowed, "shape": shape}
-
-
-class Checked:
-    """The base of dataclasses that check their fields.
-
-    Numbers and arrays must be as `checked` and `array_of` declare them. A field of the type `bool`,
-    of a `Checked`, or of a tuple of these must have this type. A field whose default is None may be
-    None. A subclass with further checks calls `super().__post_init__()` first.
-
-    Raises:
-        SceneError: a value is not allowed; the message names class, field, value and range.
-    """
-
-    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-
-    def __post_init__(self) -> None:
-        for own in fields(self):
-            name, value = f"{type(self).__name__}: {own.name}", getattr(self, own.name)
-            if value is None and own.default is None:
-                continue
-            if "shape" in own.metadata:
-                lengths = [
-                    np.size(getattr(self, it)) if isinstance(it, str) else it
-                    for it in own.metadata["shape"]
-                ]
-                check_array(name, value, lengths, own.metadata["allowed"])
-            elif "allowed" in own.metadata and own.type is int:
-                check_whole(name, value, own.metadata["allowed"])
-            elif "allowed" in own.metadata:
-                check_number(name, value, **own.metadata)
-            elif not own.metadata:
-                _check_declared(name, value, own.type)
-
-
-def _check_declared(name: str, value: Any, declared: Any) -> None:
-    if get_origin(declared) is tuple:
-        check_kind(name, value, tuple)
-        for number, item in enumerate(value):
-            _check_declared(f"{name}[{number}]", item, get_args(declared)[0])
-    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
-    if all(
-        isinstance(kind, type) and issubclass(kind, (Checked, bool, type(None))) for kind in kinds
-    ):
-        check_kind(name, value, kinds)
 
 
 def check_whole(

@@ -8,19 +8,19 @@ Parameters that several scenes share are in a dataclass, a group, that the scene
 """
 
 import dataclasses
-import difflib
 import functools
 import types
 import typing
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields
+from types import UnionType
+from typing import Any, ClassVar, get_args, get_origin
 
 import numpy as np
 
-from mpm_warp.aliases import SCENES, what_to_give
-from mpm_warp.arguments import FINITE, Range
+from mpm_warp.checks import FINITE, Range, check_array, check_kind, check_number, check_whole
 from mpm_warp.errors import ParameterError
+from mpm_warp.names import did_you_mean, nearest_parameter
 
 Value = float | int | str | bool
 
@@ -154,9 +154,9 @@ def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
 
 def check_own(owner: Any) -> None:
     """Check all fields made by :func:`parameter`; raises `ParameterError`."""
-    for field in dataclasses.fields(owner):
-        if "meaning" in field.metadata:
-            definition_of(type(owner), field).checked(getattr(owner, field.name))
+    for own in fields(owner):
+        if "meaning" in own.metadata:
+            definition_of(type(owner), own).checked(getattr(owner, own.name))
 
 
 _type_hints = functools.cache(typing.get_type_hints)
@@ -197,31 +197,58 @@ def check_names(scene: type, names: Iterable[str]) -> None:
             )
 
 
-def did_you_mean(name: str, known: Iterable[str], likeness: float = 0.6) -> str:
-    """A phrase with the nearest valid name; "" if none has this likeness, 0 to 1 for the same."""
-    close = difflib.get_close_matches(name, list(known), n=1, cutoff=likeness)
-    return f"; did you mean {close[0]!r}?" if close else ""
+def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
+    """Declare a number as a field of a `Checked`; with the type `int` an integer."""
+    return field(default=default, metadata={"allowed": allowed, "unit": unit})
 
 
-def known_names(known: Iterable[str]) -> str:
-    """A phrase with all valid names; "" for none."""
-    names = ", ".join(known)
-    return f"; known: {names}" if names else ""
+def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:
+    """Metadata of an array field of a `Checked`.
 
-
-def nearest_name(name: str, known: Iterable[str]) -> str:
-    """A phrase with the nearest valid name, or with all if none is near.
-
-    An alias of a scene comes first. A name that begins with the words given is near at any length.
+    A name in the shape stands for the length of that field, None for any length.
     """
-    names = list(known)
-    meant = SCENES.get(name.lower(), "")
-    if meant in names:
-        return f"; did you mean {meant!r}?"
-    begun = [longer for longer in names if longer.startswith(f"{name}_")]
-    return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
+    return {"allowed": allowed, "shape": shape}
 
 
-def nearest_parameter(name: str, known: Collection[str]) -> str:
-    """A phrase with what to give instead: the meaning of an alias, or the nearest name."""
-    return what_to_give(name, known) or nearest_name(name, known)
+class Checked:
+    """The base of dataclasses that check their fields.
+
+    Numbers and arrays must be as `checked` and `array_of` declare them. A field of the type `bool`,
+    of a `Checked`, or of a tuple of these must have this type. A field whose default is None may be
+    None. A subclass with further checks calls `super().__post_init__()` first.
+
+    Raises:
+        SceneError: a value is not allowed; the message names class, field, value and range.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def __post_init__(self) -> None:
+        for own in fields(self):
+            name, value = f"{type(self).__name__}: {own.name}", getattr(self, own.name)
+            if value is None and own.default is None:
+                continue
+            if "shape" in own.metadata:
+                lengths = [
+                    np.size(getattr(self, it)) if isinstance(it, str) else it
+                    for it in own.metadata["shape"]
+                ]
+                check_array(name, value, lengths, own.metadata["allowed"])
+            elif "allowed" in own.metadata and own.type is int:
+                check_whole(name, value, own.metadata["allowed"])
+            elif "allowed" in own.metadata:
+                check_number(name, value, **own.metadata)
+            elif not own.metadata:
+                _check_declared(name, value, own.type)
+
+
+def _check_declared(name: str, value: Any, declared: Any) -> None:
+    if get_origin(declared) is tuple:
+        check_kind(name, value, tuple)
+        for number, item in enumerate(value):
+            _check_declared(f"{name}[{number}]", item, get_args(declared)[0])
+    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
+    if all(
+        isinstance(kind, type) and issubclass(kind, (Checked, bool, type(None))) for kind in kinds
+    ):
+        check_kind(name, value, kinds)

@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 
 from mpm_warp import ParameterError, parameter, scene_class, scene_names
-from mpm_warp.parameters import (
-    Derived,
-    check_parameters,
-    did_you_mean,
-    known_names,
-    nearest_name,
-    parameters_of,
-)
+from mpm_warp.fields import Derived, check_parameters, parameters_of
+from mpm_warp.names import did_you_mean, known_names, nearest_name
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
