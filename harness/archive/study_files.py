@@ -59,7 +59,7 @@ def _content(path: Path, dataset: xr.Dataset) -> str:
     if path.name.endswith(FIELDS_ENDING):
         return f", but has snapshots of a case; `harness view {path}` draws them"
     if "case_key" in dataset.attrs:
-        return f", but of one case; `harness rerun {path}` computes it again"
+        return ", but of one case; `xarray.open_dataset` reads it"
     return "; `xarray.open_dataset` reads it"
 
 

@@ -91,12 +91,6 @@ half-written files. The files are listed, and you are asked first.
 $ harness clean mesh_size
   study, --out, --set
   --yes: remove without asking
-[rerun = run.rerun_case] run a case again and compare every bit
-Run one case again from what its file says, and print whether every bit of the result is the same.
-$ harness rerun results/mesh_size.nc 0123456789abcdef
-  file FILE: file of a case, or result of a study
-  case [CASE]: key of the case, if FILE has several
-  --threads, --device
 [verify = run.verify_scenes] compare scenes with their exact solutions
 Run scenes that have an exact solution, and print error, bound and observed order. Checks run in
 parallel, one per core. The expected time is printed first; with --quick it is a minute.
@@ -120,14 +114,12 @@ $ harness references lu_2004
   id [ID]: name of one reference or band; default: all
 [compare = results.compare] compare a result with references, or with another result
 Print a result beside references or exact solutions. With OTHER compare two results and print the
-largest difference of each variable.
+largest difference of each scalar and curve; 0 is the same bits.
 $ harness compare results/adhesion_factor.nc
 $ harness compare runs/a.nc runs/b.nc --tolerance 1e-6
   file FILE: result of a study, netCDF
   other [OTHER]: another result to compare it with
   --tolerance X: largest relative difference allowed between FILE and OTHER; default: 0
-  --standards: for cone factors on at least four meshes, print the error by the least squares of Eca
-    and Hoekstra beside the stated uncertainty
 [plot = results.plot] draw the pictures of a result
 Draw the pictures of a result again.
 $ harness plot results/adhesion_factor.nc

@@ -56,7 +56,7 @@ class Difference:
     """The largest relative difference of one variable between two results."""
 
     name: str
-    size: float  # relative to the first; infinite where only one of them has a number
+    size: float  # relative to the first, of a curve to its largest; infinite where one has none
     label: str  # the case with this difference
 
 
@@ -65,9 +65,9 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
 
     Before parameters are compared, the scene fills in what a result lacks: defaults of parameters
     that were added later, and derived ones. A parameter that the scene no longer has is compared
-    if both results have it, or if it varies. Returned are the largest difference of each scalar
-    result, without measured times and memory, and a line for each case that only one result has or
-    has completed.
+    if both results have it, or if it varies. Returned are the largest difference of each result,
+    scalar or curve, without measured times and memory, and a line for each case that only one
+    result has or has completed. A difference is 0 only where both have the same numbers.
     """
     shared = parameter_names(first).keys() & parameter_names(second).keys()
     ours, theirs = _identities(first, shared), _identities(second, shared)
@@ -84,17 +84,18 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Difference]
         for place, before, after in zip(here, *statuses, strict=True)
         if (before == COMPLETED) != (after == COMPLETED)
     ]
-    measured = {*with_role(first, Role.MEASURED), *with_role(second, Role.MEASURED)}
+    of_cases = {*case_dims(first), *case_dims(second)}
+    first, second = xr.align(first, second, join="outer", exclude=of_cases)
     found = []
     is_compared = False
-    for name in sorted((_scalar_results(first) | _scalar_results(second)) - measured):
-        before, after = over_cases(first, name)[here], over_cases(second, name)[there]
-        is_compared |= not (np.isnan(before) & np.isnan(after)).all()
+    for name in sorted(_results(first) | _results(second)):
+        before, after = _rows(first, name)[here], _rows(second, name)[there]
+        is_compared |= not (np.isnan(before).all() and np.isnan(after).all())
         sizes = _relative(before, after)
         worst = int(np.argmax(sizes))
         found.append(Difference(name, float(sizes[worst]), labels[here[worst]]))
     if not is_compared and not lonely:
-        raise NothingToCompareError("nothing to compare: no case has a scalar result in either")
+        raise NothingToCompareError("nothing to compare: no case has a result in either")
     return found, lonely
 
 
@@ -145,18 +146,28 @@ def _same(one: xr.Dataset, other: xr.Dataset, name: str) -> bool:
 
 
 def _relative(before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The largest change of each row over the largest number before; rows of [case, point]."""
     same = (before == after) | (np.isnan(before) & np.isnan(after))
     with np.errstate(divide="ignore", invalid="ignore"):
-        relative = np.abs(after - before) / np.abs(before)
-    return np.where(same, 0.0, np.where(np.isnan(relative), np.inf, relative))
+        change = np.where(same, 0.0, np.abs(after - before)).max(axis=1)
+        relative = change / np.where(np.isnan(before), 0.0, np.abs(before)).max(axis=1)
+    return np.where(change == 0.0, 0.0, np.where(np.isnan(relative), np.inf, relative))
 
 
-def _scalar_results(dataset: xr.Dataset) -> set[str]:
+def _results(dataset: xr.Dataset) -> set[str]:
+    """Names of the numbers that a case computes: scalars and curves."""
+    no_results = Role.PARAMETER, Role.REFERENCE, Role.DEVIATION, Role.MEASURED
     return {
         str(name)
         for name, array in dataset.data_vars.items()
-        if array.dims == case_dims(dataset) and array.dtype.kind in "iuf"
-    } - set(with_role(dataset, Role.PARAMETER, Role.REFERENCE, Role.DEVIATION))
+        if {*case_dims(dataset)} <= {*array.dims} and array.dtype.kind in "iuf"
+    } - set(with_role(dataset, *no_results))
+
+
+def _rows(dataset: xr.Dataset, name: str) -> np.ndarray:
+    """A result of each case, shape [case, point]; NaN if the dataset lacks it."""
+    values = dataset.get(name, np.nan * xr.ones_like(dataset["status"], float))
+    return values.transpose(*case_dims(dataset), ...).values.reshape(dataset["status"].size, -1)
 
 
 def _identities(dataset: xr.Dataset, shared: AbstractSet[str]) -> dict[Identity, int]:

@@ -18,7 +18,6 @@ from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, misses
 from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
-from harness.compare.least_squares import least_squares_table
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, tell
 from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable, image, write_own
@@ -36,15 +35,10 @@ def compare(options: argparse.Namespace) -> int:
         raise HarnessError(
             "--tolerance: needs a second result OTHER; tolerances of one result are in its study"
         )
-    if options.standards and options.other is not None:
-        raise HarnessError("--standards: takes a single result; leave OTHER out")
     dataset = _read(options.file)
     if options.other is not None:
         return _compare_two(dataset, _read(options.other), options.tolerance or 0.0)
     with _result_of(options.file):
-        if options.standards:
-            print(least_squares_table(dataset))
-            return DONE
         try:
             print(result_table(dataset))
         except NothingToCompareError:

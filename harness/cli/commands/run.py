@@ -1,8 +1,7 @@
-"""The commands that compute: run, rerun, bench, verify and benchmark."""
+"""The commands that compute: run, bench, verify and benchmark."""
 
 import argparse
 import math
-import sys
 from collections.abc import Sequence
 
 import xarray as xr
@@ -27,9 +26,8 @@ from harness.errors import HarnessError, counted, tell
 from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
-from harness.run.rerun import read_for_rerun, rerun, verdict
-from harness.run.resources import RunOptions, check_device, spoken_time, usable_cores
-from harness.run.run_study import Display, on_cluster, on_this_machine, run_study
+from harness.run.resources import RunOptions, spoken_time, usable_cores
+from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
 from harness.study.description import warn_of_unusual_values
 from harness.study.scene_part import loaded_scenes
@@ -96,17 +94,6 @@ def _list_incomplete(study: Study, dataset: xr.Dataset) -> int:
     for case, how, why in lost:
         tell(f"{case.label}: {how}: {why}")
     return INCOMPLETE if lost else DONE
-
-
-def rerun_case(options: argparse.Namespace) -> int:
-    """Run one case again and compare it with its file, bit by bit."""
-    check_device(options.device)
-    case, before = read_for_rerun(options.file, options.case)
-    with Display(1, sys.stderr) as display:
-        again = rerun(case, display, RunOptions(device=options.device, threads=options.threads))
-    same, words = verdict(before, again)
-    print(f"{case.key}: {words}")
-    return DONE if same else INCOMPLETE
 
 
 def bench(options: argparse.Namespace) -> int:

@@ -27,7 +27,7 @@ STUDIES = {
     "sliding_block": "cells_per_length = 10\ntravel = 0.01",
     "material_point": "step_count = 16",
 }
-COMMANDS = ("compare", "plot", "report", "rerun", "recommend")
+COMMANDS = ("compare", "plot", "report", "recommend")
 
 
 @pytest.fixture(scope="module", params=list(STUDIES))

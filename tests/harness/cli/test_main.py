@@ -100,7 +100,7 @@ def test_a_signal_ends_any_command_as_an_exception_that_removes_what_is_half_don
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
-        ("harness re", {"rerun", "report", "recommend", "references"}),
+        ("harness re", {"report", "recommend", "references"}),
         ("harness run adh", {"adhesion_factor"}),
         ("harness run mi", {"mine.toml"}),
         ("harness describe cone_b", {"cone_bearing"}),

@@ -84,7 +84,6 @@ MISTAKES = {
     "report a.nc -o b.nc": "'b.nc' is not allowed: must end in .html",
     "compare a.nc b.nc --tolerance=-1": "must be a number >= 0",
     "compare a.nc --tolerance=0.5": "needs a second result OTHER",
-    "compare a.nc b.nc --standards": "--standards: takes a single result; leave OTHER out",
     "status --traceback": "need a study; name it, or leave them out",
     "status a.nc --set rigidity_index=50": "need a study; name it, or leave them out",
     "benchmark run a --against b": "--against is only for score; leave it out",

@@ -11,7 +11,7 @@ import xarray as xr
 from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
-from harness.compare.differences import differences, differing, unshared
+from harness.compare.differences import Difference, differences, differing, unshared
 from mpm_warp.fields import parameter
 from tests.harness.compare.conftest import FACTORS, Two, collected
 from tests.harness.conftest import Command, Refusal, as_collected
@@ -32,6 +32,43 @@ def test_the_largest_difference_is_named_with_its_case(two: Two) -> None:
     assert {it.label for it in found} == {"adhesion_factor=0.5"}
 
 
+CURVE = np.array([[0.0, 64.0], [-1.0, 2.0], [3.0, np.nan]])
+
+
+@pytest.mark.parametrize(
+    ("change", "size", "label"),
+    [
+        ({}, 0.0, "0.0"),
+        ({(0, 1): 64.0 * (1 + 2**-52)}, 2**-52, "0.0"),  # one bit
+        ({(1, 0): -1.5}, 0.25, "0.5"),  # relative to the largest number of the curve
+        ({(0, 0): np.nan}, np.inf, "0.0"),
+        ({(2, 1): 0.0}, np.inf, "1.0"),
+    ],
+)
+def test_given_two_curves_their_largest_difference_is_that_of_one_point(
+    two: Two, change: dict[tuple[int, int], float], size: float, label: str
+) -> None:
+    one, other = two(*FACTORS)
+    changed = CURVE.copy()
+    for place, value in change.items():
+        changed[place] = value
+    dims, depth = ("adhesion_factor", "penetration"), {"penetration": [1.0, 2.0]}
+    found, _ = differences(
+        one.assign(curve=(dims, CURVE)).assign_coords(depth),
+        other.assign(curve=(dims, changed)).assign_coords(depth),
+    )
+    assert found[1] == Difference("curve", size, f"adhesion_factor={label}")
+
+
+def test_given_a_longer_curve_it_differs_without_bound(two: Two) -> None:
+    one, other = two(*FACTORS)
+    curve = xr.DataArray(CURVE.T, dims=("penetration", "adhesion_factor"))
+    one = one.assign(curve=curve).assign_coords(penetration=[1.0, 2.0])
+    other = other.assign(curve=curve[:1]).assign_coords(penetration=[1.0])
+    found, _ = differences(one, other)
+    assert found[1] == Difference("curve", np.inf, "adhesion_factor=0.0")
+
+
 def test_a_case_that_failed_in_one_differs_without_bound(two: Two) -> None:
     """And counts by its status alone where there are no numbers."""
     one, other = two(10.0, np.nan, 12.0)
@@ -45,7 +82,7 @@ def test_a_case_that_failed_in_one_differs_without_bound(two: Two) -> None:
 def test_what_was_not_compared_is_not_passed(tmp_path: Path, refusal: Refusal, two: Two) -> None:
     path = tmp_path / "s.nc"
     write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
-    told = "harness: nothing to compare: no case has a scalar result in either"
+    told = "harness: nothing to compare: no case has a result in either"
     assert refusal(["compare", str(path), str(path)]) == told
     one, other = two(*FACTORS)
     nothing = {"cone_factor": np.nan * one["cone_factor"], "error": np.nan * one["error"]}

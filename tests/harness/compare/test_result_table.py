@@ -1,7 +1,6 @@
-"""The table that a study ends with; ratios, differences and the spread below it; least squares."""
+"""The table that a study ends with; ratios, differences and the spread below it."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,16 +14,12 @@ from harness.archive.conventions import (
     stated,
     uncertainty_of,
 )
-from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError
 from harness.compare.differences import difference, ratio, slope
-from harness.compare.least_squares import fit, least_squares_table
 from harness.compare.result_table import MOST_CASES, reason_notes, result_table
 from harness.compare.spread import NUMERICAL, TOGETHER, first_order, spread_rows, spreads_of
 from harness.study.files import studies_folder
 from mpm_warp.results import labelled
-from mpm_warp.uncertainty.laws import CURVATURE_POWER, mesh_error
-from tests.harness.conftest import Command, as_collected
 
 
 def footings(status: list[str]) -> xr.Dataset:
@@ -239,82 +234,6 @@ def test_of_one_varied_number_difference_ratio_and_slope_stand_below() -> None:
     for name in ("cells_per_radius", "penetration_parameter"):
         method = known.rename(adhesion_factor=name).assign_attrs(scene="cone_penetration")
         assert "difference" not in result_table(method)
-
-
-SIZES = [0.8, 0.4, 0.2, 0.1]
-
-
-@pytest.mark.parametrize("order", [0.5, 1.0, 1.5, 2.0])
-def test_a_power_of_the_width_is_found_and_its_half_width_is_a_quarter_more(order: float) -> None:
-    found = fit(SIZES, [10.0 + 0.3 * size**order for size in SIZES])
-    assert found.is_accepted
-    assert found.order == pytest.approx(order, abs=1e-9)
-    assert found.limit == pytest.approx(10.0, abs=1e-9)
-    expected = [1.25 * 0.3 * size**order for size in SIZES]
-    np.testing.assert_allclose(found.half_widths, expected, atol=1e-9)
-
-
-def test_of_another_order_the_first_or_second_is_taken_and_doubted() -> None:
-    found = fit(SIZES, [10.0 + size**4 for size in SIZES])
-    assert not found.is_accepted
-    assert found.order == pytest.approx(4.0)
-    assert (found.half_widths > 1.25 * np.array(SIZES) ** 4).all()
-
-
-def test_values_that_scatter_have_a_larger_half_width() -> None:
-    values = np.array([10.0 + 0.3 * size for size in SIZES])
-    scatter = np.array([0.0, 0.1, -0.1, 0.1])
-    assert (fit(SIZES, values + scatter).half_widths > fit(SIZES, values).half_widths).all()
-
-
-def cases() -> xr.Dataset:
-    """The cases of `mesh_error`, their cone factors corrected for the mesh."""
-    table = np.genfromtxt(studies_folder() / "mesh_error.csv", delimiter=",", names=True)
-    names = ("rigidity_index", "adhesion_factor", "cells_per_radius")
-    rows = np.round(table["cells_per_radius"] * math.sqrt(3.0))
-    errors = [
-        mesh_error(
-            rigidity_index=case["rigidity_index"],
-            adhesion_factor=case["adhesion_factor"],
-            cell_size=math.sqrt(3.0) / row,
-            cell_growth=0.4,
-        )
-        for case, row in zip(table, rows, strict=True)
-    ]
-    simulated = table["cone_factor_simulated"]
-    made = xr.Dataset(
-        {"cone_factor_simulated": ("case", simulated), "cone_factor": ("case", simulated - errors)},
-        coords={"case": np.arange(len(table))} | {name: ("case", table[name]) for name in names},
-    )
-    return as_collected(made, "case", ["completed"] * len(table))
-
-
-def test_on_the_meshes_of_the_project_it_takes_no_order_and_holds_the_limits() -> None:
-    """What a reviewer would find: no power of the width fits, and U holds what is corrected."""
-    made = cases()
-    lines = least_squares_table(made).splitlines()[3 : 3 + made.sizes["case"]]
-    words = [line.split() for line in lines]
-    simulated, half_widths, corrected = (
-        np.array([float(it[place]) for it in words]) for place in (3, 5, -1)
-    )
-    is_default = np.array([float(it[2]) for it in words]) == 2.89
-    assert (np.abs(simulated - corrected) <= half_widths)[is_default].all()
-    assert all("not accepted" in line for line in lines)
-
-
-def test_three_meshes_are_too_few() -> None:
-    few = cases().isel(case=slice(3))
-    with pytest.raises(
-        NothingToCompareError, match="needs cone factors with 4 values of cells_per"
-    ):
-        least_squares_table(few)
-
-
-def test_the_table_from_the_command_line(tmp_path: Path, command: Command) -> None:
-    write_study(tmp_path / "s.nc", cases())
-    told = command("compare", tmp_path / "s.nc", "--standards").out
-    assert "by Eca & Hoekstra" in told
-    assert f"Q h^{CURVATURE_POWER:g} +" in told
 
 
 COUNT = 1024
