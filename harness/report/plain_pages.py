@@ -1,4 +1,4 @@
-"""HTML pages without scripts: on interpreted cone tests, and on the open benchmark.
+"""HTML pages: on interpreted cone tests, and on the open benchmark.
 
 The page on tests has all values that may be quoted, and all inputs that they depend on.
 """

@@ -33,21 +33,14 @@ from mpm_warp.uncertainty.further_runs import REASON
 
 
 @dataclass(frozen=True)
-class Cell:
-    """A cell of a table."""
-
-    text: str  # as shown
-    value: str  # all digits in the unit shown, for sorting; "" for a text
-
-
-@dataclass(frozen=True)
 class Column:
     """One quantity of all cases; symbol and unit are "" if it has none."""
 
     title: str
     symbol: Markup
     unit: str
-    cells: list[Cell]
+    is_number: bool
+    cells: list[str]
 
 
 def case_columns(dataset: xr.Dataset) -> list[Column]:
@@ -56,10 +49,10 @@ def case_columns(dataset: xr.Dataset) -> list[Column]:
 
 
 def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
-    """The parameters of a result, for the script of the page.
+    """The parameters of a result.
 
-    `fixed` has name, value and unit of those that are the same in all cases; `own` has name and
-    unit of the others, and `values` their texts for each case.
+    `fixed` has name, value and unit of those that are the same in all cases; `own` has the headings
+    of the others, and `values` their texts for each case.
     """
     parameters = parameter_names(dataset)
     own = {name: stored for name, stored in parameters.items() if dataset[stored].ndim}
@@ -70,8 +63,11 @@ def case_parameters(dataset: xr.Dataset) -> dict[str, list[Any]]:
             for name, stored in parameters.items()
             if dataset[stored].ndim == 0 and is_there(dataset[stored].item())
         ],
-        "own": [(name, words.unit(dataset, stored)) for name, stored in own.items()],
-        "values": list(zip(*texts, strict=True)) or [()] * dataset["status"].size,
+        "own": [
+            f"{name} [{unit}]" if (unit := words.unit(dataset, stored)) else name
+            for name, stored in own.items()
+        ],
+        "values": list(zip(*texts, strict=True)),
     }
 
 
@@ -118,10 +114,9 @@ def _column(dataset: xr.Dataset, name: str) -> Column:
         applies = where_it_applies(dataset, name.removeprefix(f"{role}_"))
         pairs = zip(texts, over_cases(dataset, applies), strict=True)
         texts = [it if inside or it == words.MISSING else f"[{it}]" for it, inside in pairs]
-    shown = (100.0 * over_cases(dataset, name)).tolist() if role == Role.DEVIATION else values
-    cells = [Cell(text, _sortable(value)) for text, value in zip(texts, shown, strict=True)]
     title = "outcome" if name == "status" else words.title(dataset, name)
-    return Column(title, words.symbol(name), words.unit(dataset, name), cells)
+    is_number = dataset[name].dtype.kind in "iuf"
+    return Column(title, words.symbol(name), words.unit(dataset, name), is_number, texts)
 
 
 def _with_half_width(value: float, half_width: float, reason: str) -> str:
@@ -129,12 +124,6 @@ def _with_half_width(value: float, half_width: float, reason: str) -> str:
     if not math.isfinite(value):
         return words.MISSING
     return stated(value, half_width, reason).replace("+-", "±")
-
-
-def _sortable(value: object) -> str:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return ""
-    return repr(value) if math.isfinite(value) else ""
 
 
 MOST_VALUES = 6

@@ -49,10 +49,7 @@ def test_each_soil_is_a_row_with_the_result_of_each_scene() -> None:
 
 
 def test_no_half_width_stands_in_a_table_where_the_value_is_missing() -> None:
-    cells = {
-        it.title: [cell.text for cell in it.cells]
-        for it in case_columns(cones_and_bars([0.5, 0.0]))
-    }
+    cells = {it.title: it.cells for it in case_columns(cones_and_bars([0.5, 0.0]))}
     assert cells["cone factor"] == ["11.30 ± 0.10", "10.5 ± 0.2", "-", "-"]
     assert cells["resistance factor"] == ["-", "-", "10.8", "8.40"]
 

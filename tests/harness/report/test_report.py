@@ -22,7 +22,7 @@ LARGEST_PAGE = 5_000_000
 class Elements(HTMLParser):
     """The elements of a page: their names and attributes, and those that are never closed."""
 
-    VOID = ("meta", "img", "input")
+    VOID = ("meta", "img")
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -63,7 +63,7 @@ def test_links_lead_to_what_is_on_the_page(page_file: Path) -> None:
 
 def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
     text = page_file.read_text()
-    assert text.count("<script") == 3  # the parameters of two studies, and the page's own
+    assert "<script" not in text
     assert "velocity of &lt;particle 3&gt;" in text
     assert "&lt;b&gt;unknown&lt;/b&gt;" in text
     assert "Nc &lt; 12 &amp; &lt;script&gt;" in text
@@ -75,13 +75,13 @@ def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_fil
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:
     columns = {column.title: column for column in case_columns(results[0])}
-    assert [cell.text for cell in columns["cone factor"].cells] == ["9.00", "10.5", "12.0", "-"]
-    assert (columns["peak memory"].unit, columns["peak memory"].cells[0].text) == ("MB", "300")
+    assert columns["cone factor"].cells == ["9.00", "10.5", "12.0", "-"]
+    assert (columns["peak memory"].unit, columns["peak memory"].cells[0]) == ("MB", "300")
     assert str(columns["rigidity index"].symbol) == "I<sub>r</sub>"
     # check value of the formula at Ir 50 and adhesion factor 0.5: 10.31
     deviation, *_, of_failed = columns["deviation from the cone factor of Lu et al. 2004"].cells
-    assert (deviation.text, of_failed.text) == ("-12.7 %", "-")
-    assert float(deviation.value) == pytest.approx(100.0 * (9.0 / 10.31 - 1.0), abs=0.05)
+    assert (deviation, of_failed) == ("-12.7 %", "-")
+    assert [columns[it].is_number for it in ("cone factor", "outcome")] == [True, False]
 
 
 def test_studies_are_compared_where_they_share_parameters(results: list[xr.Dataset]) -> None:
@@ -141,9 +141,7 @@ def test_a_deviation_outside_the_validity_of_its_reference_is_in_brackets(
     soft = results[0].assign_coords(rigidity_index=results[0].rigidity_index / 2.0)
     columns = {column.title: column for column in case_columns(soft)}
     first, second, *_ = columns["deviation from the cone factor of Lu et al. 2004"].cells
-    assert first.text == "[-12.7 %]"
-    assert float(first.value) < -12.0
-    assert second.text == "-8.0 %"
+    assert (first, second) == ("[-12.7 %]", "-8.0 %")
 
 
 @pytest.mark.parametrize(
