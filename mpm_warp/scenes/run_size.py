@@ -47,7 +47,7 @@ class RunSize:
     def byte_count(self) -> float:
         """Memory of a run [byte], beyond that of a process that has loaded the package.
 
-        `python -m tests.memory` compares it with the memory of random cases.
+        `python -m studies.laboratory.memory` compares it with the memory of random cases.
         """
         in_grid = self.cell_count * self.bytes_per_cell
         return in_grid + self.particle_count * self.bytes_per_particle + self.curve_bytes

@@ -18,8 +18,8 @@ from harness.archive.conventions import COMPLETED
 from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
-from mpm_warp import CatalogueScene, ParameterError, SceneError, scene_class, scene_names
-from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp import scene_names
+from studies.laboratory.random_cases import NAMED, random_scene
 from tests.harness.conftest import Depth
 
 from .conftest import Record
@@ -28,51 +28,6 @@ pytestmark = pytest.mark.slow
 
 SECONDS, BYTES = 2.0, 1.5e9
 """What a case may take of time and of memory."""
-NAMED = {COMPLETED, "refused", "diverged", "inaccurate", "unfinished", "timed_out"}
-"""How a case may end; `failed` and `crashed` are errors of the program."""
-WIDE = 1e3
-"""Ratio to the default of what has no bound."""
-
-
-def drawn(source: random.Random, definition: Parameter) -> Value | None:
-    """A value of a parameter, by its logarithm where its range is wide."""
-    if definition.choices is not None:
-        return source.choice(definition.choices)
-    default = definition.default
-    bounds = definition.bounds
-    low, high = max(bounds.minimum, bounds.above), min(bounds.maximum, bounds.below)
-    is_bounded = math.isfinite(low) and math.isfinite(high)
-    if definition.kind is str or (default is None and not is_bounded):
-        return default
-    size = abs(float(default or 1.0))
-    low = low if math.isfinite(low) else size / WIDE
-    high = high if math.isfinite(high) else max(size, low) * WIDE
-    inside = 1e-6 * (high - low)
-    low, high = low + inside * (low == bounds.above), high - inside * (high == bounds.below)
-    if low > 0.0 and high / low > 100.0:
-        number = low * math.exp(source.uniform(0.0, math.log(high / low)))
-    else:
-        number = source.uniform(low, high)
-    number = min(max(number, low), high)
-    return round(number) if definition.kind is int else number
-
-
-def random_scene(source: random.Random, name: str) -> CatalogueScene:
-    """A scene with random parameters.
-
-    What it refuses together is drawn again, each time with some more at their defaults: of a
-    sounding few combinations are allowed.
-    """
-    scene, share = scene_class(name), 1.0
-    while True:
-        known = {key: it for key, it in parameters_of(scene).items() if source.random() < share}
-        try:
-            made = scene(**{key: drawn(source, it) for key, it in known.items()})
-            made.run_size()
-        except (ParameterError, SceneError):
-            share *= 0.9
-        else:
-            return made
 
 
 def random_cases(count: int) -> list[Case]:

@@ -230,7 +230,7 @@ NEAR_SHAFT_ON_FINE_ROWS: dict[tuple[float, float], Series] = {
     (300, 1.0): {80: -0.45},
 }
 """Mean deviator within 0.06 radii of the shaft at the height of the filter, over su, on narrow
-columns: 80 rows, and 112 but for the adhesion factor 0.5, by `tests/shaft_layer.py`."""
+columns: 80 rows, and 112 but for the adhesion factor 0.5, by `laboratory/shaft_layer.py`."""
 
 
 @pytest.mark.parametrize("case", NEAR_SHAFT_ON_FINE_ROWS)

@@ -4,7 +4,7 @@ By default the columns follow the cone up to the edge of the grid. Here they fol
 number of radii and are upright beyond, so the cells have other shapes but the same widths. A limit
 of fine meshes that is the same in both families does not come from the shape of the cells.
 
-``python tests/mesh_family.py IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
+``mesh_family IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
 mesh that is upright beyond each of the radii. It prints the cone factors as simulated, and the
 limit N0 of the law of the mesh, N = N0 + B h + Q h^1.7 + C g^1.5 h^1.3, where each family has its
 own B.
@@ -13,6 +13,7 @@ own B.
 import math
 import sys
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -47,7 +48,7 @@ class UprightCone(ConePenetration):
         return replace(grid, columns=columns, fitted_radius=fitted)
 
 
-def factor(rows: int, upright: float, **clay: float) -> float:
+def factor(rows: int, upright: float, **clay: Any) -> float:
     """The cone factor as simulated on a mesh of so many rows beside the face."""
     test = UprightCone(
         cells_per_radius=rows / math.sqrt(3.0),
@@ -61,10 +62,13 @@ def factor(rows: int, upright: float, **clay: float) -> float:
 def limit(factors: Floats, **clay: float) -> tuple[float, float, float]:
     """N0 and B by least squares, and the largest residual; factors of `ROWS`, shape [4]."""
     size = math.sqrt(3.0) / np.array(ROWS)
-    known = [
-        curvature_error(cell_size=it, **clay) + GROWTH_ERROR * growth_measure(it, GROWTH_OF_MESHES)
-        for it in size
-    ]
+    known = np.array(
+        [
+            curvature_error(cell_size=it, **clay)
+            + GROWTH_ERROR * growth_measure(it, GROWTH_OF_MESHES)
+            for it in size
+        ]
+    )
     slope, at_zero = np.polyfit(size, factors - known, 1)
     residual = np.abs(factors - known - at_zero - slope * size).max()
     return float(at_zero), float(slope), float(residual)

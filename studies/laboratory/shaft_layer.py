@@ -5,7 +5,7 @@ layer thinner than the cells of a usual run. Here all rows have the given finene
 columns at the shaft: each is 1.15 times as wide as the previous one. A penetration of 11 radii
 suffices: farther on the layer is the same. It is not in a smaller window.
 
-``python tests/shaft_layer.py IR ADHESION ROWS...`` prints for each number of rows beside the face
+``shaft_layer IR ADHESION ROWS...`` prints for each number of rows beside the face
 the mean deviator over su at the height of the filter, within 0.06 radii of the shaft and cell by
 cell. 28 rows take a minute at Ir 100, 80 rows twelve, 112 twenty-five.
 """

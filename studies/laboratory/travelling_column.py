@@ -5,7 +5,7 @@ the transfers between points and nodes, with or without the mass-matrix correcti
 `mpm_warp.step.momentum`. Lengths are over a cell, speeds over that of shear waves, and the density
 is 1. Poisson's ratio counts by the time step that the wave of pressure allows.
 
-``python tests/travelling_column.py`` prints by how much the largest wave grows, in percent from one
+``travelling_column`` prints by how much the largest wave grows, in percent from one
 cell to the next, over the speed of the column (`studies/stability.md`).
 """
 

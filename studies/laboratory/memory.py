@@ -1,6 +1,6 @@
 """Memory of random cases of all scenes: that which is predicted beside that which is used.
 
-``python -m tests.memory COUNT SEED`` draws cases of up to 600 MB and runs each as a worker does, in
+``memory COUNT SEED`` draws cases of up to 600 MB and runs each as a worker does, in
 a process of its own: to its end where that takes some seconds, what is sampled on the way included;
 else two steps of it, without samples. It prints the peak of each process and what was predicted,
 and at last the distribution of the ratio. Run it twice: kernels that are compiled on the way take
@@ -27,6 +27,7 @@ from harness.run.resources import UPDATE_RATE, predicted_memory
 from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, Simulation, scene_class, scene_names
+from studies.laboratory.random_cases import random_scene
 
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40
 """Memory of a case at most, and from where on no larger one is looked for [byte]; draws at most."""
@@ -36,9 +37,6 @@ SECONDS, STEPS = 1.0, 20_000
 
 def drawn(seed: str, name: str) -> dict[str, Any]:
     """Parameters of a case that is not too large, of some draws the largest."""
-    # Here, because it loads pytest: the processes of the cases are to be as a worker is.
-    from tests.harness.run.test_random_cases import random_scene
-
     source, best, most = random.Random(seed), dict[str, Any](), -1.0
     for _ in range(DRAWS):
         made = random_scene(source, name)

@@ -1,6 +1,6 @@
 """Simulated soundings near a border of two layers: su as measured, sharpened, and by ngl_tools.
 
-``python -m tests.borders DIR SEED`` takes the soundings that ``tests/blind.py DIR SEED`` simulated.
+``borders DIR SEED`` takes the soundings that `blind` simulated.
 su is net resistance over the factor that each layer has away from its border, so that its error is
 the border's. Where the package ngl_tools is installed (``pip install ngl_tools scikit-learn``), its
 filter (Boulanger & DeJong 2018, Cone Penetration Testing 2018, Delft) is printed beside.
@@ -15,7 +15,7 @@ import xarray as xr
 
 from harness.interpret.borders import near_border, sharpened
 from mpm_warp.grid.fitted import Floats
-from tests.blind import BORDER, COUNT, RADIUS, START, TOP
+from studies.laboratory.blind import BORDER, COUNT, RADIUS, START, TOP
 
 EVERY = 10
 """Samples of the simulation between two of a test: 18 mm, as in practice."""
@@ -31,7 +31,8 @@ def by_ngl_tools(depth: Floats, net: Floats) -> Floats:
         from ngl_tools.smt import cpt_inverse_filter
     except ImportError:
         return np.full_like(net, np.nan)
-    return 1e3 * cpt_inverse_filter(net / 1e3, depth, dc=2.0 * RADIUS)
+    found: Floats = 1e3 * cpt_inverse_filter(net / 1e3, depth, dc=2.0 * RADIUS)
+    return found
 
 
 METHODS: dict[str, Callable[[Floats, Floats], Floats]] = {

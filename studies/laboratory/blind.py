@@ -1,6 +1,6 @@
 """Blind test: random grounds are simulated, and interpreted from ranges of their parameters alone.
 
-``python tests/blind.py DIR SEED`` simulates soundings into a folder, or uses those in it. It adds
+``blind DIR SEED`` simulates soundings into a folder, or uses those in it. It adds
 measurement errors of class 2 to each, several times, since an error is constant along a test. It
 interprets each from the tip, from tip and sleeve, and with u2 too. It prints for each ground the
 share of depths whose strength is in the 90 % band, median error and width of the band; then means.
