@@ -26,8 +26,25 @@ class ArchiveError(HarnessError):
     """A file of the archive cannot be read, written or removed; the message names it."""
 
 
+class NoFileError(ArchiveError):
+    """There is no such file."""
+
+
 class DamagedError(ArchiveError):
-    """A file was changed after the harness wrote it, or was cut."""
+    """A file with the mark of the harness whose digest is wrong."""
+
+
+def check_folder(*folders: Path) -> None:
+    """Refuse what is no folder, or one that may not be read; it need not exist."""
+    for folder in folders:
+        try:
+            os.scandir(folder).close()
+        except FileNotFoundError:
+            return
+        except NotADirectoryError:
+            raise ArchiveError(f"{folder}: is not a folder") from None
+        except OSError as error:
+            raise ArchiveError(f"{folder}: cannot be read: {error.strerror}") from None
 
 
 def prepare(folder: Path) -> None:
@@ -131,7 +148,7 @@ def partial_ending(process_id: int | str) -> str:
 def _is_alive(process_id: int) -> bool:
     try:
         os.kill(process_id, 0)
-    except ProcessLookupError:
+    except (ProcessLookupError, OverflowError):  # no process has a number that large
         return False
     except PermissionError:  # alive, and another user's
         return True

@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, remove_file
+from harness.archive.atomic_files import ArchiveError, DamagedError, NoFileError, remove_file
 from harness.archive.conventions import (
     COMPLETED,
     DAMAGED,
-    FORMAT_VERSION,
     MISSING,
     NO_FIELDS,
+    UNREADABLE,
     UNTIMED,
     Role,
 )
@@ -99,7 +99,6 @@ def write_case(
         "parameters": json.dumps(case.parameters),
         "status": status,
         "message": message,
-        "format_version": FORMAT_VERSION,
     }
     result = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
     if fields is None:
@@ -113,9 +112,10 @@ def write_case(
 def read_case(folder: Path, case: Case) -> xr.Dataset | None:
     """The result of a case, or None if it has not been run."""
     path = case_file(folder, case)
-    if not path.exists():
+    try:
+        dataset = read_netcdf(path)
+    except NoFileError:
         return None
-    dataset = read_netcdf(path)
     _check_owner(path, case, dataset.attrs)
     return dataset
 
@@ -123,11 +123,8 @@ def read_case(folder: Path, case: Case) -> xr.Dataset | None:
 def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
     """How a case ended, by its file; `untimed` if it has fewer timed runs than `repeats`."""
     path = case_file(folder, case)
-    if not path.exists():
-        return Outcome(MISSING)
     try:
-        with opened(path, as_result=True) as found:
-            attributes, variables = found
+        with opened(path) as (attributes, variables):
             seconds = float(variables.get("case_time", 0.0))
             timed = variables["repeat"].size if "repeat" in variables else 0
             half_widths, reasons = (
@@ -137,13 +134,17 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
             is_known = any(np.isfinite(half_width.values).all() for half_width in half_widths)
             reason = "" if is_known else "; ".join(str(reason.values) for reason in reasons)
         _check_owner(path, case, attributes)
-    except ArchiveError as error:
+        status, sources = attributes["status"], str(attributes.get(SOURCES, ""))
+        if status == COMPLETED and timed < repeats:
+            status = UNTIMED
+        elif status == COMPLETED and not has_fields(folder, case):
+            status = NO_FIELDS
+    except NoFileError:
+        return Outcome(MISSING)
+    except DamagedError as error:
         return Outcome(DAMAGED, str(error))
-    status, sources = attributes["status"], str(attributes.get(SOURCES, ""))
-    if status == COMPLETED and timed < repeats:
-        status = UNTIMED
-    elif status == COMPLETED and not has_fields(folder, case):
-        status = NO_FIELDS
+    except ArchiveError as error:
+        return Outcome(UNREADABLE, str(error))
     message = attributes["message"]
     return Outcome(status, message, seconds=seconds, sources=sources, reason=reason)
 
@@ -154,8 +155,7 @@ def is_complete(folder: Path, case: Case, repeats: int = 0) -> bool:
 
 
 def _check_owner(path: Path, case: Case, attributes: Mapping[str, Any]) -> None:
-    texts = [attributes.get(name) for name in ("case_key", "status", "message", "scene")]
-    if texts[0] != case.key or not all(isinstance(text, str) for text in texts):
+    if attributes.get("case_key") != case.key:
         raise ArchiveError(f"{path}: is not the result of case {case.key}")
 
 
@@ -172,23 +172,21 @@ def fields_file(folder: Path, case: Case) -> Path:
 
 
 def has_fields(folder: Path, case: Case) -> bool:
-    """Whether a case has all requested snapshots in an undamaged file."""
+    """Whether a case has all requested snapshots; `ArchiveError` if that cannot be read."""
     if not case.snapshots:
         return True
     path = fields_file(folder, case)
     try:
-        attributes = read_attributes(path, any_version=False) if path.exists() else {}
-        taken = set(json.loads(attributes.get(REQUESTED, "[]")))
-    except (ArchiveError, TypeError, ValueError):
+        attributes = read_attributes(path)
+    except (NoFileError, DamagedError):
         return False
-    return str(attributes.get("case_key")) == case.key and set(case.snapshots) <= taken
+    _check_owner(path, case, attributes)
+    return set(case.snapshots) <= set(json.loads(attributes[REQUESTED]))
 
 
 def read_fields(path: Path) -> xr.Dataset:
     """The snapshots in a file."""
-    if not path.exists():
-        raise ArchiveError(f"{path}: no such file")
-    fields = read_netcdf(path, as_result=False)
+    fields = read_netcdf(path)
     if REQUESTED not in fields.attrs:
         raise ArchiveError(f"{path}: holds no snapshots")
     return fields
@@ -201,8 +199,6 @@ def find_fields(file: Path, key: str | None) -> Path:
     """
     if file.name.endswith(ENDING):
         return file
-    if not file.exists():
-        raise ArchiveError(f"{file}: no such file")
     attributes = read_attributes(file)
     if "study" not in attributes:
         return file.with_suffix(ENDING)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError
+from harness.archive.atomic_files import ArchiveError, DamagedError
 from harness.archive.case_files import read_case
 from harness.archive.conventions import (
     CASE,
@@ -15,10 +15,10 @@ from harness.archive.conventions import (
     DAMAGED,
     DISTRIBUTION,
     DRAWS,
-    FORMAT_VERSION,
     GIVEN_BY,
     MISSING,
     ORDER,
+    UNREADABLE,
     Role,
     parameter_attributes,
     spoken,
@@ -87,7 +87,6 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "design": study.design.kind,
             "scene": " ".join(part.name for part in study.parts),
             "scene_version": study.cases[0].scene_version,
-            "format_version": FORMAT_VERSION,
             ORDER: " ".join(map(str, coordinates)),
             **({STABILITY_MAP: order} if study.stability_map else {}),
             **common_origins,
@@ -206,11 +205,12 @@ def _case_coordinates(study: Study, axes: Mapping[str, Sequence[Value]]) -> Vari
 
 
 def _result(folder: Path, case: Case) -> xr.Dataset | None:
-    """The result of a case; None without a file; only status and message if it is damaged."""
+    """The result of a case; None without a file; of no use, only status and message."""
     try:
         return read_case(folder, case)
     except ArchiveError as error:
-        return xr.Dataset(attrs={"status": DAMAGED, "message": str(error)})
+        status = DAMAGED if isinstance(error, DamagedError) else UNREADABLE
+        return xr.Dataset(attrs={"status": status, "message": str(error)})
 
 
 def _gathered(results: Sequence[xr.Dataset | None]) -> xr.Dataset:

@@ -29,13 +29,10 @@ from harness.study.compared import ERROR
 from mpm_warp.fields import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
 
-FORMAT_VERSION = 1
-"""Version of the layout of result files, of cases and of studies."""
-
 COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
 FAILED, UNFINISHED = "failed", "unfinished"
-MISSING, DAMAGED = "missing", "damaged"
+MISSING, DAMAGED, UNREADABLE = "missing", "damaged", "unreadable"
 """Statuses that the harness gives to cases. Errors of scenes give others."""
 
 

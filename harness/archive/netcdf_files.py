@@ -1,11 +1,10 @@
 """The netCDF files of the archive; all are written, opened and read here.
 
 Every file ends with a digest: after the netCDF data come the mark ``sha256: `` and the SHA-256 of
-all bytes before it. It is checked before the netCDF library opens the file, because a damaged file
-can make HDF5 raise any exception, loop forever, request gigabytes, or end the process. A file is
-refused if its digest is wrong, if its digest is missing although an attribute announces one, or if
-it was cut. A file of another program announces no digest and is read without this check; a file
-that another program has rewritten is refused even if its numbers are the same.
+all bytes before it. Both are checked before the netCDF library opens the file, because a damaged
+file can make HDF5 raise any exception, loop forever, request gigabytes, or end the process. So what
+the library opens is as this program wrote it, and its content is not checked again. A file without
+the mark, such as one that xarray has written anew, is never opened.
 
 HDF5's own checksum (Fletcher32) does not cover attributes, names and dims. A digest of the contents
 would need all variables to be read first, 23 ms a case file; this one takes 0.1 ms. Programs that
@@ -15,113 +14,81 @@ read netCDF do not notice it, because HDF5 stops at the end that the superblock 
 import hashlib
 import os
 import stat
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import netCDF4
 import numpy as np
 import xarray as xr
 from xarray.backends import NetCDF4DataStore
 
-from harness.archive.atomic_files import ArchiveError, DamagedError, write_whole
-from harness.archive.conventions import FORMAT_VERSION
-from harness.archive.structure import TEXT, Stored, malformed
+from harness.archive.atomic_files import ArchiveError, DamagedError, NoFileError, write_whole
 
-DIGEST = "digest"
-"""Attribute of a file that ends with its digest."""
-UNREADABLE = (
-    *(OSError, RuntimeError, ValueError, TypeError, AttributeError),
-    *(LookupError, ArithmeticError, MemoryError, AssertionError),
-)
-"""Exceptions of netCDF4 and HDF5 for a file that they cannot read."""
+FORMAT_VERSION = 1
+"""Version of the layout of result files, of cases and of studies."""
 
-_STATEMENT = "SHA-256 of all bytes before it, in the last 72 bytes of the file"
 _MARK = b"sha256: "
 _LENGTH = len(_MARK) + 64
-_HDF5 = b"\x89HDF\r\n\x1a\n"
-"""First bytes of an HDF5 file."""
-_SUPERBLOCK = 48
-"""Smallest size of an HDF5 file [byte]."""
-_LARGEST_RATIO = 1032
-"""Largest compression ratio of deflate (zlib's technical details)."""
-_STRING_SIZE = 64
-"""Smallest size of a text in memory [byte]."""
+
+
+class Stored(NamedTuple):
+    """The attributes and variables of a file; values of variables are read on demand."""
+
+    attributes: Mapping[str, Any]
+    variables: Mapping[str, xr.Variable]
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write a netCDF file with its digest, whole or not at all."""
     # The file is made in memory. On a full disk the netCDF library only says "HDF error" and keeps
     # the broken file open, so that its space is not freed until the process ends.
-    image = _image(dataset.assign_attrs({DIGEST: _STATEMENT}))
+    image = _image(dataset.assign_attrs(format_version=FORMAT_VERSION))
     write_whole(b"".join((image, _digest(image))), path)
 
 
-def read_netcdf(path: Path, *, as_result: bool = True) -> xr.Dataset:
-    """Read a file of the archive into memory, with the checks of `opened`; dates stay numbers."""
-    with opened(path, as_result=as_result) as stored:
+def read_netcdf(path: Path) -> xr.Dataset:
+    """Read a file of the archive into memory; dates stay numbers."""
+    with opened(path) as stored:
         encoded = xr.Dataset(stored.variables, attrs=stored.attributes)
         found = xr.decode_cf(encoded, concat_characters=False, decode_times=False).load()
-    found.attrs.pop(DIGEST, None)  # it belongs to the file, not to the result
+    del found.attrs["format_version"]  # it belongs to the file, not to the result
     return found[[*found.data_vars, *found.coords]].drop_encoding()
 
 
-def read_attributes(path: Path, *, any_version: bool = True) -> dict[str, Any]:
-    """Read only the attributes of a file; by default of any format version."""
-    with opened(path, as_result=False, any_version=any_version) as stored:
+def read_attributes(path: Path) -> dict[str, Any]:
+    """Read only the attributes of a file."""
+    with opened(path) as stored:
         return dict(stored.attributes)
 
 
 @contextmanager
-def opened(path: Path, *, as_result: bool, any_version: bool = False) -> Iterator[Stored]:
-    """Check a file of the archive and open it; values of variables are read on demand.
+def opened(path: Path) -> Iterator[Stored]:
+    """Open a file of the archive, undamaged and of this format.
 
-    It must be undamaged, of this format version unless `any_version` is set, and of a size that its
-    bytes and this machine's memory allow. With `as_result` it must have the structure of a result;
-    files of snapshots have none: their dims are points and nodes, and they have no headline.
+    Raises:
+        NoFileError: there is no file.
+        DamagedError: it has the mark of the harness and a wrong digest.
+        ArchiveError: it cannot be read for another reason: no mark, another format, not allowed, an
+            error of disk or memory.
     """
     try:
-        content = _content(path)
-        _check_digest(path, content)
         # The checked bytes are read from memory, so a change of the file meanwhile has no effect.
-        with netCDF4.Dataset(path.name, memory=content) as file:
-            _check_kinds(file)
+        with netCDF4.Dataset(path.name, memory=_content(path)) as file:
             variables, attributes = NetCDF4DataStore(file).load()
-            stored = Stored(attributes, variables)
-            _check_size(stored, len(content))
-            version = attributes.get("format_version")
-            is_ours = isinstance(version, int | np.integer) and version == FORMAT_VERSION
-            if not (is_ours or any_version):
+            version = attributes["format_version"]
+            if version != FORMAT_VERSION:
                 raise ArchiveError(
-                    f"{path}: has format version {version}; only {FORMAT_VERSION} can be read"
+                    f"{path}: cannot be read: it has format {version}, this program reads "
+                    f"{FORMAT_VERSION}; use the program that wrote it, or run the study anew"
                 )
-            if as_result and (fault := malformed(stored)) is not None:
-                raise ArchiveError(f"{path}: is not a complete result: {fault}")
-            yield stored
-    except UNREADABLE as error:
-        message = str(getattr(error, "strerror", None) or error)
-        reason = " ".join(message.split()) or type(error).__name__
+            yield Stored(attributes, variables)
+    except FileNotFoundError:
+        raise NoFileError(f"{path}: no such file") from None
+    except (OSError, RuntimeError, MemoryError) as error:
+        reason = getattr(error, "strerror", None) or str(error) or "not enough memory"
         raise ArchiveError(f"{path}: cannot be read: {reason}") from None
-
-
-def _check_kinds(file: netCDF4.Dataset) -> None:
-    """Refuse lists, enumerations and repeated dims, which xarray reads only in part."""
-    for name, variable in file.variables.items():
-        if variable.dtype is not str and not isinstance(variable.datatype, np.dtype):
-            raise ValueError(f"{name} is not an array of numbers or texts")
-        if len(set(variable.dimensions)) < len(variable.dimensions):
-            raise ValueError(f"{name} has a dim twice")
-
-
-def _check_size(stored: Stored, byte_count: int) -> None:
-    """Refuse a file that claims to hold more than its bytes or this machine's memory allow."""
-    sizes = [
-        values.size * (_STRING_SIZE if values.dtype.kind == TEXT else values.dtype.itemsize)
-        for values in stored.variables.values()
-    ]
-    if sum(sizes) > min(memory_of_machine(), _LARGEST_RATIO * byte_count):
-        raise ValueError(f"its variables would take {sum(sizes):.3g} bytes, more than it can hold")
 
 
 def memory_of_machine() -> int:
@@ -130,44 +97,36 @@ def memory_of_machine() -> int:
 
 
 def _content(path: Path) -> bytes:
-    """The bytes of a regular file that fits into memory."""
-    status = path.stat()
-    if not stat.S_ISREG(status.st_mode):
-        # Opening a FIFO would wait for its writer, and a device may be endless.
-        what = "a folder" if stat.S_ISDIR(status.st_mode) else "not a regular file"
-        raise ValueError(f"it is {what}")
-    if status.st_size > memory_of_machine():
-        raise ValueError("it is larger than the memory of this machine")
-    return path.read_bytes()
+    """The bytes of a file whose mark and digest are right."""
+    if not stat.S_ISREG(path.stat().st_mode):  # a FIFO would wait, and a device may be endless
+        raise ArchiveError(f"{path}: cannot be read: it is no file but a folder or a device")
+    with path.open("rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - _LENGTH))
+        digest = file.read()
+        if not digest.startswith(_MARK):
+            raise ArchiveError(f"{path}: cannot be read: {_foreign(path)}")
+        file.seek(0)
+        content = file.read(size - _LENGTH)
+    if digest != _digest(content):
+        raise DamagedError(
+            f"{path}: cannot be read: it was damaged or changed after it was written (its digest "
+            "does not match)"
+        )
+    return content
 
 
-def _check_digest(path: Path, content: bytes) -> None:
-    """Refuse a file that has changed since it was written; files of other programs pass."""
-    mark, digits = content[-_LENGTH:-64], content[-64:]
-    if mark == _MARK:
-        if mark + digits != _digest(memoryview(content)[:-_LENGTH]):
-            raise _damage(path, "its digest does not match")
-        return
-    # If a few bits of the mark or of the attribute are damaged, the other of the two still shows
-    # that the file had a digest.
-    near = sum(one == other for one, other in zip(mark, _MARK, strict=False)) >= len(_MARK) // 2
-    if near or _STATEMENT.encode() in content:
-        raise _damage(path, "its digest is missing")
-    if not content.startswith(_HDF5):
-        remedy = "; give the .nc file that `harness run` wrote" if path.suffix == ".toml" else ""
-        raise ArchiveError(f"{path}: cannot be read: it is not a netCDF-4 file{remedy}")
-    if not _SUPERBLOCK <= _end(content) <= len(content):
-        raise _damage(path, "its end is missing")
+def _foreign(path: Path) -> str:
+    if path.suffix == ".toml":
+        return "it is no result; give the .nc file that `harness run` wrote"
+    return (
+        "the mark of this program is missing at its end: it was cut, or written by another "
+        "program, as by xarray (`xarray.open_dataset` reads it then)"
+    )
 
 
 def _digest(content: bytes | memoryview) -> bytes:
     return _MARK + hashlib.sha256(content).hexdigest().encode()
-
-
-def _damage(path: Path, how: str) -> DamagedError:
-    return DamagedError(
-        f"{path}: cannot be read: it was damaged or changed after it was written ({how})"
-    )
 
 
 def _image(dataset: xr.Dataset) -> memoryview:

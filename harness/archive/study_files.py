@@ -4,7 +4,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, DamagedError
+from harness.archive.atomic_files import ArchiveError, DamagedError, NoFileError
 from harness.archive.case_files import ENDING as FIELDS_ENDING
 from harness.archive.conventions import ORDER
 from harness.archive.netcdf_files import read_attributes, read_netcdf, write_netcdf
@@ -22,18 +22,16 @@ def study_file(out: Path, study: Study) -> Path:
 
 
 def check_place(path: Path) -> None:
-    """Refuse to overwrite a file that is not a result, a damaged or an empty one of a study."""
+    """Refuse to overwrite a file that is not a result of a study, or a damaged one of ours."""
     try:
-        if not path.exists() or path.stat().st_size == 0 or "study" in read_attributes(path):
+        if "study" in read_attributes(path):
             return
-    except DamagedError:
+        problem = f"{path}: is not the result of a study"
+    except (NoFileError, DamagedError):
         return
-    except ArchiveError:
-        pass  # of another program
-    raise ArchiveError(
-        f"{path}: is not the result of a study and will not be overwritten; move it away, or give "
-        "another --out"
-    )
+    except ArchiveError as error:
+        problem = str(error)
+    raise ArchiveError(f"{problem}; not overwritten: move it away, or give another --out")
 
 
 def write_study(path: Path, dataset: xr.Dataset) -> None:
@@ -65,9 +63,10 @@ def _content(path: Path, dataset: xr.Dataset) -> str:
 
 def read_result(path: Path) -> xr.Dataset:
     """Read the result of a case or of a study."""
-    if not path.exists():
-        beside = [file.name for file in path.parent.glob("*.nc")]
+    try:
+        return read_netcdf(path)
+    except NoFileError as error:
+        beside = [file.name for file in path.parent.glob("*.nc") if file != path]
         # A list of very many case files would not help.
         listed = known_names(beside) if len(beside) <= MOST_NAMED else ""
-        raise ArchiveError(f"{path}: no such file{did_you_mean(path.name, beside) or listed}")
-    return read_netcdf(path)
+        raise NoFileError(f"{error}{did_you_mean(path.name, beside) or listed}") from None

@@ -27,7 +27,7 @@ from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
 from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
-from harness.errors import HarnessError, counted
+from harness.errors import HarnessError, counted, tell
 from harness.study.scene_part import method_of
 from mpm_warp.fields import Parameter, Value, parameters_of
 from mpm_warp.scenes import scene_class
@@ -80,11 +80,12 @@ def results_in(folder: Path) -> list[Path]:
 
 
 def _has(file: Path, scene: str) -> bool:
-    """Whether a file is a result of the scene; true if unreadable, to be reported when read."""
+    """Whether a file is a result of the scene; a line says if it cannot be read."""
     try:
         attributes = read_attributes(file)
-    except ArchiveError:
-        return True
+    except ArchiveError as error:
+        tell(str(error))
+        return False
     return "study" in attributes and scene in str(attributes.get("scene")).split()
 
 

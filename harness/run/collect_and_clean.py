@@ -3,26 +3,32 @@
 import json
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, abandoned, is_folder, remove_file
+from harness.archive.atomic_files import (
+    ArchiveError,
+    DamagedError,
+    abandoned,
+    check_folder,
+    remove_file,
+)
 from harness.archive.case_files import (
     Outcome,
     case_file,
     case_folder,
     check_no_link,
     fields_file,
-    read_fields,
     read_outcome,
 )
 from harness.archive.collection import collect
 from harness.archive.conventions import (
     COMPLETED,
-    DAMAGED,
     HALF_WIDTH,
     TRACEBACK,
     over_cases,
@@ -54,6 +60,7 @@ from mpm_warp.fields import Value
 def check_begun(study: Study, out: Path) -> None:
     """Refuse a study none of whose cases has a file, because there is nothing to collect."""
     folder = case_folder(out, study)
+    check_folder(out, folder.parent, folder)
     if not any(case_file(folder, case).exists() for case in study.cases):
         raise ArchiveError(
             f"{folder}: has no case of this study; run it first, or give each --set that it was "
@@ -139,6 +146,7 @@ def read_reference(study: Study) -> xr.Dataset | None:
 def outcomes(study: Study, out: Path) -> list[Outcome]:
     """The outcomes of the cases of a study, in their order."""
     folder = case_folder(out, study)
+    check_folder(out, folder.parent, folder)
     return [read_outcome(folder, case, study.timing_repeats) for case in study.cases]
 
 
@@ -195,9 +203,9 @@ def tracebacks(study: Study, out: Path) -> list[str]:
     """The tracebacks of the failed cases of a study, from their files."""
     lines = []
     for case in study.cases:
-        path = case_file(case_folder(out, study), case)
-        if path.exists() and (text := read_attributes(path).get(TRACEBACK)):
-            lines += ["", f"{case.key}  {case.label}", str(text).rstrip()]
+        with suppress(ArchiveError):  # the table of `status` says why
+            if text := read_attributes(case_file(case_folder(out, study), case)).get(TRACEBACK):
+                lines += ["", f"{case.key}  {case.label}", str(text).rstrip()]
     return lines or ["no case has failed by an error of the program"]
 
 
@@ -225,27 +233,27 @@ def stray_files(study: Study, out: Path) -> list[StrayFile]:
     """Files that do not belong to the study as it is now.
 
     These are damaged files, results of cases that the study does not have (with other parameters,
-    or of another version of the scene), and half-written files of killed processes. A link counts
-    as a file. A folder is kept, whatever its name, and one line says so.
+    or of another version of the scene), and half-written files of killed processes. What the
+    harness cannot read, or is no result of a case, is kept, and one line says so.
     """
     check_no_link(out, study)
     folder = case_folder(out, study)
+    check_folder(out, folder.parent, folder)
     found = {path: "half-written" for place in (out, folder) for path in abandoned(place)}
-    present = {case_file(folder, case): case for case in study.cases}
-    of_cases = {fields_file(folder, case) for case in study.cases}
-    keys, shared = {path.stem for path in present}, _shared_parameters(study.cases)
+    own = {file(folder, case) for case in study.cases for file in (case_file, fields_file)}
+    keys, shared = {case.key for case in study.cases}, _shared_parameters(study.cases)
     for path in sorted(folder.glob("*.nc")):
-        if is_folder(path):
-            tell(f"{path}: is a folder among result files; kept")
-        elif path in of_cases:
-            try:
-                read_fields(path)
-            except ArchiveError as error:
-                found[path] = str(error).removeprefix(f"{path}: ")
-        elif path not in present:
-            found[path] = _described(path, keys, shared)
-        elif (outcome := read_outcome(folder, present[path])).status == DAMAGED:
-            found[path] = outcome.message.removeprefix(f"{path}: ")
+        try:
+            attributes = read_attributes(path)
+        except DamagedError as error:
+            found[path] = str(error).removeprefix(f"{path}: ")
+        except ArchiveError as error:
+            tell(f"{error}; kept")
+        else:
+            if "case_key" not in attributes:
+                tell(f"{path}: is no result of a case; kept")
+            elif path not in own or attributes["case_key"] != path.name.partition(".")[0]:
+                found[path] = _described(attributes, keys, shared)
     return [StrayFile(path, what, _identity(path)) for path, what in found.items()]
 
 
@@ -275,22 +283,20 @@ def _identity(path: Path) -> tuple[int, int, int]:
     return stat.st_ino, stat.st_mtime_ns, stat.st_size
 
 
-def _described(path: Path, keys: Container[str], shared: Mapping[str, Parameters]) -> str:
+def _described(
+    attributes: Mapping[str, Any], keys: Container[str], shared: Mapping[str, Parameters]
+) -> str:
     """Describe a file in the folder of a study's cases that belongs to none of these cases.
 
     `keys` are those of the cases; `shared` has, by scene, the parameters that are the same in all.
     """
-    try:
-        attributes = read_attributes(path)
-        parameters = dict(json.loads(attributes["parameters"]))
-        key, scene = str(attributes["case_key"]), str(attributes["scene"])
-        result = f"{scene} version {attributes['scene_version']}, {attributes['status']}"
-    except (ArchiveError, KeyError, TypeError, ValueError):
-        return "not a case file, or a damaged one"
+    key, scene = attributes["case_key"], attributes["scene"]
     if key in keys:
         return f"a copy of case {key}"
+    result = f"{scene} version {attributes['scene_version']}, {attributes['status']}"
     if scene not in shared:
         return f"no case of this study: {result}: another scene"
+    parameters = json.loads(attributes["parameters"])
     others = [
         f"{name}={value}"
         for name, value in parameters.items()

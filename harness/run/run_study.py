@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from harness.archive.atomic_files import ArchiveError, prepare
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
-from harness.archive.conventions import COMPLETED, DAMAGED
+from harness.archive.conventions import COMPLETED, DAMAGED, UNREADABLE
 from harness.archive.study_files import check_place, study_file
 from harness.errors import HarnessError, coloured, counted, shortened, tell
 from harness.run import collect_and_clean as results
@@ -183,7 +183,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
         discard(folder, study.cases)
     outcomes = results.outcomes(study, out)
     pending = _pending(study, outcomes, folder)
-    done_count = len(study.cases) - len(pending)
+    done_count = sum(outcome.status == COMPLETED for outcome in outcomes)
     try:
         tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
         results.tell_of_other_sources(study, outcomes)
@@ -202,12 +202,14 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
 
 
 def _pending(study: Study, outcomes: Sequence[Outcome], folder: Path) -> list[Case]:
-    """The cases that are not completed; their damaged files are removed."""
+    """The cases to run; their damaged files are removed. What cannot be read is kept."""
     pending = []
     for case, outcome in zip(study.cases, outcomes, strict=True):
         if outcome.status == DAMAGED:
             tell(f"{outcome.message}; the case is run again")
             discard(folder, [case])
-        if outcome.status != COMPLETED:
+        if outcome.status == UNREADABLE:
+            tell(f"{outcome.message}; kept: move it away, or `harness run --fresh` replaces it")
+        elif outcome.status != COMPLETED:
             pending.append(case)
     return pending

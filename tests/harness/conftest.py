@@ -15,7 +15,8 @@ import xarray as xr
 
 from harness.archive import case_files
 from harness.archive.atomic_files import prepare
-from harness.archive.conventions import COMPLETED, FORMAT_VERSION
+from harness.archive.conventions import COMPLETED
+from harness.archive.netcdf_files import write_netcdf
 from harness.cli.main import main
 from harness.compare.finest_error import with_finest_error
 from harness.errors import LONGEST_LINE
@@ -70,6 +71,15 @@ def prepared(study: Study, out: Path) -> Path:
     return folder
 
 
+def damage(path: Path) -> None:
+    """Flip a bit of a file of the harness, which is written first if there is none."""
+    if not path.exists():
+        write_netcdf(DONE, path)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
 def keep(study: Study, out: Path, *results: xr.Dataset) -> Path:
     """Write a result of each case, or the same of all; the folder of the study's cases."""
     folder = prepared(study, out)
@@ -117,7 +127,7 @@ def as_collected(
         status=(dims, values, {"long_name": "outcome of the case"}),
         message=(dims, np.where(values == COMPLETED, "", "velocity of <particle 3>")),
         case_key=(dims, keys),
-    ).assign_attrs(known, format_version=FORMAT_VERSION, **attributes)
+    ).assign_attrs(known, **attributes)
 
 
 @pytest.fixture

@@ -4,8 +4,15 @@ import argparse
 import sys
 from pathlib import Path
 
-from harness.archive.atomic_files import ArchiveError, prepare
-from harness.archive.conventions import COMPLETED, DAMAGED, MISSING, labels_of, over_cases
+from harness.archive.atomic_files import ArchiveError, check_folder, prepare
+from harness.archive.conventions import (
+    COMPLETED,
+    DAMAGED,
+    MISSING,
+    UNREADABLE,
+    labels_of,
+    over_cases,
+)
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import check_place, read_study, study_file
@@ -50,6 +57,7 @@ def status(options: argparse.Namespace) -> int:
 
 def _list_results(folder: Path, scene: str | None) -> None:
     """Print a line for each result in a folder, of all scenes or of one."""
+    check_folder(folder)
     rows = []
     for path in sorted(folder.glob("*.nc")):
         try:
@@ -81,6 +89,8 @@ def collect(options: argparse.Namespace) -> int:
     for message, outcome in zip(over_cases(dataset, "message"), stand, strict=True):
         if outcome.status == DAMAGED:
             tell(f"{message}; `harness run` runs the case again")
+        elif outcome.status == UNREADABLE:
+            tell(f"{message}; kept")
     results.tell_of_other_sources(study, stand)
     tell(results.summary(stand))
     print(study_file(options.out, study))

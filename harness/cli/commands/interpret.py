@@ -11,7 +11,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import ArchiveError, prepare, write_csv
-from harness.archive.conventions import FORMAT_VERSION
 from harness.archive.netcdf_files import read_attributes, write_netcdf
 from harness.archive.provenance import provenance
 from harness.cli.process import DONE
@@ -114,10 +113,7 @@ def _title_of(path: Path) -> str:
     try:
         said = read_attributes(path)
     except ArchiveError as error:
-        raise ArchiveError(
-            f"{error}; it is damaged, or was not written by this program: remove it, or give "
-            "another --out"
-        ) from None
+        raise ArchiveError(f"{error}; remove it, or give another --out") from None
     if "site" not in said:
         raise not_own(path)
     return str(said["title"])
@@ -143,8 +139,7 @@ def _write(test: Interpreted, base: str) -> None:
 
 
 def _write_data(dataset: xr.Dataset, base: str) -> None:
-    said = provenance() | {"format_version": FORMAT_VERSION}
-    write_netcdf(dataset.assign_attrs(said), Path(f"{base}.nc"))
+    write_netcdf(dataset.assign_attrs(provenance()), Path(f"{base}.nc"))
 
 
 def _write_figure(figure: Figure, base: str) -> None:

@@ -32,7 +32,7 @@ from harness.study.study import Study, load_study
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import further_runs
-from tests.harness.conftest import DONE, HEAD, Command, Refusal, keep, prepared, study_in
+from tests.harness.conftest import DONE, HEAD, Command, Refusal, damage, keep, prepared, study_in
 
 
 def test_a_case_counts_as_often_as_the_hypercube_drew_it(tmp_path: Path) -> None:
@@ -261,7 +261,7 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
 ) -> None:
     path = case_file(folder, completed[1])
     collect_and_write(small, tmp_path)
-    path.write_bytes(path.read_bytes()[:-3000])
+    damage(path)
     told = command("collect", small.source, "--out", tmp_path, code=1).err.splitlines()
     assert told[-2].startswith(f"harness: {path}: cannot be read: ")
     assert told[-2].endswith("; `harness run` runs the case again")
@@ -308,4 +308,4 @@ def test_a_link_that_leads_nowhere_is_told_in_plain_words(tmp_path: Path, comman
     lost = tmp_path / "lost.nc"
     lost.symlink_to("nowhere")
     first, _ = command("status", "--out", tmp_path, code=2).err.splitlines()
-    assert first == f"harness: {lost}: cannot be read: No such file or directory"
+    assert first == f"harness: {lost}: no such file"

@@ -11,12 +11,11 @@ import xarray as xr
 
 from harness.archive import case_files
 from harness.archive.atomic_files import ArchiveError
-from harness.archive.netcdf_files import write_netcdf
 from harness.run.collect_and_clean import collect_and_write, outcomes, stray_files
 from harness.run.worker import run_case
 from harness.study.cases import Case
 from harness.study.study import Study, with_snapshots
-from tests.harness.conftest import SMALL, prepared, study_in
+from tests.harness.conftest import SMALL, damage, prepared, study_in
 
 
 class Ran(NamedTuple):
@@ -73,21 +72,13 @@ def test_snapshots_are_no_part_of_a_case(ran: Ran) -> None:
 
 
 def test_damage_shows(own: Ran) -> None:
-    content = bytearray(own.fields.read_bytes())
-    content[len(content) // 2] ^= 1
-    own.fields.write_bytes(content)
+    damage(own.fields)
     with pytest.raises(ArchiveError, match="was damaged or changed"):
         case_files.read_fields(own.fields)
     (found,) = stray_files(own.study, own.out)
     assert found.path == own.fields
     assert "was damaged" in found.what
     assert own.statuses(own.study) == ["no_fields"]
-
-
-@pytest.mark.parametrize("taken", ["[[0.5], [3.0]]", "3", "{", '{"0.5": 1}', "[0.5]"])
-def test_moments_that_another_program_wrote_are_no_error(own: Ran, taken: str) -> None:
-    write_netcdf(case_files.read_fields(own.fields).assign_attrs(snapshots=taken), own.fields)
-    assert not case_files.has_fields(own.folder, own.case)
 
 
 def test_a_case_without_its_snapshots_is_not_done(own: Ran) -> None:

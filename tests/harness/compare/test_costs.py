@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.archive.conventions import COMPLETED, FORMAT_VERSION
+from harness.archive.conventions import COMPLETED
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.study_files import write_study
 from harness.cli.main import main
@@ -165,7 +165,7 @@ def test_a_setting_that_shares_its_name_with_a_result_is_told(
 def test_files_that_are_no_studies_are_passed_over(tmp_path: Path) -> None:
     file = written(tmp_path, two_scenes())
     strange = xr.Dataset({"error": 0.1})
-    case = strange.assign_attrs(format_version=FORMAT_VERSION, scene="thick_cylinder")
+    case = strange.assign_attrs(scene="thick_cylinder")
     for name, dataset in {"verify": strange, "case": case}.items():
         write_netcdf(dataset, tmp_path / f"{name}.nc")
     found = recommend("thick_cylinder", 0.02, sorted(tmp_path.glob("*.nc")))
