@@ -15,7 +15,7 @@ from typing import TextIO
 import xarray as xr
 from tqdm import tqdm
 
-from harness.archive.atomic_files import ArchiveError, prepare
+from harness.archive.atomic_files import ArchiveError, check_folder, prepare
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED, UNREADABLE
 from harness.archive.study_files import check_place, study_file
@@ -174,6 +174,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     also collected if the run is interrupted.
     """
     folder = case_folder(out, study)
+    check_folder(out)
     check_no_link(out, study)
     check_place(study_file(out, study))
     results.read_reference(study)  # if it cannot be read, no case is run in vain
