@@ -63,9 +63,8 @@ def check_number(
     is_number = isinstance(value, Real) and not isinstance(value, bool)
     if not (is_number and allowed.holds(value, value)):
         kind = "" if is_number and FINITE.holds(value, value) else "a finite number "
-        raise error(
-            f"{name} = {in_words(value)}{unit and f' {unit}'} must be {kind}{allowed.allowed}"
-        )
+        given = f"{in_words(value)}{f' {unit}' if unit and is_number else ''}"
+        raise error(f"{name} = {given} must be {kind}{allowed.allowed}")
 
 
 def check_whole(

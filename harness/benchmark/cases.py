@@ -22,6 +22,7 @@ from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
 from mpm_warp.names import nearest_name
+from mpm_warp.plain_numbers import number_of, plain_number
 from mpm_warp.scenes import scene_class
 
 META_KEYS: Mapping[str, str] = {
@@ -88,10 +89,12 @@ def benchmark_cases() -> tuple[BenchmarkCase, ...]:
     return tuple(
         BenchmarkCase(
             name=row["case"],
-            phase=int(row["phase"]),
+            phase=int(number_of(row["phase"])),
             title=row["title"],
             unit=row["unit"],
-            exact=(float(row["exact_low"]), float(row["exact_high"])) if row["exact_low"] else None,
+            exact=(number_of(row["exact_low"]), number_of(row["exact_high"]))
+            if row["exact_low"]
+            else None,
             scene=row["scene"],
             result=row["result"],
             fixed=dict(map(parse_setting, row["parameters"].split())),
@@ -148,11 +151,8 @@ def _numbers(where: str, cells: Sequence[str]) -> list[float]:
     """Value, uncertainty and seconds; the last two may be empty."""
     numbers = []
     for name, cell in zip(COLUMNS[1:], cells, strict=True):
-        try:
-            number = float(cell) if cell or name == "value" else math.nan
-        except ValueError:
-            number = math.inf
-        if math.isinf(number) or (cell and not math.isfinite(number)):
+        number = plain_number(cell) if cell or name == "value" else math.nan
+        if number is None:
             raise StudyError(f"{where}: {name} = {cell[:40]!r} must be a finite number")
         if name != "value" and number <= 0.0:
             raise StudyError(f"{where}: {name} = {cell} must be > 0, or empty if unknown")
@@ -203,7 +203,7 @@ def _at(values: xr.DataArray, place: str) -> float:
     """The number of a scalar, or of a curve at `place`, such as "depth=10"."""
     if values.ndim:
         coordinate, _, number = place.partition("=")
-        values = values.interp({coordinate: float(number)})
+        values = values.interp({coordinate: number_of(number)})
     return float(values)
 
 

@@ -17,6 +17,7 @@ from harness.cli.help import HELP, Option, epilog
 from harness.cli.process import BAD_INPUT
 from harness.errors import shortened
 from mpm_warp.execution import THREAD_COUNTS
+from mpm_warp.plain_numbers import plain_number
 
 BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
 """Units of memory that may follow a number, in bytes."""
@@ -36,10 +37,8 @@ def number(
 
     def read(text: str) -> float:
         unit = next((unit for unit in sizes if text.upper().endswith(unit)), "")
-        try:
-            value = float(text.upper().removesuffix(unit)) * sizes.get(unit, 1.0)
-        except ValueError:
-            value = math.nan
+        value = plain_number(text.upper().removesuffix(unit))
+        value = math.nan if value is None else value * sizes.get(unit, 1.0)
         if not least <= value < math.inf:
             raise argparse.ArgumentTypeError(f"{text!r} is not allowed: must be {meaning}")
         return value
@@ -66,7 +65,7 @@ def share(text: str) -> float:
 
 def positive_count(text: str) -> int:
     """An integer from 1 to 999999."""
-    if not text.isdecimal() or len(text) > 6 or int(text) < 1:
+    if not re.fullmatch("[0-9]{1,6}", text) or int(text) < 1:
         shown = text if len(text) < 20 else f"{text[:20]}..."
         raise argparse.ArgumentTypeError(
             f"{shown!r} is not allowed: must be an integer from 1 to 999999"

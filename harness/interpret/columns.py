@@ -19,7 +19,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import read_file
-from harness.interpret.formats import TestFile
+from harness.interpret.formats import TestFile, cell_number
 from harness.interpret.headings import columns_in, is_of_rods
 from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
 from harness.interpret.site import ByDepth, MeasuredTest
@@ -142,10 +142,8 @@ def _refuse_impossible(
         for place, value in zip(places, values[name].tolist(), strict=True):
             if not (math.isnan(value) or possible.holds(value, value)):
                 remedy = (
-                    "leave the cell empty where there is no value"
-                    if math.isinf(value)
-                    else "look at its unit; a code for no value belongs under `missing` of the "
-                    "site file, as missing = [-9999]"
+                    "look at its unit; a code for no value belongs under `missing` of the site "
+                    "file, as missing = [-9999]"
                 )
                 if from_air and POSSIBLE[name].holds(value, value):
                     remedy += "; where sensors were set to zero on the sea bed water_level is 0"
@@ -163,6 +161,11 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
         if value is None and stated is not None:
             value = stated
             notes.append(f"{key} = {value:g} by the file")
+            if math.isnan(value):
+                raise StudyError(
+                    f"{test.file}: states {key} by a text that is no number; the site file may "
+                    "state it"
+                )
             if not TEST_KEYS[key].allowed.holds(value, value):
                 raise StudyError(
                     f"{test.file}: {key} = {value:g}: must be {TEST_KEYS[key].allowed.allowed}; "
@@ -192,14 +195,20 @@ def _numbers(path: Path, file: TestFile, place: int, missing: tuple[float, ...] 
             )
         cell = cells[place].strip()
         if cell:
-            try:
-                values[row] = float(cell)
-            except ValueError:
-                comma = "; a number has a point" if re.fullmatch(r"-?\d+,\d+", cell) else ""
+            value = cell_number(cell)
+            if value is None:
+                remedy = (
+                    "; a number has a point"
+                    if re.fullmatch(r"-?\d+,\d+", cell)
+                    else "; it is written as 1.5 or 1.5e-3"
+                    if re.search(r"\d", cell)
+                    else "; leave the cell empty where there is no value"
+                )
                 raise StudyError(
                     f"{path}: {file.row} {number}, column {heading.title!r}: {cell[:40]!r} is no "
-                    f"number{comma}"
-                ) from None
+                    f"number{remedy}"
+                )
+            values[row] = value
     values[np.isin(values, (*(missing or ()), *heading.missing))] = np.nan
     if missing != () and (codes := np.isin(values, NO_VALUE)).any():
         row = int(np.argmax(codes))

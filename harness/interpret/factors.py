@@ -21,12 +21,14 @@ import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from harness.study.files import studies_folder
+from harness.study.files import read_text, studies_folder
 from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.plain_numbers import numbers_by_column
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6
@@ -155,7 +157,7 @@ def factors() -> Factors:
     weights = np.zeros((len(exponents), len(QUANTITIES)))
     fit_errors, half_widths = {}, {}
     for place, name in enumerate(QUANTITIES):
-        table = np.genfromtxt(studies_folder() / TABLES[name], delimiter=",", names=True)
+        table = numbers_by_column(read_text(studies_folder() / TABLES[name], "a table"))
         values, share, simulated_error = _fitted_values(name, table)
         own = coordinates({ranged: table[ranged] for ranged in RANGES})
         terms = np.prod(np.stack(list(own.values()), axis=-1)[:, None, :] ** exponents, axis=-1)
@@ -165,13 +167,13 @@ def factors() -> Factors:
     return Factors(exponents, weights, half_widths, fit_errors)
 
 
-def _fitted_values(name: str, table: np.ndarray) -> tuple[Floats, Floats | float, float]:
+def _fitted_values(name: str, table: Mapping[str, Floats]) -> tuple[Floats, Floats | float, float]:
     """Values that the polynomial of a quantity fits, and their share in it, shape [cases].
 
     The third result is the half width of 95 % of the simulated quantity, over the quantity.
     """
     if name == PRESSURE:
-        soil = {
+        soil: dict[str, Any] = {
             **{name: table[name] for name in ("rigidity_index", *MOVING)},
             # The sleeve slips at the adhesion of the soil at the sleeve, which may have softened.
             "strength_ratio": table[SLEEVE] / table["adhesion_factor"],

@@ -61,7 +61,7 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     return found
 
 
-DECIMAL_COMMA = re.compile(r"-?\d*,\d+")
+DECIMAL_COMMA = re.compile(r"-?\d*,\d+", re.ASCII)
 
 
 def _csv(path: Path, text: str, sounding: str | None) -> TestFile:

@@ -16,6 +16,7 @@ from xml.etree import ElementTree as ET
 
 from harness.study.tables import StudyError
 from mpm_warp.names import nearest_name
+from mpm_warp.plain_numbers import plain_number
 
 
 class NotNamedError(StudyError):
@@ -44,7 +45,7 @@ class TestFile:
     headings: Sequence[Heading]
     rows: Sequence[tuple[int, list[str]]]  # number of each row in the file, and its cells
     row: str = "line"  # what this number counts, for messages
-    # values that the file states: area_ratio, pre_drilled [m], cone_area [cm2]
+    # values that the file states, NaN if unreadable: area_ratio, pre_drilled [m], cone_area [cm2]
     stated: Mapping[str, float] = field(default_factory=dict)
     in_order: bool = True  # whether rows are in the order of the measurement
     notes: tuple[str, ...] = ()  # what is unusual in the file
@@ -89,9 +90,9 @@ def read_gef(path: Path, text: str, sounding: str | None) -> TestFile:
     for fields in keys.get("COLUMNVOID", []):
         voids[fields[0]] = voids.get(fields[0], ()) + numbers_of(fields[1:2])
     columns = sorted(
-        (int(fields[0]), fields)
+        (plain_number(fields[0]) or 0.0, fields)
         for fields in keys.get("COLUMNINFO", [])
-        if len(fields) > 3 and fields[0].isdecimal()
+        if len(fields) > 3
     )
     if [number for number, _ in columns] != list(range(1, len(columns) + 1)):
         raise StudyError(f"{path}: #COLUMNINFO must be there once for each column, from 1 on")
@@ -104,13 +105,13 @@ def read_gef(path: Path, text: str, sounding: str | None) -> TestFile:
         )
         for _, column in columns
     ]
-    parting = _separator(keys, "COLUMNSEPARATOR")
-    record = _separator(keys, "RECORDSEPARATOR") or "\n"
+    parting, record = (_separator(keys, f"{of}SEPARATOR") for of in ("COLUMN", "RECORD"))
+    _check_marks(path, ".", parting or " ", record or "\n")
     first = header.count("\n") + 1
     rows = [
         (number, [piece.strip() for piece in part.split(parting)])
         for number, line in enumerate(data.splitlines()[1:], start=first + 1)
-        for part in line.split(record)
+        for part in line.split(record or "\n")
         if part.strip()
     ]
     numbers = [fields[0] for fields in keys.get("MEASUREMENTVAR", [])]
@@ -129,11 +130,17 @@ def read_gef(path: Path, text: str, sounding: str | None) -> TestFile:
 
 
 def _of_cone(*texts: str | None, unit: str | None) -> dict[str, float]:
-    """Values of texts in the order of `STATED`; an area of 0 or in an unknown unit is left out."""
-    pairs = zip(STATED, texts, strict=True)
-    values = {name: number for name, text in pairs for number in numbers_of([text])}
+    """Values of texts in the order of `STATED`; NaN for a text with digits that is no number.
+
+    Other texts, and an area of 0 or in an unknown unit, are left out.
+    """
+    values = {
+        name: math.nan if (number := plain_number(text)) is None else number
+        for name, text in zip(STATED, texts, strict=True)
+        if text and re.search(r"\d", text)
+    }
     area, own = values.pop(STATED[-1], 0.0), plain_unit(unit or "")
-    is_known = own in AREAS and area != 0.0 and math.isfinite(area)
+    is_known = own in AREAS and area != 0.0
     return values | ({STATED[-1]: area / AREAS[own]} if is_known else {})
 
 
@@ -148,15 +155,24 @@ def _separator(keys: Mapping[str, list[list[str]]], name: str) -> str | None:
     return "," if len(values) > 1 else values[0] or None
 
 
-def numbers_of(texts: Iterable[str | None]) -> tuple[float, ...]:
+def numbers_of(texts: Iterable[str]) -> tuple[float, ...]:
     """The values of those texts that are numbers."""
-    found = []
-    for text in texts:
-        try:
-            found.append(float(text or ""))
-        except ValueError:
-            continue
-    return tuple(found)
+    values = map(cell_number, texts)
+    return tuple(value for value in values if value is not None)
+
+
+def cell_number(cell: str) -> float | None:
+    """The number of a cell, NaN for the word that programs write for no value; else None."""
+    return math.nan if cell.strip().lower() == "nan" else plain_number(cell)
+
+
+def _check_marks(path: Path, *marks: str) -> None:
+    """Refuse separators that cannot be told apart from each other or from numbers."""
+    if len({*marks}) < len(marks) or any(len(it) != 1 or it in "0123456789+-eE" for it in marks):
+        raise StudyError(
+            f"{path}: its separators are {', '.join(map(repr, marks))}: each must be one character "
+            "of its own that is no part of a number"
+        )
 
 
 BRO_UNITS = {"depth": "m", "penetrationlength": "m"} | dict.fromkeys(
@@ -192,6 +208,8 @@ def read_bro(path: Path, text: str, sounding: str | None) -> TestFile:
         encoding.get(f"{name}Separator", usual)
         for name, usual in (("decimal", "."), ("token", ","), ("block", ";"))
     )
+    _check_marks(path, point, cell, block)
+    to_points = str.maketrans(f"{point}.", f".{point}")
     area = survey.find(".//{*}coneSurfaceArea")
     return TestFile(
         headings=[
@@ -204,7 +222,7 @@ def read_bro(path: Path, text: str, sounding: str | None) -> TestFile:
             for title, is_there in titles
         ],
         rows=[
-            (number, [piece.strip().replace(point, ".") for piece in row.split(cell)])
+            (number, [piece.strip().translate(to_points) for piece in row.split(cell)])
             for number, row in enumerate(values.split(block), start=1)
             if row.strip()
         ],
@@ -280,6 +298,8 @@ def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
             found.append(({}, []))
         pairs = (piece.partition("=") for piece in mark.split(","))
         codes = {code.strip(): value.strip() for code, equals, value in pairs if equals}
+        if codes and not found:
+            raise StudyError(f"{path}: line {number}: stands above the first line $ of a test")
         if "D" in codes:
             found[-1][1].append((number, codes))
         elif codes and not found[-1][1]:

@@ -263,7 +263,7 @@ def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
 
 def _rate(table: Table) -> float:
     value, allowed = table.values["laboratory_rate"], LAYER_KEYS["laboratory_rate"].allowed
-    found = re.fullmatch(keys.RATE, value) if isinstance(value, str) else None
+    found = re.fullmatch(keys.RATE, value, re.ASCII) if isinstance(value, str) else None
     if found:
         value = 0.01 * float(found[1]) / {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
     if not is_number(value):

@@ -29,7 +29,7 @@ FORMS = (
     ("mean", "deviation", "shape"),
 )
 """Sets of keys that describe a distribution. The other form is percentiles, such as p5 and p50."""
-PERCENTILE = r"p\d{1,2}"
+PERCENTILE = r"p[0-9]{1,2}"
 HOW = (
     "a number, { low, high }, { low, mode, high }, { mean, deviation, shape } or { p10, p50, p90 }"
 )

@@ -7,6 +7,7 @@ examples.
 
 import re
 import stat
+import sys
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -118,8 +119,14 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(text)
     except RecursionError:
         raise StudyError(f"{path}: not valid TOML: nested too deeply") from None
-    except ValueError as error:  # not only TOMLDecodeError: an integer may have too many digits
+    except tomllib.TOMLDecodeError as error:
         raise StudyError(f"{path}: not valid TOML: {error}{_remedy(text, error)}") from None
+    except ValueError:  # of Python, which reads no integer of more digits
+        most = sys.get_int_max_str_digits()
+        line = 1 + re.split(rf"[\d_]{{{most + 1}}}", text, maxsplit=1)[0].count("\n")
+        raise StudyError(
+            f"{path}: not valid TOML: an integer of more than {most} digits at line {line}"
+        ) from None
 
 
 def _remedy(text: str, error: ValueError) -> str:

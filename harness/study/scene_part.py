@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 from harness.errors import tell
 from harness.study.designs import (
@@ -81,9 +80,7 @@ class ScenePart:
         }
 
 
-def read_part(
-    name: str, scene: Scene, table: Table, design: Design, settings: Mapping[str, Any]
-) -> ScenePart:
+def read_part(name: str, scene: Scene, table: Table, design: Design, given: Table) -> ScenePart:
     """Read what a study does with one scene, and apply settings.
 
     Args:
@@ -91,12 +88,11 @@ def read_part(
         scene: the scene.
         table: the keys that apply to the scene; its `known` are the scene's parameters.
         design: how values are combined.
-        settings: values from the command line. They override the file. Parameters that the scene
-            does not have are ignored. With the design `one_at_a_time` a parameter that a setting
-            varies keeps its fixed value in the other cases.
+        given: values from the command line. They override the file. With the design
+            `one_at_a_time` a parameter that a setting varies keeps its fixed value in the other
+            cases.
     """
     known = table.known
-    given = Table("--set", {key: settings[key] for key in settings if key in known}, known)
     fixed = _fixed(table.table("fixed"))
     varied = _varied(table.table("vary"), design, fixed)
     derived = _derived(table.table("derived"))

@@ -104,12 +104,12 @@ def with_snapshots(study: Study, moments: str) -> Study:
     """
     option = f"--{SNAPSHOTS}"
     given = moments if moments.lstrip().startswith(("[", "{")) else f"[{moments}]"
-    table = Table(option, {SNAPSHOTS: parse_value(f"{option} {moments}", SNAPSHOTS, given)})
+    values = {SNAPSHOTS: parse_value(f"{option} {moments}", SNAPSHOTS, given)}
     taking = [part for part in study.parts if part.scene.snapshots_over is not None]
-    parts = [
-        replace(part, snapshots=read_snapshots(part.name, part.scene, table))
-        for part in taking or study.parts[:1]
-    ]
+    parts = []
+    for part in taking or study.parts[:1]:
+        table = Table(option if len(study.parts) == 1 else f"{option}, for {part.name}:", values)
+        parts.append(replace(part, snapshots=read_snapshots(part.name, part.scene, table)))
     others = {part.name: part for part in study.parts} | {part.name: part for part in parts}
     return replace(study, parts=tuple(others.values()))
 
@@ -153,7 +153,12 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
         # Of several scenes only one may lack a parameter that the table of all of them has.
         where = document.where if len(scenes) == 1 else f"{document.where} {name}:"
         of_all = replace(document, where=where, values=shared)
-        parts.append(_part(name, scene, of_scene, of_all, design, settings))
+        own_settings = Table(
+            "--set" if len(scenes) == 1 else f"--set, for {name}:",
+            {key: settings[key] for key in settings if key in parameters_of(scene)},
+            parameters_of(scene),
+        )
+        parts.append(_part(name, scene, of_scene, of_all, design, own_settings))
     timing = document.table("timing")
     timing.allow("repeats")
     return Study(
@@ -174,7 +179,7 @@ def _part(
     own: Table,
     shared: Table,
     design: Design,
-    settings: Mapping[str, Any],
+    settings: Table,
 ) -> ScenePart:
     """What a study does with one scene.
 

@@ -16,6 +16,9 @@ from mpm_warp.fields import Parameter, Value
 from mpm_warp.names import did_you_mean, nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
+QUOTED = r"\"[^\"]*\"|'[^']*'"
+NOT_PLAIN = re.compile(r"[0-9]_[0-9]|\b0[xob]")
+"""Numbers that TOML allows, and that are taken for a slip on a command line."""
 LONGEST_TEXT = 1000
 """Characters that a text, such as a title, may have; longer ones are mistakes."""
 
@@ -165,6 +168,8 @@ def parse_value(option: str, key: str, text: str) -> Any:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
         parsed = {}
+    if NOT_PLAIN.search(re.sub(QUOTED, "", text)):
+        raise StudyError(f"{option}: {text} is not allowed: a number is written as 10 or 1.5e-3")
     if parsed.keys() != {"value"}:
         raise StudyError(f"{option}: {text} is not a TOML value: {_remedy(key, text)}")
     return parsed["value"]
@@ -172,6 +177,8 @@ def parse_value(option: str, key: str, text: str) -> Any:
 
 def _remedy(key: str, text: str) -> str:
     """How to correct a setting whose text is not a TOML value."""
+    if re.search(r"\d{1000}", text):
+        return "a number has too many digits"
     if number := re.fullmatch(r"([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([A-Za-z%°][\w/%°]*)", text):
         return f"give the number without {number[2]}, in the unit of the parameter"
     if re.fullmatch(r"\d[\d.]*(,\s*[\d.]+)+", text):

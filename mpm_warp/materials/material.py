@@ -30,9 +30,16 @@ ADHESION_RATIO = "particle.adhesion_ratio"
 """Array of the adhesion ratio of each point, where it varies by place; shape [slot_count]."""
 
 REQUIRED = ("update", "moduli")
-ARGUMENT_COUNTS = {"update": 5, "moduli": 3, "yield_function": 3, "strength_function": 3, "turn": 2}
+OF_PROPERTIES = ("stress", "properties", "state")
+ARGUMENTS = {
+    "update": ("stress", "strain", "time_step", "properties", "state"),
+    "moduli": OF_PROPERTIES,
+    "yield_function": OF_PROPERTIES,
+    "strength_function": OF_PROPERTIES,
+    "turn": ("state", "motion"),
+}
 """Methods of a material that return the functions of its `Law`: those that every law must have, and
-the number of arguments of each function."""
+the arguments of each function."""
 
 EFFECTIVE_STRESS, PORE_PRESSURE = "effective_mean_stress", "excess_pore_pressure"
 """Names of two state variables of laws with effective stress [Pa], compression positive."""
@@ -226,15 +233,16 @@ class Material(Checked, ABC):
         for quantity, unit in (("ground_shear_modulus", "Pa"), ("pressure_wave_speed", "m/s")):
             check_number(f"{name}.{quantity}", getattr(self, quantity), POSITIVE, unit=unit)
         check_kind(f"{name}.state", self.state, (tuple, list))
-        for method, count in ARGUMENT_COUNTS.items():
+        for method, arguments in ARGUMENTS.items():
             function = getattr(self, method)()
             if function is None and method not in REQUIRED:
                 continue
             check_kind(f"{name}.{method}()", function, wp.Function)
-            given = len(function.input_types)
-            if given != count:
+            given = tuple(function.input_types)
+            if len(given) != len(arguments):
                 raise SceneError(
-                    f"{name}.{method}() = {function.key} takes {given} arguments, must take {count}"
+                    f"{name}.{method}() = {function.key} takes ({', '.join(given)}), must take "
+                    f"({', '.join(arguments)})"
                 )
         varies, remembers = self.variation is not None, len(self.state) > 0
         state_type = vector(max(1, len(self.state)))  # Warp has no vectors of length 0

@@ -2,7 +2,6 @@
 
 import argparse
 import csv
-import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -26,6 +25,7 @@ from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text
 from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
+from mpm_warp.plain_numbers import plain_number
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),
@@ -197,11 +197,8 @@ def read_points(path: Path) -> list[tuple[float, float]]:
         raise HarnessError(f"{path}: must be CSV with the columns {' and '.join(LABORATORY)}")
     points = []
     for number, row in enumerate(rows, start=2):
-        try:
-            depth, strength = (float(row[name]) for name in LABORATORY)
-        except (TypeError, ValueError):
-            depth = strength = math.nan
-        if not (0.0 <= depth < math.inf and 0.0 < strength < math.inf):
+        depth, strength = (plain_number(row[name] or "") for name in LABORATORY)
+        if depth is None or strength is None or depth < 0.0 or strength <= 0.0:
             told = ", ".join(f"{name} = {row[name]}" for name in LABORATORY)
             raise HarnessError(
                 f"{path}: row {number}: {told}: must be a depth >= 0 and a strength > 0"

@@ -36,6 +36,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law
 from mpm_warp.names import nearest_parameter
+from mpm_warp.plain_numbers import plain_number
 from mpm_warp.scenes.clay import FieldClayScene
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
@@ -236,10 +237,10 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
     cells = line.split(",")
     if len(cells) != len(columns):
         raise refused(f"row {number} {line!r} has {len(cells)} values, must have {len(columns)}")
-    try:
-        return [float(cell) for cell in cells]
-    except ValueError:
-        raise refused(f"row {number} {line!r}: must be numbers") from None
+    numbers = [value for cell in cells if (value := plain_number(cell)) is not None]
+    if len(numbers) < len(cells):
+        raise refused(f"row {number} {line!r}: must be numbers, as 1.5 or 1.5e-3")
+    return numbers
 
 
 def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mapping[str, Floats]:

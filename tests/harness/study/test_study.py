@@ -277,6 +277,8 @@ NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
             "density=1",
             r"s.toml: \[vary\] density = \[1\]: is not allowed with",
         ),
+        (TWO_SCENES, "cell_count=0", r"^--set, for thick_cylinder: cell_count = 0 is not allowed"),
+        (TWO_SCENES, "travel=-1", r"^--set, for sliding_block: travel = -1 is not allowed"),
         (TWO_SCENES, "cell_cuont=5", r"^--set cell_cuont = 5: .* did you mean 'cell_count'"),
     ],
 )

@@ -74,7 +74,7 @@ LIMITED = (
         (f"{HEAD}; 0, 1, 2", "row 1 '0, 1, 2' has 3 values, must have 2"),
         (f"{HEAD}; 0, stiff", "row 1 '0, stiff': must be numbers"),
         (f"{HEAD}; 0, 1; 2, -3", "strength in row 2 is -3000, must be > 0"),
-        (f"{HEAD}; 0, nan", "strength in row 1 is nan, must be > 0"),
+        (f"{HEAD}; 0, nan", "row 1 '0, nan': must be numbers, as 1.5 or 1.5e-3"),
         (f"{HEAD}; 3, 1; 2, 1", "depth in row 2 is 2 m, must not be above"),
         (f"{HEAD}; 1, 1; 1, 2; 1, 3", "depth 1 m is in three rows"),
         (
