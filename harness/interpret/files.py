@@ -57,7 +57,7 @@ def read_file(path: Path, sounding: str | None = None) -> TestFile:
     except csv.Error as error:
         raise StudyError(f"{path}: is no table: {error}") from None
     if not found.rows:
-        raise StudyError(f"{path}: has no rows of values")
+        raise StudyError(f"{path}: has no rows below its header")
     return found
 
 
@@ -79,8 +79,8 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
         for number, line in every.items()
         if line.strip("\t;, ") and not line.lstrip().startswith("#")
     }
-    if len(lines) < 2:
-        raise StudyError(f"{path}: has no rows below its header")
+    if not lines:
+        return TestFile(headings=(), rows=())
     first = _header(path, every, lines)
     above = [number for number in lines if number < first]
     notes = [f"{len(above)} lines above the header left out"] if above else []
@@ -97,7 +97,7 @@ def _csv(path: Path, text: str, sounding: str | None) -> TestFile:
             f"has {len(header)}; where a value is missing or a name has several words, cells must "
             "be separated by comma, semicolon or tab"
         )
-    if _are_units(lines[rows[0][0]]):
+    if rows and _are_units(lines[rows[0][0]]):
         units = [cell.strip(" []()") for cell in rows.pop(0)[1]]
         header = [
             replace(heading, unit=heading.unit or unit)

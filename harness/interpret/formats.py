@@ -298,8 +298,6 @@ def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
             found.append(({}, []))
         pairs = (piece.partition("=") for piece in mark.split(","))
         codes = {code.strip(): value.strip() for code, equals, value in pairs if equals}
-        if codes and not found:
-            raise StudyError(f"{path}: line {number}: stands above the first line $ of a test")
         if "D" in codes:
             found[-1][1].append((number, codes))
         elif codes and not found[-1][1]:

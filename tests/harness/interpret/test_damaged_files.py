@@ -85,7 +85,7 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     "one long cell": ("csv", lambda it: it + b'"' + b"x" * 200_000, "is no table: field larger"),
     "GEF cut in its header": ("gef", cut_after("#COLUMNVOID"), "is no whole GEF: has no #EOH"),
     "GEF cut in a row": ("gef", cut_after("\n1.71; 0."), "line 29: has 2 values"),
-    "GEF without rows": ("gef", cut_after("#EOH="), "has no rows of values"),
+    "GEF without rows": ("gef", cut_after("#EOH="), "has no rows below its header"),
     "GEF of a borehole": ("gef", replaced("CPT-Report", "BORE-Report"), "no cone test: GEF-BORE"),
     "GEF lacks a column": ("gef", replaced("#COLUMNINFO= 2", "#X"), "#COLUMNINFO must be there"),
     "GEF, a second area": (
@@ -160,8 +160,8 @@ DAMAGED: dict[str, tuple[str, Callable[[bytes], bytes], str]] = {
     ),
     "SGF, a row above its test": (
         "cpt",
-        lambda it: b"D=1.0,QC=2\n" + it,
-        "line 1: stands above the first line $ of a test",
+        lambda _: b"D=1.0,QC=2\n$\nHK=1\n#\nD=1,QC=3,U=2\n#$\n",
+        "has no rows below its header",
     ),
     "SGF of another sounding": ("cpt", cut_after("R=0\n"), "has no cone test"),
     "site: no layer": ("toml", cut_after("u2 = 0 }"), "[[layer]] is missing"),
