@@ -1,11 +1,12 @@
-"""One-line messages for the terminal: errors of the user, errors of the program, and colours.
+"""What is printed: results by `say`, messages of one line by `tell`, and errors.
 
 Text that comes from a file can neither set a colour nor move the cursor.
 """
 
 import os
-import secrets
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TextIO
 
 LONGEST_LINE = 1000
@@ -51,26 +52,42 @@ def counted(count: int, noun: str) -> str:
     return f"{count} {noun}{'' if count == 1 else 's'}"
 
 
+def send_nowhere(stream: TextIO) -> None:
+    """Send further output of a stream to the null device, so that closing it raises no error."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream.fileno())
+    os.close(null)
+
+
+@contextmanager
+def written(stream: TextIO) -> Iterator[None]:
+    """Print to a standard stream inside a ``with``; it is flushed at the end.
+
+    If it cannot be written, as on a full disk, standard output is an error, and what goes to
+    standard error is dropped.
+    """
+    try:
+        try:
+            yield
+        finally:
+            stream.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        send_nowhere(stream)
+        if stream is sys.stdout:
+            why = f"standard output: cannot be written: {error.strerror}"
+            raise HarnessError(why) from None
+
+
+def say(*lines: object) -> None:
+    """Print lines of a result on standard output; only line ends and tabs control the terminal."""
+    text = "\n".join(map(str, lines))
+    with written(sys.stdout):
+        print("".join(it if it in "\n\t" else printable(it) for it in text))
+
+
 def tell(message: str) -> None:
     """Print one line of limited length on standard error, apart from results."""
-    print("harness:", shortened(" ".join(message.split())), file=sys.stderr)
-
-
-GREEN, RED, PLAIN = (f"\0{secrets.token_hex(8)}\0" for _ in range(3))
-"""Random placeholders of colours; no text from a file can contain them."""
-CODES = {GREEN: "\033[32m", RED: "\033[31m", PLAIN: "\033[0m"}
-"""The terminal code of each placeholder."""
-
-
-def coloured(text: str, *, is_good: bool, stream: TextIO | None = None) -> str:
-    """A text in green or red if it goes to a terminal with colours; otherwise unchanged.
-
-    Any value of the environment variable ``NO_COLOR`` (https://no-color.org) switches colours off.
-    Without `stream` the text is for standard output and has placeholders, which
-    `harness.cli.process` replaces by codes; with `stream` it has the codes.
-    """
-    to_terminal = (stream or sys.stdout).isatty()
-    if not to_terminal or os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb":
-        return text
-    begin, end = GREEN if is_good else RED, PLAIN
-    return f"{begin}{text}{end}" if stream is None else f"{CODES[begin]}{text}{CODES[end]}"
+    with written(sys.stderr):
+        print("harness:", shortened(" ".join(message.split())), file=sys.stderr)

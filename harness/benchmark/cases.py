@@ -17,7 +17,7 @@ import xarray as xr
 from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import Role, with_role
 from harness.archive.provenance import provenance
-from harness.errors import in_one_line, tell
+from harness.errors import in_one_line, say, tell
 from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
@@ -181,7 +181,7 @@ def run_benchmark(folder: Path, accuracy: str) -> int:
             continue
         write_whole(_meta(accuracy).encode(), meta)
         write_csv(_rows(results), path)
-        print(f"{case.name}: {results[case.name].value:.5g} {case.unit}", flush=True)
+        say(f"{case.name}: {results[case.name].value:.5g} {case.unit}")
     return failed
 
 

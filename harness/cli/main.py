@@ -17,11 +17,8 @@ from harness.cli.process import (
     Terminated,
     complete_streams,
     end_at_sigterm,
-    safe_output,
-    safe_remarks,
-    send_nowhere,
 )
-from harness.errors import HarnessError, defect, tell
+from harness.errors import HarnessError, defect, send_nowhere, tell, written
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 
 REFUSALS = (HarnessError, ParameterError, SceneError, UnknownSceneError)
@@ -48,22 +45,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # the same for mathematical text
     # Jupyter names its own backend to every command, and matplotlib ends where it is not installed.
     os.environ.pop("MPLBACKEND", None)
-    with safe_remarks():
-        return _exit_code(parser, given)
+    return _exit_code(parser, given)
 
 
 def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
     """Run one command; an error is reported in one line."""
     try:
         end_at_sigterm()
-        with safe_output():
+        with written(sys.stdout):  # --version
             options = _parsed(parser, given)
-            # Imported here so that help appears at once and only needed modules are loaded.
-            module, function = options.function.split(".")
-            command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
-            if "matplotlib" in sys.modules:  # no matplotlibrc of the user changes a picture
-                sys.modules["matplotlib"].rcdefaults()
-            code: int = command(options)
+        # Imported here so that help appears at once and only needed modules are loaded.
+        module, function = options.function.split(".")
+        command = getattr(importlib.import_module(f"harness.cli.commands.{module}"), function)
+        if "matplotlib" in sys.modules:  # no matplotlibrc of the user changes a picture
+            sys.modules["matplotlib"].rcdefaults()
+        code: int = command(options)
     except BrokenPipeError:
         # Nobody reads the output any more, as in `harness run ... | head`: no message is needed.
         for stream in (sys.stdout, sys.stderr):

@@ -15,7 +15,7 @@ from typing import Any, NoReturn
 
 from harness.cli.help import HELP, Option, epilog
 from harness.cli.process import BAD_INPUT
-from harness.errors import shortened
+from harness.errors import say, shortened
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.plain_numbers import plain_number
 
@@ -109,6 +109,10 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         layout = argparse.RawDescriptionHelpFormatter
         super().__init__(allow_abbrev=False, formatter_class=layout, **options)
+
+    def print_help(self, file: object = None) -> None:
+        """Print the help as results are; argparse would not notice that it cannot be written."""
+        say(self.format_help().rstrip())
 
     def error(self, message: str) -> NoReturn:
         """End the process because a value is not allowed or an argument is missing."""

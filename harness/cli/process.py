@@ -1,19 +1,11 @@
-"""The process of a command: exit codes, signals, and safe standard streams.
-
-No text from a file can control the terminal through these streams.
-"""
+"""The process of a command: exit codes, signals, and complete standard streams."""
 
 import io
 import os
-import re
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, redirect_stderr, redirect_stdout
 from types import FrameType
-from typing import Any, NoReturn, TextIO
-
-from harness.errors import CODES, HarnessError, printable
+from typing import NoReturn
 
 DONE, INCOMPLETE = 0, 1
 BAD_INPUT = 2
@@ -45,13 +37,11 @@ def _raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
     raise Terminated(number)
 
 
-CONTROLS = CODES | {"\n": "\n", "\t": "\t"}
-"""What the harness itself may send to control the terminal: colours, line ends, tabs."""
-_CONTROLS = re.compile("(" + "|".join(map(re.escape, CONTROLS)) + ")")
-
-
 def complete_streams() -> None:
-    """Connect standard streams that are closed, as by ``2>&-``, to the null device."""
+    """Connect standard streams that are closed, as by ``2>&-``, to the null device.
+
+    Letters that the terminal's encoding lacks are written as escapes.
+    """
     while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
         # Descriptors 0 to 2 belong to the standard streams, here and in workers. No other file may
         # get one of them.
@@ -60,72 +50,6 @@ def complete_streams() -> None:
     for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(number, mode, closefd=False))
-
-
-def send_nowhere(stream: TextIO) -> None:
-    """Send further output of a stream to the null device, so that closing it raises no error."""
-    null = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(null, stream.fileno())
-    os.close(null)
-
-
-def safe_output() -> AbstractContextManager[None]:
-    """Make standard output safe inside a ``with``; it is flushed at the end."""
-    return _safe(redirect_stdout, sys.stdout, is_output=True)
-
-
-def safe_remarks() -> AbstractContextManager[None]:
-    """Make standard error safe inside a ``with``; what cannot be written is dropped."""
-    return _safe(redirect_stderr, sys.stderr, is_output=False)
-
-
-@contextmanager
-def _safe(
-    redirected: Callable[[Any], AbstractContextManager[Any]], stream: TextIO, *, is_output: bool
-) -> Iterator[None]:
-    if isinstance(stream, io.TextIOWrapper):
-        # Letters that the terminal's encoding lacks are written as escapes.
-        stream.reconfigure(errors="backslashreplace")
-    safe = _Stream(stream, is_output=is_output)
-    with redirected(safe):
-        try:
-            yield
-        finally:
-            safe.flush()
-
-
-class _Stream:
-    """A wrapper of a standard stream. After an error of writing, further output is dropped.
-
-    Standard output gets only printable characters, and an error of writing ends the command. An
-    error on standard error does not.
-    """
-
-    def __init__(self, stream: TextIO, *, is_output: bool) -> None:
-        self.stream = stream
-        self.is_output = is_output
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.stream, name)
-
-    def write(self, text: str) -> int:
-        if self.is_output:
-            pieces = _CONTROLS.split(text)
-            text = "".join(CONTROLS.get(piece) or printable(piece) for piece in pieces)
-        self._done(self.stream.write, text)
-        return len(text)
-
-    def flush(self) -> None:
-        self._done(self.stream.flush)
-
-    def _done(self, action: Callable[..., object], *given: str) -> None:
-        try:
-            action(*given)
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            send_nowhere(self.stream)
-            if self.is_output:
-                raise HarnessError(
-                    f"standard output: cannot be written: {error.strerror}"
-                ) from None
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")

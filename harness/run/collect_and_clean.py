@@ -51,7 +51,7 @@ from harness.compare.compared import (
     with_tolerances,
 )
 from harness.compare.finest_error import with_finest_error
-from harness.errors import coloured, counted, tell
+from harness.errors import counted, tell
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.fields import Value
@@ -193,8 +193,7 @@ def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -
         time = f"{outcome.seconds:.1f} s" if outcome.seconds else ""
         message = outcome.message or without_half_width(outcome.reason)
         why = f": {message}" if message else ""
-        status = coloured(f"{outcome.status:10}", is_good=outcome.status == COMPLETED)
-        rows.append(f"{key}  {status}  {time:>9}  {label}{why}")
+        rows.append(f"{key}  {outcome.status:10}  {time:>9}  {label}{why}")
     note = [f"U: {HALF_WIDTH}"] if any(outcome.reason for outcome in outcomes) else []
     return [*rows, summary(outcomes), *note]
 

@@ -19,7 +19,7 @@ from harness.archive.atomic_files import ArchiveError, check_folder, prepare
 from harness.archive.case_files import Outcome, case_folder, check_no_link, discard
 from harness.archive.conventions import COMPLETED, DAMAGED, UNREADABLE
 from harness.archive.study_files import check_place, study_file
-from harness.errors import HarnessError, coloured, counted, shortened, tell
+from harness.errors import HarnessError, counted, shortened, tell, written
 from harness.run import collect_and_clean as results
 from harness.run.pool import Watcher, cases_at_once, run_cases
 from harness.run.resources import (
@@ -74,13 +74,12 @@ class Display(AbstractContextManager["Display"]):
         """Print the line of a case that has ended."""
         self.done += 1
         self.running.pop(case.key, None)
-        status = coloured(outcome.status, is_good=outcome.status == COMPLETED, stream=self.stream)
         label, message = map(shortened, (case.label, outcome.message))
-        result = ", ".join(filter(None, (status, outcome.headline, message)))
+        result = ", ".join(filter(None, (outcome.status, outcome.headline, message)))
         line = f"[{self.done}/{self.total}] {label}: {result}, {_times(outcome)}"
         self._update()
-        tqdm.write(line, file=self.stream)
-        self.stream.flush()
+        with written(self.stream):
+            tqdm.write(line, file=self.stream)
 
     def _update(self) -> None:
         """Set the bar to the number of cases done, running ones by their fraction."""
@@ -91,7 +90,8 @@ class Display(AbstractContextManager["Display"]):
             state = f"running, at {progress / count:.0%}" if progress else "setting up"
             text += f"{count} {state}, "
         self.bar.set_description_str(text, refresh=False)
-        self.bar.update(self.done + progress - self.bar.n)
+        with written(self.stream):
+            self.bar.update(self.done + progress - self.bar.n)
 
 
 def _times(outcome: Outcome) -> str:

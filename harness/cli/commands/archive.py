@@ -17,7 +17,7 @@ from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import check_place, read_study, study_file
 from harness.cli.process import DONE, INCOMPLETE
-from harness.errors import HarnessError, counted, tell
+from harness.errors import HarnessError, counted, say, tell
 from harness.run import collect_and_clean as results
 from harness.study.files import study_names
 from harness.study.study import load_study
@@ -38,13 +38,13 @@ def status(options: argparse.Namespace) -> int:
         tell_of_other_version(Path(name), dataset)
         keys, labels = over_cases(dataset, "case_key").tolist(), labels_of(dataset)
         stand = results.outcomes_of(dataset)
-        print(*results.status_rows(list(zip(keys, labels, strict=True)), stand), sep="\n")
+        say(*results.status_rows(list(zip(keys, labels, strict=True)), stand))
         return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
     study = load_study(name, options.set)
     stand = results.outcomes(study, options.out)
-    print(*results.status_rows([(case.key, case.label) for case in study.cases], stand), sep="\n")
+    say(*results.status_rows([(case.key, case.label) for case in study.cases], stand))
     if options.traceback:
-        print(*results.tracebacks(study, options.out), sep="\n")
+        say(*results.tracebacks(study, options.out))
     results.tell_of_other_sources(study, stand)
     file = study_file(options.out, study)
     if all(outcome.status == MISSING for outcome in stand) and file.exists():
@@ -75,7 +75,7 @@ def _list_results(folder: Path, scene: str | None) -> None:
     if not rows:
         of_scene = "" if scene is None else f" of {scene}"
         raise HarnessError(f"{folder}: has no results{of_scene}; `harness run STUDY` writes some")
-    print(*rows, sep="\n")
+    say(*rows)
 
 
 def collect(options: argparse.Namespace) -> int:
@@ -93,7 +93,7 @@ def collect(options: argparse.Namespace) -> int:
             tell(f"{message}; kept")
     results.tell_of_other_sources(study, stand)
     tell(results.summary(stand))
-    print(study_file(options.out, study))
+    say(study_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
 
 
@@ -102,7 +102,7 @@ def clean(options: argparse.Namespace) -> int:
     study = load_study(options.study, options.set)
     found = results.stray_files(study, options.out)
     for file in found:
-        print(f"{file.path}: {file.what}")
+        say(f"{file.path}: {file.what}")
     if not found:
         tell("nothing to remove")
         return DONE
@@ -115,8 +115,6 @@ def clean(options: argparse.Namespace) -> int:
 
 
 def _confirmed(question: str) -> bool:
-    print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
+    tell(f"{question} [y/N]")
     answer = sys.stdin.readline()
-    if not answer:  # standard input is closed
-        print(file=sys.stderr)
     return answer.strip().lower() in ("y", "yes")

@@ -12,6 +12,7 @@ from argcomplete.shell_integration import shellcode
 
 from harness.cli.options import make_parser
 from harness.cli.process import DONE
+from harness.errors import say
 from harness.study.files import study_names
 from mpm_warp.scenes import scene_names
 
@@ -28,7 +29,7 @@ def show_help(options: argparse.Namespace) -> int:
 
 def completion(options: argparse.Namespace) -> int:
     """Print the code by which a shell completes the command line."""
-    print(shellcode(["harness"], shell=options.shell))
+    say(shellcode(["harness"], shell=options.shell))
     return DONE
 
 

@@ -13,7 +13,7 @@ from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.netcdf_files import read_attributes, write_netcdf
 from harness.archive.provenance import provenance
 from harness.cli.process import DONE
-from harness.errors import HarnessError, tell
+from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
 from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words
@@ -125,7 +125,7 @@ def _write(test: Interpreted, base: str) -> None:
     _write_data(found, base)
     write_csv(_table(found), Path(f"{base}.csv"))
     _write_figure(test.figure, base)
-    print(*in_words(test.site, found), sep="\n")
+    say(*in_words(test.site, found))
     left = [
         f"{count} {word}"
         for number, word in enumerate(REASONS)
@@ -160,7 +160,7 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
     both = checked(test.found, simulated)
     _write_data(both, base)
     _write_figure(check_figure(both), base)
-    print(*misfit_in_words(site, both), sep="\n")
+    say(*misfit_in_words(site, both))
     tell(f"written: {base}.nc, .png, .svg")
 
 

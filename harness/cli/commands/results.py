@@ -19,7 +19,7 @@ from harness.compare.compared import NothingToCompareError, misses
 from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.result_table import result_table
-from harness.errors import HarnessError, defect, tell
+from harness.errors import HarnessError, defect, say, tell
 from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable, image, write_own
 from harness.pictures.pictures import Failures, NothingToDrawError, draw
 from harness.pictures.soil import sections_figure, traction_figure, write_animation
@@ -40,7 +40,7 @@ def compare(options: argparse.Namespace) -> int:
         return _compare_two(dataset, _read(options.other), options.tolerance or 0.0)
     with _result_of(options.file):
         try:
-            print(result_table(dataset))
+            say(result_table(dataset))
         except NothingToCompareError:
             if TOLERANCES not in dataset.attrs:
                 raise
@@ -67,7 +67,7 @@ def _compare_two(first: xr.Dataset, second: xr.Dataset, tolerance: float) -> int
     found, lonely = differences(first, second)
     for line in unshared(first, second):
         tell(line)
-    print(*difference_rows(found, tolerance), *lonely, sep="\n")
+    say(*difference_rows(found, tolerance), *lonely)
     return (
         INCOMPLETE if lonely or any(difference.size > tolerance for difference in found) else DONE
     )
@@ -86,7 +86,7 @@ def list_misses(dataset: xr.Dataset) -> int:
 def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
     """Print the table and draw the pictures that fit the result; return the exit code."""
     try:
-        print(result_table(dataset))
+        say(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:
@@ -99,7 +99,7 @@ def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
 def _list_pictures(paths: list[Path], failed: Failures, *, debug: bool) -> int:
     """Print which pictures were written and which failed; return the exit code."""
     for path in paths:
-        print(path)
+        say(path)
     for name, error in failed.items():
         if debug:
             traceback.print_exception(error)
@@ -131,9 +131,9 @@ def show_recommendation(options: argparse.Namespace) -> int:
     """Print the cheapest settings whose error is small enough."""
     found = recommend(options.scene, options.error, results_in(options.results))
     if found is None:
-        print(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
+        say(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
         return INCOMPLETE
-    print(f"{options.scene}: {found}")
+    say(f"{options.scene}: {found}")
     return DONE
 
 
@@ -152,5 +152,5 @@ def view(options: argparse.Namespace) -> int:
         written.append(folder / f"{name}_{kind}.png")
         write_own(image(figure(fields)), written[-1])
     written += write_animation(fields, folder / f"{name}_animation.gif")
-    print(*written, *series, sep="\n")
+    say(*written, *series)
     return DONE

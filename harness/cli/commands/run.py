@@ -22,7 +22,7 @@ from harness.benchmark.score import case_rows, formulas, scores, summary_rows
 from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.costs import bench_rows
-from harness.errors import HarnessError, counted, tell
+from harness.errors import HarnessError, counted, say, tell
 from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     )
     dataset = run_study(study, options.out, runner, fresh=options.fresh)
     undrawn = show(dataset, options.out, debug=options.debug)
-    print(study_file(options.out, study))
+    say(study_file(options.out, study))
     incomplete = _list_incomplete(study, dataset)
     return list_misses(dataset) or incomplete or undrawn
 
@@ -101,8 +101,8 @@ def bench(options: argparse.Namespace) -> int:
     study = load_study("bench", options.set)
     runner = on_this_machine(study, None, RunOptions(device=options.device))
     dataset = run_study(study, options.out, runner, fresh=True)
-    print(*bench_rows(dataset), sep="\n")
-    print(study_file(options.out, study))
+    say(*bench_rows(dataset))
+    say(study_file(options.out, study))
     return _list_incomplete(study, dataset)
 
 
@@ -135,13 +135,13 @@ def verify_scenes(options: argparse.Namespace) -> int:
         f"{spoken_time(sum(seconds) / usable_cores() + SETTING_UP)} on a quiet machine"
     )
     lines, results = [HEADING], []
-    print(lines[0])
+    say(lines[0])
     bar = tqdm(total=sum(seconds), disable=None, bar_format=VERIFIED_BAR, leave=False)
     for verified, its_own in zip(verified_in_turn(checks), seconds, strict=True):
         results.append(verified)
         lines.append(table_rows(verified))
         bar.clear()
-        print(lines[-1], flush=True)
+        say(lines[-1])
         bar.update(its_own)
         if options.out is not None:
             dataset = as_dataset(results).assign_attrs(provenance())
@@ -178,7 +178,7 @@ def benchmark(options: argparse.Namespace) -> int:
     page = benchmark_page(submissions, found, picture, against)
     write_own(page.encode(), base.with_suffix(".html"))
     _print_table(case_rows(found))
-    print()
+    say()
     _print_table(summary_rows(found))
     tell(
         "scores are against the exact value where there is one, otherwise against "
@@ -192,4 +192,4 @@ def _print_table(rows: Sequence[Sequence[str]]) -> None:
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
-        print("  ".join(cells).rstrip())
+        say("  ".join(cells).rstrip())

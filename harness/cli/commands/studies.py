@@ -4,7 +4,6 @@ import argparse
 import json
 import re
 import shlex
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from tqdm import tqdm
 
 from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
-from harness.errors import HarnessError, tell
+from harness.errors import HarnessError, say, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
 from harness.interpret.files import read_file
 from harness.interpret.formats import NotNamedError
@@ -59,7 +58,7 @@ def new(options: argparse.Namespace) -> int:
     write_whole(text.encode(), path)
     command = "interpret" if is_site else "run"
     tell(f"edit {path}, then: harness {command} {shlex.quote(str(path))}")
-    print(path)
+    say(path)
     return DONE
 
 
@@ -87,7 +86,7 @@ def list_names(options: argparse.Namespace) -> int:
     }
     width = max(len(name) for them in kinds.values() for name in them)
     for kind, them in kinds.items():
-        print(f"{kind}:", *(f"  {name:{width}} {what}" for name, what in them.items()), sep="\n")
+        say(f"{kind}:", *(f"  {name:{width}} {what}" for name, what in them.items()))
     return DONE
 
 
@@ -102,14 +101,14 @@ def _summary(scene: str) -> str:
 def describe(options: argparse.Namespace) -> int:
     """Describe a scene, a study or a site file."""
     if is_site_file(options.subject):
-        print(*site_rows(Path(options.subject)), sep="\n")
+        say(*site_rows(Path(options.subject)))
         return DONE
     if not is_scene(options.subject):
         study = load_study(options.subject)
-        print(*study_rows(study), sep="\n")
+        say(*study_rows(study))
         warn_of_unusual_values(study)
         return DONE
-    print(*scene_rows(options.subject), sep="\n")
+    say(*scene_rows(options.subject))
     if options.subject in study_names():
         file = shlex.quote(str(find_study(options.subject)))
         tell(f"there is also a study of this name: harness describe {file}")
@@ -118,13 +117,13 @@ def describe(options: argparse.Namespace) -> int:
 
 def schema(options: argparse.Namespace) -> int:
     """Print the JSON schema of studies, or of site files."""
-    print(json.dumps(site_schema() if options.of == "site" else study_schema(), indent=2))
+    say(json.dumps(site_schema() if options.of == "site" else study_schema(), indent=2))
     return DONE
 
 
 def references(options: argparse.Namespace) -> int:
     """Print all references and bands of experience, or one of them in full."""
-    print(all_entries() if options.id is None else one_entry(options.id))
+    say(all_entries() if options.id is None else one_entry(options.id))
     return DONE
 
 
@@ -147,10 +146,10 @@ def show_plan(options: argparse.Namespace) -> int:
         plan = scene.plan()
         text = _plan_text(plan, scene.step_count_bound(plan))
         bar.update()
-    print(text)
+    say(text)
     if size is not None:
         memory = predicted_memory(scene, size, len(case.snapshots))
-        print(f"memory of the process: {memory / 1e6:.1f} MB")
+        say(f"memory of the process: {memory / 1e6:.1f} MB")
     return DONE
 
 
@@ -162,17 +161,18 @@ def _at_work(count: int, what: str) -> "tqdm[Any]":
 
 def _show_cases(cases: Sequence[Case]) -> None:
     """Print what each case takes, and all of them together."""
-    print(HEADING)
+    say(HEADING)
     total, unknown = 0.0, False
     with _at_work(len(cases), "planning") as bar:
         for case in cases:
             row, seconds = _case_row(case)
-            tqdm.write(row, file=sys.stdout)
+            with bar.external_write_mode():
+                say(row)
             bar.update()
             total += seconds or 0.0
             unknown |= seconds is None
     more = ", and more: the steps of some are not known beforehand" if unknown else ""
-    print(f"{len(cases)} cases, {spoken_time(total)} at most on one thread{more}")
+    say(f"{len(cases)} cases, {spoken_time(total)} at most on one thread{more}")
 
 
 def _case_row(case: Case) -> tuple[str, float | None]:

@@ -9,8 +9,7 @@ import pytest
 
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
-from harness.cli.process import safe_output
-from harness.errors import CODES, GREEN, LONGEST_LINE
+from harness.errors import LONGEST_LINE, say
 from harness.study.study import Study
 from tests.conftest import finished
 from tests.harness.conftest import Command, Refusal
@@ -34,9 +33,8 @@ def full() -> Iterator[TextIO]:
 def test_output_has_no_characters_that_control_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with safe_output():
-        print("a\x1b[2Jb\u202e\tc", "ä 中", GREEN, "\x1b[31m")
-    assert capsys.readouterr().out == f"a\\x1b[2Jb\\u202e\tc ä 中 {CODES[GREEN]} \\x1b[31m\n"
+    say("a\x1b[2Jb\u202e\tc", "ä 中 \x1b[31m")
+    assert capsys.readouterr().out == "a\\x1b[2Jb\\u202e\tc\nä 中 \\x1b[31m\n"
 
 
 def test_output_that_cannot_be_written_is_one_line_and_code_2(
@@ -45,6 +43,13 @@ def test_output_that_cannot_be_written_is_one_line_and_code_2(
     monkeypatch.setattr(sys, "stdout", full)
     told = "harness: standard output: cannot be written: No space left on device\n"
     assert command("schema", code=2).err == told
+
+
+@pytest.mark.parametrize("words", ["schema", "--help", "help run"])
+def test_output_to_a_full_disk_is_one_line_and_code_2(words: str) -> None:
+    end = finished(["sh", "-c", f"'{sys.executable}' -m harness {words} >/dev/full"])
+    told = "harness: standard output: cannot be written: No space left on device\n"
+    assert (end.returncode, end.stderr) == (2, told)
 
 
 def test_remarks_that_cannot_be_written_change_nothing(

@@ -227,36 +227,9 @@ def test_a_case_is_being_set_up_until_it_computes_and_the_line_is_left_clean(sma
     assert re.search(r"\r +\r$", stream.getvalue())
 
 
-def test_lines_of_cases_stand_above_the_bar(small: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("NO_COLOR", "1")
+def test_lines_of_cases_stand_above_the_bar(small: Study) -> None:
     stream = Terminal()
     with Display(3, stream) as display:
         display.finished(small.cases[0], Outcome("completed", seconds=2.0))
         assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
         assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]
-
-
-@pytest.mark.parametrize(
-    ("status", "environment", "told"),
-    [
-        ("completed", {"TERM": "xterm"}, "\033[32mcompleted\033[0m"),
-        ("diverged", {"TERM": "xterm"}, "\033[31mdiverged\033[0m"),
-        ("completed", {"TERM": "xterm", "NO_COLOR": "1"}, ": completed"),
-        ("completed", {"TERM": "dumb"}, ": completed"),
-    ],
-)
-def test_a_terminal_has_the_status_in_colour_where_that_is_wanted(
-    status: str,
-    environment: dict[str, str],
-    told: str,
-    small: Study,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.delenv("NO_COLOR", raising=False)
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    stream = Terminal()
-    with Display(1, stream) as display:
-        display.finished(small.cases[0], Outcome(status))
-    assert told in stream.getvalue()
-    assert ("\033[3" in stream.getvalue()) == ("\033[3" in told)
