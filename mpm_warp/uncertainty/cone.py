@@ -17,7 +17,7 @@ This serves cases for which the values of `laws` do not hold.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -28,8 +28,14 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scene import Scene
-from mpm_warp.uncertainty.built import LAWS_OF_CONES, why_not_as_measured, why_not_tresca
-from mpm_warp.uncertainty.further_runs import ALONE, TestRun, those_that_hold
+from mpm_warp.uncertainty.built import (
+    LAWS_OF_CONES,
+    Test,
+    why_law_not_measured,
+    why_not_of_catalogue,
+    why_not_tresca,
+)
+from mpm_warp.uncertainty.further_runs import ALONE, CARRIED_ON, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     APEX_ANGLE,
     LARGEST_CELL,
@@ -65,6 +71,21 @@ DIFFERENCES = {
     "domain": "a wider window",
 }
 """Difference of the further run that measures an effect, such as B h, by effect."""
+REMEDIES = {
+    "mesh": "more cells_per_radius",
+    "growth": "a cell_growth of 0.4",
+    "speed": "a lower speed_ratio",
+    "domain": "larger domain_radius, domain_above and domain_below",
+    "bottom": "a larger domain_below",
+    "top": "a larger domain_above",
+    "bound": "a higher poissons_ratio_bound",
+    "steadiness": "more penetration, or a lower steady_tolerance",
+    "noise": "more cells_per_radius",
+    "limit": "no parameter, it is of the limit of fine cells",
+    "points": "no parameter, it is of the number of material points",
+    "range": "no parameter, the clay is beyond what was measured",
+}
+"""What makes each part of U smaller."""
 RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 0.2}
 """Half width of each error over that in the run where it is smallest: about the difference between
 a law and one of the next order. The mesh has such a term already, Q h^1.7. From 5 and 8
@@ -92,16 +113,37 @@ class ConeRun(TestRun):
     description = "Nc = (qc - sigma_v0) / su, as simulated and corrected for mesh, speed and window"
     differences = DIFFERENCES
     residual_shares = RESIDUAL_SHARES
+    remedies = REMEDIES
     largest_correction = LARGEST_CORRECTION
     approach = APPROACH_HALF_WIDTH
 
     laws: ErrorLaws  # of its error at the end of the run
     strength: float  # undrained shear strength su [Pa]
+    roughness: float  # mean shear stress on the face over su, that of friction included
+    is_of_catalogue: bool  # whether soil, contact and grid are those of a scene of the catalogue
 
     @property
     def factor(self) -> float:
         """The cone factor as simulated."""
         return float(self.recorded.cone_factor_simulated)
+
+    @property
+    def usual_correction(self) -> float:
+        """By the laws of Tresca clay, at the nearest place where they hold.
+
+        So no effect of clay or contact that they do not know makes a step where it begins. A cone
+        with friction is as rough as the shear stress on its face.
+        """
+        if not self.is_of_catalogue:
+            return 0.0
+        return float(replace(self.laws, adhesion_factor=self.roughness).correction)
+
+    @property
+    def usual_correction_is(self) -> str:
+        """See `TestRun`."""
+        if not self.is_of_catalogue:
+            return super().usual_correction_is
+        return CARRIED_ON
 
     @property
     def why_not_settled(self) -> list[str]:
@@ -164,27 +206,27 @@ class ConeRun(TestRun):
         return stated | labelled(cone_factor_normal=(normal, "1", "cone factor, normal part", adds))
 
 
-def known_error(run: ConeRun, built: Scene, expected: Scene | None) -> dict[str, xr.Variable]:
+def known_error(run: ConeRun, test: Test, built: Scene) -> dict[str, xr.Variable]:
     """The corrected cone factor and its uncertainty, by the laws.
 
     Args:
         run: the run.
+        test: the cone test.
         built: the scene that was simulated.
-        expected: the scene that the catalogue builds from the same parameters; see `built`.
 
     Returns:
         `cone_factor`, its normal part and its correction; `cone_factor_uncertainty` and its parts,
-        each a half width of 95 %. Where the laws do not hold, the correction is 0, the uncertainty
-        is NaN, and `why_no_uncertainty` gives the reason.
+        each a half width of 95 %. Where the laws do not hold, the uncertainty is NaN, and
+        `why_no_uncertainty` gives the reason; the correction goes on, see `usual_correction`.
     """
     laws = run.laws
     by_laws = {name: float(value) for name, value in laws.half_widths().items()}
     by_laws["speed"] += APPROACH_HALF_WIDTH * run.factor
-    reasons = [
-        *(why_not_as_measured(built, expected, LAWS_OF_CONES) or _why_not_of_scene(built)),
-        *why_laws_do_not_hold(laws),
-    ]
-    return run.stated(float(laws.correction), run.own_parts(ALONE, [run]) | by_laws, reasons)
+    of_others = why_not_of_catalogue(test, built)
+    of_clay = why_law_not_measured(built.material, LAWS_OF_CONES) or _why_not_of_scene(built)
+    reasons = [*(of_others or of_clay), *why_laws_do_not_hold(laws)]
+    run = replace(run, is_of_catalogue=not of_others)
+    return run.stated(run.usual_correction, run.own_parts(ALONE, [run]) | by_laws, reasons)
 
 
 def why_laws_do_not_hold(laws: ErrorLaws) -> list[str]:

@@ -33,6 +33,16 @@ DIFFERENCES = {
     "domain": "a wider window",
 }
 """The effects, M h^2 and the other terms, and what is different in the run that measures each."""
+REMEDIES = {
+    "mesh": "more cells_per_radius",
+    "speed": "a lower speed_ratio",
+    "mesh_and_speed": "more cells_per_radius, or a lower speed_ratio",
+    "domain": "a larger domain_extent",
+    "steadiness": "more penetration",
+    "points": "more particles_per_cell",
+    "poles": "more cells_per_radius",
+}
+"""What makes each part of U smaller."""
 RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
 """Half width of each error, over the error that is left in the best run. From 3 to 6 cells per
 radius some bodies follow h^2, others reach their limit at once."""
@@ -64,6 +74,7 @@ class FullFlowRun(TestRun):
     description = "resistance over projected area and su, corrected for mesh, speed and window"
     differences = DIFFERENCES
     residual_shares = RESIDUAL_SHARES
+    remedies = REMEDIES
 
     cells_per_radius: int  # of the body
     relative_speed: float  # over sqrt(su / rho)

@@ -29,11 +29,31 @@ ALONE: Floats = np.ones(1)
 """Weights of the runs where the value is from a single run."""
 REASON = "why_no_uncertainty"
 """Name of the variable that says why a result has no uncertainty; "" where it has one."""
+LARGEST_PART = "largest_part_of_uncertainty"
+"""Name of the variable that says which part of U is the largest, and what makes it smaller."""
+
+NOT_CORRECTED = "nothing is corrected"
+CARRIED_ON = "corrected as in tresca, for mesh, speed, window and bound alone"
+"""What a reason says of the correction, where there is no uncertainty."""
 
 
 def reason(text: str) -> xr.Variable:
     """The variable `REASON`; the text is "word: sentence", several separated by semicolons."""
     return variable(text, unit=None, meaning="why there is no uncertainty", role="reason")
+
+
+def largest_part(parts: Mapping[str, float], remedies: Mapping[str, str]) -> xr.Variable:
+    """The variable `LARGEST_PART`, as "mesh, 38 % of U^2: more cells_per_radius"; "" without U.
+
+    Args:
+        parts: half widths by cause, NaN where there is no U; U^2 is the sum of their squares.
+        remedies: what makes each smaller.
+    """
+    text, whole = "", sum(part**2 for part in parts.values())
+    if whole > 0.0:
+        name = max(parts, key=lambda part: parts[part])
+        text = f"{name}, {parts[name] ** 2 / whole:.0%} of U^2: {remedies[name]}"
+    return variable(text, unit=None, meaning="largest part of U, and what makes it smaller")
 
 
 def those_that_hold(conditions: Mapping[str, object]) -> list[str]:
@@ -74,6 +94,8 @@ class TestRun:
     """Half width of an effect over its size in the run where it is smallest, by effect."""
     largest_correction: ClassVar[float] = math.inf
     """Largest correction over the value for which the laws are trusted."""
+    remedies: ClassVar[Mapping[str, str]]
+    """What makes each part of the half width smaller."""
     approach: ClassVar[float] = 0.0
     """Half width of the effect of a fast approach over the value; added to the effect "speed"."""
 
@@ -83,6 +105,16 @@ class TestRun:
     @abstractmethod
     def factor(self) -> float:
         """The value as simulated."""
+
+    @property
+    def usual_correction(self) -> float:
+        """The best that is known of the correction where further runs cannot measure it."""
+        return 0.0
+
+    @property
+    def usual_correction_is(self) -> str:
+        """What that correction is."""
+        return NOT_CORRECTED
 
     def known_parts(self) -> dict[str, float]:
         """Parts of the error that are known without further runs, by effect."""
@@ -110,10 +142,12 @@ class TestRun:
         """The corrected value, its correction, its uncertainty with parts, and the reasons.
 
         The parts of the uncertainty are half widths of 95 %, added as squares. With reasons why the
-        error is not known, each as "word: sentence", the correction is 0 and the uncertainty NaN.
+        error is not known, each as "word: sentence", the uncertainty is NaN, the correction is the
+        usual one, and the last reason says which that is.
         """
         if reasons:
-            correction, parts = 0.0, dict.fromkeys(parts, math.nan)
+            correction, parts = self.usual_correction, dict.fromkeys(parts, math.nan)
+            reasons = [*reasons[:-1], f"{reasons[-1]}: {self.usual_correction_is}"]
         name, spoken = self.name, self.name.replace("_", " ")
         return {
             name: variable(
@@ -135,6 +169,7 @@ class TestRun:
                 "0 where nothing is",
             ),
             REASON: reason("; ".join(reasons)),
+            LARGEST_PART: largest_part(parts, self.remedies),
         } | {
             f"{name}_uncertainty_{part}": variable(
                 half_width, meaning=f"uncertainty of the {spoken}, {part}"

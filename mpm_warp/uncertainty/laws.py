@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.uncertainty.built import LARGEST_BRITTLENESS
 
 Value = Floats | float
 Condition = NDArray[np.bool_] | bool
@@ -40,6 +41,11 @@ CURVATURES = ((1.56, *(1.96,) * 5), (1.01, 1.14, 1.49, 1.55, 1.59, 1.75))
 second of a rough one; between them B and Q follow the square of the adhesion factor."""
 CURVATURE_POWER = 1.7
 """The power of h in the term of Q."""
+BY_APEX = (40.0, APEX_ANGLE, 90.0, 120.0), (0.63, 1.0, 1.26, 1.66)
+"""Apex angles [degree], and B there over that of `APEX_ANGLE`: at Ir 100, adhesion factor 0.5."""
+BY_STRENGTHENING, BY_BRITTLENESS = 0.45, -1.8
+"""Change of B over B per relative rise of the strength at the strain rate V / R, and per
+(1 - delta) / xi_95; likewise."""
 GROWTH_ERROR, GROWTH_OF_MESHES = 1.2, 0.4
 """C of E_mesh, dimensionless; growth of the meshes on which B and Q were measured."""
 LARGEST_MEASURABLE_CELL, LARGEST_CELL = 0.44, 0.58
@@ -141,17 +147,24 @@ class ErrorLaws:
     above_ratio: float  # extent above over the default one
     approach_inertia: float  # rho V^2 / su of a fast approach, 0 without one
     penetration: Value  # of the cone since its start, shape [...]
+    slope_ratio: float = 1.0  # B over that of Tresca clay and a cone of 60 degrees
 
     @property
     def correction(self) -> Value:
-        """The correction to be added to the cone factor, shape [...]."""
+        """The correction to be added to the cone factor, shape [...].
+
+        Where the laws do not hold it is that at the nearest place where they do. So it never ends,
+        and a study of any parameter has no step.
+        """
         mesh = mesh_error(
             rigidity_index=self.rigidity_index,
             adhesion_factor=self.adhesion_factor,
-            cell_size=self.cell_size,
-            cell_growth=self.cell_growth,
+            cell_size=min(self.cell_size, LARGEST_CELL),
+            cell_growth=min(self.cell_growth, LARGEST_GROWTH),
+            slope_ratio=self.slope_ratio,
         )
-        rest = BOTTOM_ERROR * self._nearness - SPEED_ERROR * self.inertia - mesh
+        bottom = BOTTOM_ERROR * np.minimum(self._nearness, 1.0 / NEAREST_BOTTOM**2)
+        rest = bottom - SPEED_ERROR * np.minimum(self.inertia, LARGEST_INERTIA) - mesh
         return rest + BOUND_ERROR * self.poissons_ratio_reduction
 
     def half_widths(self) -> dict[str, Value]:
@@ -233,18 +246,36 @@ class ErrorLaws:
 
 
 def mesh_error(
-    *, rigidity_index: Value, adhesion_factor: Value, cell_size: float, cell_growth: float
+    *,
+    rigidity_index: Value,
+    adhesion_factor: Value,
+    cell_size: float,
+    cell_growth: float,
+    slope_ratio: float = 1.0,
 ) -> Value:
     """E_mesh, shape [...]; arguments as in `ErrorLaws`.
 
     Beyond the rigidity indices measured it is that of the nearest one.
     """
     of_growth = GROWTH_ERROR * growth_measure(cell_size, cell_growth)
-    slope = _by_clay(SLOPES, rigidity_index, adhesion_factor)
+    slope = _by_clay(SLOPES, rigidity_index, adhesion_factor) * slope_ratio
     curvature = curvature_error(
         rigidity_index=rigidity_index, adhesion_factor=adhesion_factor, cell_size=cell_size
     )
     return slope * cell_size + curvature + of_growth
+
+
+def slope_ratio(apex_angle: float, strengthening: float, brittleness: float) -> float:
+    """B of other cones and of clay whose strength changes, over that of Tresca clay.
+
+    Args:
+        apex_angle: of the cone [degree].
+        strengthening: mu log10(V / R / gd_ref), at least 0.
+        brittleness: (1 - delta) / xi_95, no more counts than `LARGEST_BRITTLENESS`.
+    """
+    of_brittleness = BY_BRITTLENESS * min(brittleness, LARGEST_BRITTLENESS)
+    of_cone = float(np.interp(apex_angle, *BY_APEX))
+    return of_cone * (1.0 + BY_STRENGTHENING * strengthening) * (1.0 + of_brittleness)
 
 
 def curvature_error(*, rigidity_index: Value, adhesion_factor: Value, cell_size: float) -> Value:

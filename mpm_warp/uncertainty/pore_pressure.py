@@ -29,6 +29,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.results import labelled, variable
+from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import (
     BOUND_ERROR,
     ErrorLaws,
@@ -100,7 +101,13 @@ def face_error(
 
 
 def stated_pressures(
-    recorded: xr.Dataset, laws: ErrorLaws, *, strength: float, why_none: str
+    recorded: xr.Dataset,
+    laws: ErrorLaws,
+    *,
+    strength: float,
+    shaft_adhesion: float,
+    why_none: str,
+    is_corrected: bool,
 ) -> dict[str, xr.Variable]:
     """The corrected factors of u1 and u2, with corrections, uncertainties and reasons.
 
@@ -111,46 +118,47 @@ def stated_pressures(
         recorded: results of the run: the factors as simulated and the curves [Pa].
         laws: the laws of the cone factor; cone, clay and grid are taken from them.
         strength: su [Pa].
-        why_none: why the laws here do not hold; "" where they do. With a reason the corrections
-            are 0 and the uncertainties NaN.
+        shaft_adhesion: adhesion factor of the shaft.
+        why_none: why the laws here do not hold; "" where they do. With a reason the uncertainties
+            are NaN; the corrections go on, as that of the cone factor does.
+        is_corrected: whether there are corrections at all.
     """
     names = ("cell_size", "adhesion_factor", "rigidity_index", "inertia", "extent_ratio")
     of_cone: dict[str, Any] = {name: getattr(laws, name) for name in names}
     stiffest = FACE_STIFFEST_WITH_WIDE_CELLS
     is_too_wide = laws.cell_size > FACE_WIDE_CELL and laws.rigidity_index > stiffest
-    too_wide = f"mesh: above Ir {stiffest:g} cells of three rows are too wide for u1"
+    wide = f"mesh: above Ir {stiffest:g} cells of three rows are too wide for u1"
+    too_wide = f"{wide}: {CARRIED_ON}"
     stated = {}
     for place in ("face", "shoulder"):
         name = f"pore_pressure_factor_{place}"
         simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
         why = why_none or (too_wide if is_too_wide and place == "face" else "")
+        if place == "face":
+            read, curve = factor, recorded["excess_pore_pressure_face"]
+            noise = FACE_NOISE
+            off, of_laws = face_error(read, **of_cone)
+        else:
+            read, curve = float(recorded[RADIAL_FACTOR]), recorded[RADIAL_STRESS]
+            noise = float(interpolated(SHOULDER_NOISE, laws.rigidity_index))
+            pressure, of_laws = shoulder_pressure(
+                read,
+                poissons_ratio=laws.poissons_ratio,
+                stress_anisotropy=laws.stress_anisotropy,
+                **of_cone | {"adhesion_factor": shaft_adhesion},
+            )
+            off = pressure - factor
+        reduction = laws.poissons_ratio_reduction
+        remaining, remaining_spread = REMAINING_CHANGE[place]
+        change = last_change(curve.values / strength)
+        found = float(off) + BOUND_EFFECT[place] * reduction + remaining * np.nan_to_num(change)
+        # In a window that ends below its place the radial stress is not known.
+        if is_corrected and math.isfinite(found):
+            correction = float(found)
         if not why:
-            if place == "face":
-                read, curve = factor, recorded["excess_pore_pressure_face"]
-                noise = FACE_NOISE
-                off, of_laws = face_error(read, **of_cone)
-            else:
-                read, curve = float(recorded[RADIAL_FACTOR]), recorded[RADIAL_STRESS]
-                noise = float(interpolated(SHOULDER_NOISE, laws.rigidity_index))
-                pressure, of_laws = shoulder_pressure(
-                    read,
-                    poissons_ratio=laws.poissons_ratio,
-                    stress_anisotropy=laws.stress_anisotropy,
-                    **of_cone,
-                )
-                off = pressure - factor
-            remaining, remaining_spread = REMAINING_CHANGE[place]
-            change = last_change(curve.values / strength)
-            correction = (
-                float(off)
-                + BOUND_EFFECT[place] * laws.poissons_ratio_reduction
-                + remaining * change
-            )
             of_mean = math.hypot(remaining_spread * change, noise * read)
-            half_width = math.hypot(
-                float(of_laws), of_mean, BOUND_HALF_WIDTH * laws.poissons_ratio_reduction
-            )
+            half_width = math.hypot(float(of_laws), of_mean, BOUND_HALF_WIDTH * reduction)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,

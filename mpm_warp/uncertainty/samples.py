@@ -18,10 +18,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scene import Scene
-from mpm_warp.uncertainty.built import why_not_as_measured, why_not_tresca
 from mpm_warp.uncertainty.cone import POINTS_HALF_WIDTH
-from mpm_warp.uncertainty.further_runs import REASON
+from mpm_warp.uncertainty.cone import REMEDIES as REMEDIES_OF_CONE
+from mpm_warp.uncertainty.further_runs import CARRIED_ON, NOT_CORRECTED, REASON, largest_part
 from mpm_warp.uncertainty.laws import LARGEST_MEASURABLE_CELL, Condition, ErrorLaws
 
 AVERAGING_DISTANCE = 2.0
@@ -39,18 +38,27 @@ SURFACE_HALF_WIDTH, SURFACE_DEPTH = 0.026, 28.0
 resistance, and the depth in radii beyond which it falls in inverse proportion to depth. It is
 twice the change by a window of twice the extents, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii.
 The lack of resistance itself falls faster, with the square of the depth."""
+REMEDIES = REMEDIES_OF_CONE | {
+    "noise": "no parameter, it is of one sample; a mean over several has less",
+    "borders": "more cells_per_radius",
+    "surface": "no parameter, the surface of the ground is near",
+    "measured": "more cells_per_radius, which the further runs have too",
+}
+"""What makes each part of U smaller."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampleError:
     """The error of the samples of a sounding."""
 
-    # Correction to add to the resistance, over the mean strength around the tip, shape [n]: 0 where
-    # no law holds; near a border that of uniform ground, so that the curve has no jump.
+    # Correction to add to the resistance, over the mean strength around the tip, shape [n]. Near a
+    # border it is that of uniform ground, and in clay without a law that of Tresca, so that there
+    # is no jump; 0 while the surface is in the window, and in scenes of other packages.
     correction: Floats
-    is_corrected: NDArray[np.bool_]  # whether a law holds, shape [n]
+    is_corrected: NDArray[np.bool_]  # shape [n]
     half_width: Floats  # of 95 % [Pa], NaN where it is not known; shape [n]
     reason: str  # why it is not known at some depths, as "word: sentence"; "" if known at all
+    largest_part: xr.Variable  # the largest part of the half width, over all samples that have one
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,11 +102,6 @@ def measured_by(depths: Sequence[float], tests: Sequence[xr.Dataset | str]) -> M
     )
 
 
-def why_not_known(built: Scene, expected: Scene | None) -> list[str]:
-    """Why the error is known for no sample, in whatever ground; see `built`."""
-    return why_not_as_measured(built, expected) or why_not_tresca(built.material)
-
-
 def sample_error(
     laws: ErrorLaws,
     *,
@@ -109,6 +112,7 @@ def sample_error(
     surface: Mapping[str, Condition],
     borders: Mapping[str, Condition],
     why_none: Sequence[str],
+    is_of_catalogue: bool,
     measured: MeasuredError | None = None,
 ) -> SampleError:
     """The error of the samples of a sounding.
@@ -122,15 +126,17 @@ def sample_error(
         surface: reasons about the surface of the ground in the window, and where they apply.
         borders: reasons about borders of layers nearby, and where they apply.
         why_none: reasons why the laws hold for no sample.
+        is_of_catalogue: whether the scene is one of the catalogue; others are not corrected.
         measured: the error measured by further runs, which replaces the laws; None without them.
     """
     factor = resistance / around
+    correction = laws.correction
     if measured is None:
-        correction = laws.correction
         parts = laws.half_widths() | {"points": POINTS_HALF_WIDTH * factor}
         of_method = laws.why_none_holds(largest_cell=LARGEST_MEASURABLE_CELL)
     else:
-        correction, half_widths = measured.at(depth)
+        by_runs, half_widths = measured.at(depth)
+        correction = np.where(np.isnan(by_runs), correction, by_runs)
         parts = {"measured": half_widths}
         of_method = dict.fromkeys(measured.reasons, np.isnan(half_widths))
     parts |= {"noise": _noise(laws, factor), "borders": 0.25 * factor * np.abs(shift) / around}
@@ -142,18 +148,28 @@ def sample_error(
             / np.maximum(SURFACE_DEPTH, laws.penetration)
         )
     of_laws: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method}
-    no_law = _any_of({**of_laws, **surface}, depth)
-    half_width = around * np.sqrt(sum(np.square(part) for part in parts.values()))
+    is_corrected = is_of_catalogue & ~_any_of(surface, depth)
+    is_known = ~_any_of({**of_laws, **borders, **surface}, depth)
+    squares = {name: np.broadcast_to(part**2, depth.shape) for name, part in parts.items()}
+    half_width = around * np.sqrt(sum(squares.values()))
+    means = (
+        {name: math.sqrt(square[is_known].mean()) for name, square in squares.items()}
+        if is_known.any()
+        else {}
+    )
+    left = f"{{}}: {CARRIED_ON if is_of_catalogue else NOT_CORRECTED}"
     return SampleError(
-        correction=np.where(no_law, 0.0, correction),
-        is_corrected=~no_law,
-        half_width=np.where(no_law | _any_of(borders, depth), np.nan, half_width),
+        correction=np.where(is_corrected, correction, 0.0),
+        is_corrected=is_corrected,
+        half_width=np.where(is_known, half_width, np.nan),
         reason="; ".join(
             [
-                *_with_depths({**of_laws, **borders}, depth),
-                *(text for text, holds in surface.items() if np.any(holds)),
+                *map(left.format, _with_depths(of_laws, depth)),
+                *_with_depths(borders, depth),
+                *(f"{text}: {NOT_CORRECTED}" for text, holds in surface.items() if np.any(holds)),
             ]
         ),
+        largest_part=largest_part(means, REMEDIES),
     )
 
 

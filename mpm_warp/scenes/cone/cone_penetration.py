@@ -28,12 +28,7 @@ from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
-from mpm_warp.uncertainty.built import (
-    LAWS_OF_CONES,
-    expected_scene,
-    why_law_not_measured,
-    why_not_as_measured,
-)
+from mpm_warp.uncertainty.built import LAWS_OF_CONES, is_of_catalogue, why_law_not_measured
 from mpm_warp.uncertainty.laws import APEX_ANGLE
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, transient_penetration
 
@@ -207,10 +202,14 @@ class ConePenetration(ConeTestByDefault):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; that of several runs where the uncertainty is measured."""
-        is_measured = self.uncertainty == "measured"
-        is_measured &= not why_law_not_measured(self.clay, LAWS_OF_CONES)
-        further = self.further_tests() if is_measured else {}
+        further = self.further_tests() if self._is_measured else {}
         return of_several([test.own_size for test in (self, *further.values())])
+
+    @property
+    def _is_measured(self) -> bool:
+        """Whether further runs are made."""
+        asked = self.uncertainty == "measured" and is_of_catalogue(self)
+        return asked and not why_law_not_measured(self.clay, LAWS_OF_CONES)
 
     @property
     def own_size(self) -> RunSize:
@@ -250,9 +249,7 @@ class ConePenetration(ConeTestByDefault):
             report(0.0)
             return test.record(simulation, report, shown)
 
-        if self.uncertainty == "known" or why_not_as_measured(
-            self.build(), self._expected, LAWS_OF_CONES
-        ):
+        if not self._is_measured:
             return run(self, progress)
         measured = further_runs.with_measured_error(self, run, progress)
         return measured.assign(cone_factors_by_mode(self, measured))
@@ -285,16 +282,15 @@ class ConePenetration(ConeTestByDefault):
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """What the error of a run of this test depends on."""
+        face, _, friction = self.interface
+        on_face = float(recorded.cone_factor_shear) * math.tan(0.5 * math.radians(self.apex_angle))
         return cone.ConeRun(
             laws=self.laws(penetration=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
+            roughness=min(max(on_face, face), 1.0) if friction > 0.0 else face,
+            is_of_catalogue=is_of_catalogue(self),
             recorded=recorded,
         )
-
-    @property
-    def _expected(self) -> Scene | None:
-        """The scene that the catalogue builds from these parameters."""
-        return expected_scene(self._alone)
 
     @property
     def _alone(self) -> Self:
@@ -341,7 +337,7 @@ class ConePenetration(ConeTestByDefault):
             | labelled(step_count_bound=(most_steps, "1", "time steps to the greatest penetration"))
             | soundness.energy_error(simulation, curves.work)
         )
-        results = results.assign(cone.known_error(self.error_of(results), built, self._expected))
+        results = results.assign(cone.known_error(self.error_of(results), self, built))
         results = results.assign(pore_pressure.stated_beside_shaft(self, results, built))
         results = results.assign(cone_factors_by_mode(self, results) | rigidity_of_law(self))
         if self.friction_coefficient > 0.0:

@@ -5,12 +5,13 @@ Laws that take the error of a method off allow a method of less cost.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
+from mpm_warp.materials.einav_randolph import LARGEST_RATE
 from mpm_warp.scenes.cone.parameters import ConeTest
-from mpm_warp.uncertainty import cone
-from mpm_warp.uncertainty.laws import APEX_ANGLE, LARGEST_INERTIA, ErrorLaws
+from mpm_warp.uncertainty.built import is_of_catalogue
+from mpm_warp.uncertainty.laws import LARGEST_INERTIA, ErrorLaws
 from mpm_warp.uncertainty.steadiness import steady_penetration
 
 CELLS_PER_RADIUS = {
@@ -50,6 +51,8 @@ INERTIA_OF_APPROACH, SPEED_RATIO_OF_APPROACH = 7.0, 0.25
 RAMP, SLOWING = 1.0, 2.0
 """Penetration over which the speed rises from rest, and over which it falls to the final speed
 after the approach, in cone radii."""
+BLUNTEST_WITH_FEW_ROWS = 75.0
+"""Apex angle [degree] up to which a cone has three rows beside its face, 2.31 cells per radius."""
 BLUNT, INERTIA_OF_BLUNT_APPROACH = 90.0, 1.4
 """Apex angle [degree] above which the default approach is slower, and its largest rho V^2 / su
 then. At 6, soil is thrown off the tip of a rough cone of 120 degrees on four rows of cells beside
@@ -95,13 +98,10 @@ class ConeTestByDefault(ConeTest):
     def _bound(self) -> float:
         """Default bound of Poisson's ratio, from `BULK_MODULUS`.
 
-        There is a bound only where the laws of the error hold, as they correct its effect too. It
-        is lower in soft clay, which is simulated with smaller cells.
+        There is a bound only where laws correct its effect. It is lower in soft clay, which is
+        simulated with smaller cells.
         """
-        if self.poissons_ratio_bound is not None or not self._error_is_known:
-            return INCOMPRESSIBLE
-        unbounded = replace(self, poissons_ratio_bound=INCOMPRESSIBLE)
-        if cone.why_laws_do_not_hold(unbounded.laws(penetration=unbounded.penetration)):
+        if not self._is_corrected:
             return INCOMPRESSIBLE
         over_shear = BULK_MODULUS[self.accuracy] / self.rigidity_index
         of_bulk_modulus = (3.0 * over_shear - 2.0) / (6.0 * over_shear + 2.0)
@@ -126,13 +126,13 @@ class ConeTestByDefault(ConeTest):
         """Adhesion and friction of face and shaft as they are built.
 
         Where the in-situ stress is so high that friction alone reaches the strength of the soil,
-        the soil shears before it slides. Face and shaft are then built rough, without friction. A
-        rate effect excludes this, as it makes the soil stronger than at rest.
+        the soil shears before it slides. Face and shaft are then built rough, without friction. The
+        strength is that at the highest strain rate.
         """
         strength = self.undrained_shear_strength
         pressure = self.in_situ_stress - 2.0 * max(self.stress_anisotropy, 0.0) * strength
-        bears_strength = self.friction_coefficient * pressure >= strength
-        if bears_strength and self.rate_factor == 0.0:
+        strongest = strength * (1.0 + self.rate_factor * math.log10(LARGEST_RATE))
+        if self.friction_coefficient * pressure >= strongest:
             return Interface(1.0, 1.0, 0.0)
         adhesion = self.adhesion_factor, self.shaft_adhesion_factor
         return Interface(*adhesion, self.friction_coefficient)
@@ -170,39 +170,39 @@ class ConeTestByDefault(ConeTest):
         soft, ordinary, very_stiff = CELLS_PER_RADIUS[self.accuracy]
         if self._is_soft:
             return soft
-        is_very_stiff = self.rigidity_index > VERY_STIFF and self._error_is_known
+        is_very_stiff = self.rigidity_index > VERY_STIFF and self._is_corrected
         return very_stiff if is_very_stiff else ordinary
 
     @property
     def _is_soft(self) -> bool:
-        return self.rigidity_index < STIFF and self._error_is_known
+        return self.rigidity_index < STIFF and self._is_corrected
 
     @property
-    def _error_is_known(self) -> bool:
-        """Whether the laws correct the error, so that no further runs are needed."""
-        is_as_measured = self.apex_angle == APEX_ANGLE and self.interface.friction == 0.0
-        return self._is_plain_tresca and is_as_measured and self.uncertainty == "known"
+    def _is_corrected(self) -> bool:
+        """Whether laws take off the error of a cheaper method, so that no further runs do.
 
-    @property
-    def _is_plain_tresca(self) -> bool:
-        """Whether the clay is perfectly plastic Tresca, for which the laws of the error hold.
-
-        A scene of another package may build any other clay of the same parameters.
+        They go on where friction, a rate effect or softening begins, and so does the method. Blunt
+        cones need more rows beside the face.
         """
-        is_ours = type(self).__module__.partition(".")[0] == __package__.partition(".")[0]
-        return is_ours and self.material == "tresca" and not self.strength_changes
+        is_blunt = self.apex_angle > BLUNTEST_WITH_FEW_ROWS
+        return self._is_tresca and not is_blunt and self.uncertainty == "known"
+
+    @property
+    def _is_tresca(self) -> bool:
+        """Whether the laws of the error are of this criterion; see `is_of_catalogue`."""
+        return is_of_catalogue(self) and self.material == "tresca"
 
     @property
     def _speed_ratio(self) -> float:
         """Default speed over that of shear waves.
 
         In soft clay the standard speed is higher, so that the inertia rho V^2 / su is the same as
-        in stiff clay. This holds only where a law corrects the effect of inertia, in plain Tresca
-        clay. quick tests would gain little by it; fine tests have a small uncertainty to keep. In
+        in stiff clay. This holds only where a law corrects the effect of inertia, in Tresca clay.
+        quick tests would gain little by it; fine tests have a small uncertainty to keep. In
         stiff clay both are slower where `INERTIA_BY_ACCURACY` demands it.
         """
         ratio = SPEED_RATIO[self.accuracy]
-        if not self._is_plain_tresca:
+        if not self._is_tresca:
             return ratio
         if self.accuracy != "standard":
             greatest = (1.0 - ROUNDING) * INERTIA_BY_ACCURACY[self.accuracy]

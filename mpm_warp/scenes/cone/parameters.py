@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 from mpm_warp.fields import Derived, parameter
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
-from mpm_warp.uncertainty.laws import ErrorLaws
+from mpm_warp.uncertainty.laws import ErrorLaws, slope_ratio
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +74,11 @@ class FittedToCone(ConeInGround):
     rigidity_index: float
     cells_per_radius: float
     apex_angle: float = 60.0
+    rate_factor: float
+    reference_strain_rate: float | None
+    penetration_speed: float
+    remoulded_strength_ratio: float
+    ductility: float | None
 
     @property
     def greatest_rigidity_index(self) -> float:
@@ -120,6 +125,8 @@ class FittedToCone(ConeInGround):
 
     def error_laws(self, **clay_and_penetration: Any) -> ErrorLaws:
         """The laws of the error in this grid, with the other fields of `ErrorLaws`."""
+        strain_rate = self.penetration_speed / self.cone_radius
+        fastest = strain_rate / (self.reference_strain_rate or strain_rate)
         return ErrorLaws(
             cell_size=self.relative_cell_size,
             cell_growth=self.cell_growth,
@@ -129,6 +136,11 @@ class FittedToCone(ConeInGround):
             extent_ratio=self.extent_ratio,
             above_ratio=self.domain_above / self.default_extents["domain_above"],
             approach_inertia=self.approach_inertia,
+            slope_ratio=slope_ratio(
+                self.apex_angle,
+                strengthening=self.rate_factor * math.log10(max(1.0, fastest)),
+                brittleness=(1.0 - self.remoulded_strength_ratio) / (self.ductility or 1.0),
+            ),
             **clay_and_penetration,
         )
 

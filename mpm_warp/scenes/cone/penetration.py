@@ -94,7 +94,8 @@ class PenetrationCurves:
         base_area, net = 0.5 * self.radius**2, "net cone resistance"
         normal, shear, shaft, share = np.array(self.forces).reshape(-1, 4).T
         resistance = without_slowing((normal + shear) / base_area, self._window, self.radius)
-        given = "not a number where the penetrometer slows down at the end of its approach"
+        simulated = "as simulated: not corrected for mesh, speed and window"
+        given = f"{simulated}; not a number where the penetrometer slows down after its approach"
         shaft_stress = shaft / self.contact.shaft_areas.sum()
         sleeve = np.array(self._sleeve)
         force = sleeve * (2.0 * math.pi * SLEEVE_LENGTH * self.radius**2)
@@ -103,7 +104,7 @@ class PenetrationCurves:
             "penetration",
             penetration_axis(len(self.forces)),
             penetration_resistance=(resistance, "Pa", net, given),
-            penetration_resistance_shear=(shear / base_area, "Pa", f"{net}, shear part"),
+            penetration_resistance_shear=(shear / base_area, "Pa", f"{net}, shear part", simulated),
             shaft_friction=(shaft_stress, "Pa", "mean shear stress on the shaft"),
             sleeve_friction=(sleeve, "Pa", "mean sleeve friction", above),
             sleeve_force=(force, "N", "total sleeve friction"),

@@ -37,8 +37,8 @@ from mpm_warp.scenes.cone.penetrometer import (
     PenetrometerContact,
 )
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS
-from mpm_warp.uncertainty.further_runs import REASON
+from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS, is_of_catalogue
+from mpm_warp.uncertainty.further_runs import CARRIED_ON, REASON
 from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_FACTOR, RADIAL_STRESS
 from mpm_warp.uncertainty.steadiness import steady_mean
@@ -92,7 +92,10 @@ def pore_pressure_curves(simulation: Simulation, penetrometer: Penetrometer) -> 
         return [*at_places, float(along_shaft @ (pressures[beside_shaft] - deviator))]
 
     def over_penetration(*taken: Floats) -> xr.Dataset:
-        not_given = "not a number above the window, and where the penetrometer slows down"
+        not_given = (
+            "as simulated: not corrected for mesh, speed and window; not a number above the "
+            "window, and where the penetrometer slows down"
+        )
         means = [
             without_slowing(0.5 * (np.append(0.0, ends[:-1]) + ends), window, penetrometer.radius)
             for ends in taken
@@ -151,11 +154,21 @@ def stated_beside_shaft(
         remoulded = material.remoulded_strength_ratio
     why_none = str(results[REASON].values).replace(MEASURABLE, "")
     if shaft != face:
-        why_none = why_none or "shaft: its adhesion is another than that of the face"
+        other = f"shaft: its adhesion is another than that of the face: {CARRIED_ON}"
+        why_none = why_none or other
     if laws.cell_growth > LARGEST_GROWTH:
-        why_none = why_none or f"mesh: cell_growth is above {LARGEST_GROWTH:g}"
+        grown = f"mesh: cell_growth is above {LARGEST_GROWTH:g}: {CARRIED_ON}"
+        why_none = why_none or grown
     sleeve = stated_sleeve(results, remoulded=shaft * remoulded if has_lower_bound else math.nan)
-    return stated_pressures(results, laws, strength=strength, why_none=why_none) | sleeve
+    pressures = stated_pressures(
+        results,
+        laws,
+        strength=strength,
+        shaft_adhesion=shaft,
+        why_none=why_none,
+        is_corrected=is_of_catalogue(test),
+    )
+    return pressures | sleeve
 
 
 def _middles(edges: Floats) -> Floats:

@@ -28,11 +28,7 @@ from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty import full_flow, further_runs
-from mpm_warp.uncertainty.built import (
-    expected_scene,
-    why_law_not_measured,
-    why_not_as_measured,
-)
+from mpm_warp.uncertainty.built import why_law_not_measured, why_not_of_catalogue
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, STEADY_SAMPLES, steady_mean
 
 SPARE_FRACTION = 0.4
@@ -90,8 +86,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; with the further runs where the uncertainty is measured."""
-        is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
-        tests = self.further_tests().values() if is_measured else ()
+        tests = () if self._why_no_uncertainty() else self.further_tests().values()
         return of_several([test.own_size for test in (self, *tests)])
 
     @property
@@ -130,7 +125,8 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     def _why_no_uncertainty(self) -> list[str]:
         """Why the error is not measured, each reason as "word: sentence"; [] if it is."""
-        cannot = why_not_as_measured(self.build(), expected_scene(self._alone))
+        scene = self.build()
+        cannot = why_not_of_catalogue(self, scene) or why_law_not_measured(scene.material)
         if cannot or self.uncertainty == "measured":
             return cannot
         try:

@@ -316,8 +316,9 @@ class ResistanceSamples:
     def dataset(self) -> xr.Dataset:
         """The curve of resistance over penetration."""
         what = "resistance over projected area"
+        over = "excess over the in-situ stress, as simulated: not corrected for mesh and speed"
         return curves(
             "penetration",
             penetration_axis(len(self.forces), over="radius of the body"),
-            penetration_resistance=(self.resistance, "Pa", what, "excess over the in-situ stress"),
+            penetration_resistance=(self.resistance, "Pa", what, over),
         )

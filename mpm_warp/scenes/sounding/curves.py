@@ -15,7 +15,8 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
-from mpm_warp.uncertainty.further_runs import REASON, reason
+from mpm_warp.uncertainty.built import is_of_catalogue
+from mpm_warp.uncertainty.further_runs import LARGEST_PART, REASON, reason
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, Condition
 from mpm_warp.uncertainty.samples import (
     AVERAGING_DISTANCE,
@@ -72,9 +73,8 @@ def sounding_curves(
     simulated = after_lead.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
     net, net_error = simulated + error.correction * around, error.half_width
-    by_laws = error.is_corrected & (measured is None)
-    u2, u2_error = _pore_pressure(sounding, depth, after_lead, by_laws)
-    u2_error[np.isnan(net_error)] = np.nan
+    u2, u2_error = _pore_pressure(sounding, depth, after_lead, error.is_corrected)
+    u2_error[np.isnan(net_error) | (measured is not None)] = np.nan
     at_depth = "when the tip is at the depth"
     corrected = "qt - sigma_v0, as simulated and corrected for mesh, speed and window"
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
@@ -98,7 +98,8 @@ def sounding_curves(
         vertical_stress=(vertical, "Pa", "in-situ vertical total stress"),
         contact_share=(after_lead.contact_share.values, "1", "share of cone and shaft in contact"),
     )
-    return own.merge(recorded.drop_dims("penetration")).assign({REASON: reason(error.reason)})
+    told = {REASON: reason(error.reason), LARGEST_PART: error.largest_part}
+    return own.merge(recorded.drop_dims("penetration")).assign(told)
 
 
 def error_of_samples(
@@ -144,14 +145,17 @@ def error_of_samples(
         surface=surface,
         borders=borders,
         why_none=why_none,
+        is_of_catalogue=is_of_catalogue(sounding),
         measured=measured,
     )
 
 
 def _pore_pressure(
-    sounding: SoundingTest, depth: Floats, recorded: xr.Dataset, is_known: NDArray[np.bool_]
+    sounding: SoundingTest, depth: Floats, recorded: xr.Dataset, is_corrected: NDArray[np.bool_]
 ) -> tuple[Floats, Floats]:
     """Corrected u2 and its half width [Pa], each of shape [n].
+
+    The half width is NaN where the shaft is not as rough as the face, or the cells grow too much.
 
     The radial stress is read above the filter, where the strength may be another. The effect of
     this difference of strength on u2 is a part of the half width.
@@ -160,10 +164,13 @@ def _pore_pressure(
     simulated = recorded.excess_pore_pressure_shoulder.values
     at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
     strength = ground.strength_at(at_shoulder)
+    of_face = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
+    as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
+    of_shaft = sounding.shaft_adhesion_factor
     factor, half_width = shoulder_pressure(
         recorded[RADIAL_STRESS].values / strength,
         cell_size=sounding.relative_cell_size,
-        adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
+        adhesion_factor=of_face * (of_shaft / as_rough) if as_rough > 0.0 else of_shaft,
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
         poissons_ratio=sounding.poissons_ratio,
@@ -172,13 +179,11 @@ def _pore_pressure(
     )
     above = np.maximum(0.0, at_shoulder - RADIAL_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)
-    as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
-    is_as_measured = sounding.cell_growth <= LARGEST_GROWTH
-    is_known = is_known & (sounding.shaft_adhesion_factor == as_rough) & is_as_measured
+    is_as_measured = of_shaft == as_rough and sounding.cell_growth <= LARGEST_GROWTH
     of_sample = np.hypot(np.hypot(half_width * strength, PRESSURE_NOISE * simulated), change)
     return (
-        np.where(is_known, factor * strength, simulated),
-        np.where(is_known, of_sample, np.nan),
+        np.where(is_corrected & np.isfinite(factor), factor * strength, simulated),
+        np.where(is_corrected & is_as_measured, of_sample, np.nan),
     )
 
 

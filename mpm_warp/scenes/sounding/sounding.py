@@ -28,12 +28,13 @@ from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sound
 from mpm_warp.simulation import Simulation
 from mpm_warp.step.points import seed_rows
 from mpm_warp.uncertainty.built import (
-    expected_scene,
+    is_of_catalogue,
     why_law_not_measured,
-    why_not_as_measured,
+    why_not_of_catalogue,
+    why_not_tresca,
 )
 from mpm_warp.uncertainty.further_runs import FAILURES, one_after_the_other, with_cost
-from mpm_warp.uncertainty.samples import MeasuredError, measured_by, why_not_known
+from mpm_warp.uncertainty.samples import MeasuredError, measured_by
 
 PIC_FRACTION = 0.02
 """PIC fraction of the material points near the surface of the ground; see `PassingSurface`. Without
@@ -236,9 +237,14 @@ class Sounding(SoundingTest):
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; with all further runs where the uncertainty is measured."""
-        is_measured = self.uncertainty == "measured" and not why_law_not_measured(self.clay)
-        tests = self.tests_by_depth.values() if is_measured else ()
+        tests = self.tests_by_depth.values() if self._is_measured else ()
         return of_several([self._run_size, *(test.run_size() for test in tests)])
+
+    @property
+    def _is_measured(self) -> bool:
+        """Whether cone tests are run to measure the error."""
+        asked = self.uncertainty == "measured" and is_of_catalogue(self)
+        return asked and not why_law_not_measured(self.clay)
 
     @property
     def _run_size(self) -> RunSize:
@@ -262,8 +268,8 @@ class Sounding(SoundingTest):
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """The results of a run; to measure the uncertainty, cone tests are run first."""
-        tests = {} if self.uncertainty == "known" else self.tests_by_depth
-        if not tests or why_not_as_measured(self.build(), expected_scene(self)):
+        tests = self.tests_by_depth if self._is_measured else {}
+        if not tests:
             return super().compute(progress, execution)
         sizes = [*(further.run_size() for further in tests.values()), self._run_size]
         *parts, own = one_after_the_other(sizes, progress)
@@ -288,9 +294,11 @@ class Sounding(SoundingTest):
         """
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(simulation, self.penetrometer)
-        why_none: list[str] = []
+        built = soil_scene(simulation)
+        of_others = why_not_of_catalogue(self, built)
+        why_none = of_others or why_law_not_measured(built.material)
         if measured is None:
-            why_none = why_not_known(soil_scene(simulation), expected_scene(self))
+            why_none = why_none or why_not_tresca(built.material)
         count = self.lead_count + len(self.samples)
         moments = [number * self.spacing for number in range(1, count + 1)]
         try:
