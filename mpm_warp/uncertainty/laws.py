@@ -43,7 +43,7 @@ CURVATURE_POWER = 1.7
 """The power of h in the term of Q."""
 BY_APEX = (40.0, APEX_ANGLE, 90.0, 120.0), (0.63, 1.0, 1.26, 1.66)
 """Apex angles [degree], and B there over that of `APEX_ANGLE`: at Ir 100, adhesion factor 0.5."""
-BY_STRENGTHENING, BY_BRITTLENESS = 0.45, -1.8
+BY_STRENGTHENING, BY_BRITTLENESS = 0.45, -2.5
 """Change of B over B per relative rise of the strength at the strain rate V / R, and per
 (1 - delta) / xi_95; likewise."""
 GROWTH_ERROR, GROWTH_OF_MESHES = 1.2, 0.4

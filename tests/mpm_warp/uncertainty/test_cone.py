@@ -11,6 +11,7 @@ import xarray as xr
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone, laws
+from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
 TEST = ConePenetration()
@@ -52,7 +53,7 @@ def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) 
     """What is stated of the first samples of a run with the cone factor 10."""
     scene, run = test.build(), steady_run(test, 10.0, rise=rise)
     run = run.isel(penetration=slice(samples))
-    return xr.Dataset(cone.known_error(test.error_of(run), scene, scene))
+    return xr.Dataset(cone.known_error(test.error_of(run), test, scene))
 
 
 def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
@@ -248,12 +249,25 @@ def test_a_resistance_that_still_changes_is_less_certain() -> None:
         ({"penetration": 14.0}, "settling: soil that the cone has not passed is still beside it"),
     ],
 )
-def test_where_nothing_is_known_nothing_is_stated(changes: dict[str, object], why: str) -> None:
+def test_where_the_laws_do_not_hold_there_is_no_u_and_the_correction_goes_on(
+    changes: dict[str, object], why: str
+) -> None:
     test = dataclasses.replace(TEST, **changes)
     known = known_error(test)
-    assert known.why_no_uncertainty == why
+    assert known.why_no_uncertainty == f"{why}: {CARRIED_ON}"
+    assert known.largest_part_of_uncertainty == ""
     assert np.isnan(known.cone_factor_uncertainty)
-    assert float(known.cone_factor) == 10.0
+    assert float(known.cone_factor) == 10.0 + float(known.cone_factor_correction) > 10.04
+
+
+def test_the_largest_part_of_u_is_told_with_what_makes_it_smaller() -> None:
+    rising = known_error(TEST, rise=0.2)
+    share = float(rising.cone_factor_uncertainty_steadiness / rising.cone_factor_uncertainty) ** 2
+    assert rising.largest_part_of_uncertainty == (
+        f"steadiness, {share:.0%} of U^2: more penetration, or a lower steady_tolerance"
+    )
+    parts = {name.removeprefix("cone_factor_uncertainty_") for name in map(str, rising)}
+    assert parts & cone.REMEDIES.keys() == cone.REMEDIES.keys()
 
 
 def test_a_run_that_is_too_short_has_not_settled() -> None:

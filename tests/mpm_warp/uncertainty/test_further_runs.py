@@ -15,6 +15,7 @@ from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone, full_flow, further_runs
+from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import curvature_error
 from tests.mpm_warp.conftest import MEASURABLE
 from tests.mpm_warp.uncertainty.conftest import steady_run
@@ -95,6 +96,11 @@ def test_the_run_with_smaller_cells_has_a_row_more_at_least(angle: float) -> Non
     assert rows[1] > rows[0]
 
 
+def usual_correction(test: ConePenetration) -> float:
+    """What is taken off where further runs measure nothing: the error of Tresca clay."""
+    return float(test.laws(penetration=test.penetration).correction)
+
+
 def check_parts(results: xr.Dataset, name: str, known: dict[str, float], *others: str) -> None:
     """The squares of the parts of an uncertainty add up; some are known."""
     parts = {it: float(results[f"{name}_uncertainty_{it}"]) for it in (*known, *others)}
@@ -149,10 +155,9 @@ def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
 
     results = measured(CONE, coarse)
     left = simulated(CONE) - 6.0 * cell_size(CONE)
-    assert results.why_no_uncertainty == (
-        f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 8%"
-    )
-    assert float(results.cone_factor) == left
+    would = f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 8%"
+    assert results.why_no_uncertainty == f"{would}: {CARRIED_ON}"
+    assert float(results.cone_factor) == left + usual_correction(CONE)
 
 
 def test_the_noise_of_all_runs_counts() -> None:
@@ -193,9 +198,9 @@ def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
 
     results = measured(CONE, failing)
     reason = "further runs: the run with more growth: the resistance still changes"
-    assert results.why_no_uncertainty == reason
+    assert results.why_no_uncertainty == f"{reason}: {CARRIED_ON}"
     assert np.isnan(results.cone_factor_uncertainty)
-    assert float(results.cone_factor) == simulated(CONE)
+    assert float(results.cone_factor) == simulated(CONE) + usual_correction(CONE)
 
 
 def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
@@ -203,7 +208,7 @@ def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
         is_finer = test.cells_per_radius > BALL.cells_per_radius
         return run(test, progress).assign(empty_cells=float(is_finer))
 
-    reason = "hole: soil leaves one behind the body"
+    reason = "hole: soil leaves one behind the body: nothing is corrected"
     assert measured(BALL, leaving_a_hole).why_no_uncertainty == reason
 
 

@@ -17,7 +17,6 @@ from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.cone.pore_pressure import PLACES
 from mpm_warp.scenes.cone.soundness import LARGEST_ENERGY_ERROR
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import why_not_as_measured
 from tests.mpm_warp.conftest import SMALL_WINDOW
 from tests.mpm_warp.scenes.cone.conftest import LONGER as SHORT
 
@@ -71,15 +70,10 @@ def test_a_cone_that_soil_shears_beside_rather_than_slides_along_is_a_rough_one(
     )
     rough = ConePenetration(**clay | {"adhesion_factor": 1.0})
     assert slides.interface == (0.3, 0.3, 0.049)
-    soft = [
-        ConePenetration(friction_coefficient=friction, rigidity_index=50.0, **clay)
-        for friction in (0.049, 0.051)
-    ]
-    assert [test.cells_per_radius for test in soft] == [3.0, 3.46]  # by laws of the error or not
     faster = dataclasses.replace(shears, rate_factor=0.1, reference_strain_rate=1e-5)
     assert faster.interface.friction == 0.051  # the soil beside it is stronger than at rest
     assert shears.laws(penetration=30.0).correction == rough.laws(penetration=30.0).correction
-    assert why_not_as_measured(shears.build(), rough.build()) == []
+    assert shears.interface == rough.interface
     lower = dataclasses.replace(shears, stress_anisotropy=0.5)
     assert lower.interface.friction == 0.051  # less presses on the shaft
 

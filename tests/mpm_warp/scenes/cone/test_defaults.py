@@ -10,7 +10,6 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
 from mpm_warp.scenes.sounding.sounding import Sounding
-from mpm_warp.uncertainty.built import why_not_as_measured
 from mpm_warp.uncertainty.cone import why_laws_do_not_hold
 from mpm_warp.uncertainty.laws import LARGEST_INERTIA
 
@@ -32,7 +31,7 @@ SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
         (25.0, {"accuracy": "quick"}, "speed_ratio", 0.045),
         (25.0, {"accuracy": "fine"}, "speed_ratio", 0.03),
         (64.0, {"material": "von_mises"}, "speed_ratio", 0.03),
-        (64.0, SOFTENING, "speed_ratio", 0.03),
+        (64.0, SOFTENING, "speed_ratio", 0.0375),
         (99.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 4.0),
         (100.0, {"accuracy": "quick"}, "relative_cell_size", math.sqrt(3.0) / 3.0),
         (99.0, {}, "relative_cell_size", math.sqrt(3.0) / 6.0),
@@ -42,7 +41,10 @@ SOFTENING = {"remoulded_strength_ratio": 0.5, "ductility": 10.0}
         (301.0, {"accuracy": "fine"}, "relative_cell_size", math.sqrt(3.0) / 8.0),
         (500.0, {"accuracy": "fine"}, "speed_ratio", 0.02),
         (301.0, {"uncertainty": "measured"}, "relative_cell_size", math.sqrt(3.0) / 5.0),
-        (64.0, SOFTENING, "relative_cell_size", math.sqrt(3.0) / 5.0),
+        (64.0, SOFTENING, "relative_cell_size", math.sqrt(3.0) / 6.0),
+        (64.0, {"material": "von_mises"}, "relative_cell_size", math.sqrt(3.0) / 5.0),
+        (301.0, {"apex_angle": 75.0}, "relative_cell_size", math.tan(math.radians(52.5)) / 3.0),
+        (301.0, {"apex_angle": 76.0}, "relative_cell_size", math.tan(math.radians(52.0)) / 4.0),
         (99.0, {}, "poissons_ratio_bound", 0.475),
     ],
 )
@@ -78,20 +80,14 @@ def test_stiff_clay_whose_error_is_known_has_a_bulk_modulus_that_is_bounded(
     "changes",
     [
         {"material": "von_mises"},
-        SOFTENING,
         {"apex_angle": 90.0},
-        {"friction_coefficient": 0.04},
         {"uncertainty": "measured"},
-        {"stress_anisotropy": 0.96},
-        {"rigidity_index": 2001.0},
-        {"cells_per_radius": 1.2},
-        {"domain_below": 10.0},
-        {"speed_ratio": 0.1},
-        {"penetration": 3.0},
         {"rigidity_index": 2.0, "accuracy": "fine"},
     ],
 )
-def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_known(changes: dict[str, Any]) -> None:
+def test_a_bulk_modulus_is_bounded_only_where_its_effect_is_corrected(
+    changes: dict[str, Any],
+) -> None:
     assert ConePenetration(**{"rigidity_index": 400.0} | changes).poissons_ratio_bound == 0.4999
 
 
@@ -101,7 +97,7 @@ def test_the_bound_by_default_takes_nothing_off_up_to_ir_100_and_has_a_least_val
 
 
 def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_error() -> None:
-    """It may build another clay, whose error no law takes off; if it does not, U is known."""
+    """It may build another clay, whose error no law takes off."""
 
     class OwnTest(ConePenetration):
         pass
@@ -109,20 +105,11 @@ def test_a_scene_of_another_package_has_no_method_by_default_that_needs_a_known_
     for index in (50.0, 400.0):
         test = OwnTest(rigidity_index=index)
         assert (test.poissons_ratio_bound, test.speed_ratio) == (0.4999, 0.03)
-        assert why_not_as_measured(test.build(), test._expected) == []
-
-
-@pytest.mark.parametrize("accuracy", ["quick", "standard", "fine"])
-@pytest.mark.parametrize("index", [50.0, 400.0])
-def test_what_is_built_by_default_is_what_is_expected(index: float, accuracy: str) -> None:
-    test = ConePenetration(rigidity_index=index, accuracy=accuracy)
-    assert why_not_as_measured(test.build(), test._expected) == []
 
 
 @pytest.mark.parametrize("index", [50.0, 500.0])
 def test_further_runs_have_the_method_of_the_test_whose_error_they_measure(index: float) -> None:
     test = ConePenetration(rigidity_index=index, uncertainty="measured")
-    assert why_not_as_measured(test.build(), test._expected) == []
     changed = {"mesh": "cells_per_radius", "growth": "cell_growth", "speed": "speed_ratio"}
     for choice, further in test.further_tests().items():
         for name in {*DERIVED_BY_ERROR} - {changed.get(choice)}:
