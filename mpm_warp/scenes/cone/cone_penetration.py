@@ -64,7 +64,7 @@ class ConePenetration(ConeTestByDefault):
     """
 
     summary = "cone penetration test in undrained clay, to steady state"
-    version = 41
+    version = 42
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
 

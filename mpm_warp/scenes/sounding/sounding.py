@@ -63,7 +63,7 @@ class Sounding(SoundingTest):
     """
 
     summary = "cone penetration through ground that changes with depth"
-    version = 32
+    version = 33
 
     def check_clay(self) -> None:
         """Check the clay as `ClayScene` does, in a profile that of each row."""

@@ -221,14 +221,17 @@ def test_in_very_stiff_clay_three_rows_tell_nothing_of_u1() -> None:
         assert not str(stated["pore_pressure_factor_shoulder_why_no_uncertainty"].values)
 
 
-@pytest.mark.parametrize("is_known", [True, False])
-def test_stated_pressures(is_known: bool) -> None:
-    """What is still to come goes with the last change; without a law nothing is corrected.
+@pytest.mark.parametrize(
+    ("is_known", "is_corrected"), [(True, True), (False, True), (False, False)]
+)
+def test_stated_pressures(is_known: bool, is_corrected: bool) -> None:
+    """What is still to come goes with the last change; without U the correction goes on.
 
     What a bound of Poisson's ratio takes off is another of u1 and u2.
     """
     at = {"cell_size": 0.2, "adhesion_factor": 1.0, "rigidity_index": 100.0, "inertia": 0.1}
-    stated = stated_of(why_none="" if is_known else "law: of one's own", **at)
+    why_none = "" if is_known else "law: of one's own"
+    stated = stated_of(why_none=why_none, is_corrected=is_corrected, **at)
     of_soil = {"poissons_ratio": 0.47, "stress_anisotropy": 0.2}
     pressure, of_pressure = shoulder_pressure(4.0, **at, **of_soil)
     errors = face_error(5.0, **at), (pressure - 5.0, of_pressure)
@@ -240,17 +243,19 @@ def test_stated_pressures(is_known: bool) -> None:
         value, correction, half_width = (
             float(stated[it].values) for it in (name, f"{name}_correction", f"{name}_uncertainty")
         )
-        assert value == pytest.approx(5.0 + (off if is_known else 0.0))
-        assert correction == pytest.approx(off if is_known else 0.0)
+        assert value == pytest.approx(5.0 + (off if is_corrected else 0.0))
+        assert correction == pytest.approx(off if is_corrected else 0.0)
         read = {"face": 5.0, "shoulder": 4.0}[place]
         of_mean = math.hypot(remaining_spread * 0.2, read * noise[place])
         expected = math.hypot(of_laws, of_mean, 0.02 * BOUND_HALF_WIDTH) if is_known else math.nan
         assert half_width == pytest.approx(expected, nan_ok=True)
         why = str(stated[f"{name}_why_no_uncertainty"].values)
-        assert why == ("" if is_known else "law: of one's own")
+        assert why == why_none
 
 
-def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
+def stated_of(
+    *, why_none: str, is_corrected: bool = True, **of_cone: float
+) -> dict[str, xr.Variable]:
     """What is stated of a run whose pressures have fallen from 5.2 to 5 su."""
     curve = ("penetration", np.append(np.full(20, 5.2e4), np.full(20, 5.0e4)))
     recorded = xr.Dataset(
@@ -259,7 +264,14 @@ def stated_of(*, why_none: str, **of_cone: float) -> dict[str, xr.Variable]:
         | {law.RADIAL_STRESS: curve, law.RADIAL_FACTOR: 4.0}
     )
     laws = replace(LAWS, **of_cone)
-    return stated_pressures(recorded, laws, strength=1e4, why_none=why_none)
+    return stated_pressures(
+        recorded,
+        laws,
+        strength=1e4,
+        shaft_adhesion=float(laws.adhesion_factor),
+        why_none=why_none,
+        is_corrected=is_corrected,
+    )
 
 
 def test_what_still_comes_of_u2_is_known_within_its_half_width() -> None:
