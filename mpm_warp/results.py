@@ -38,7 +38,6 @@ def variable(
     dims: tuple[str, ...] = (),
     role: str | None = None,
     exact_of: str | None = None,
-    limit: float | None = None,
 ) -> xr.Variable:
     """A labelled variable.
 
@@ -50,9 +49,8 @@ def variable(
         dims: names of the dimensions.
         role: one of `ROLES`; None for an ordinary result.
         exact_of: name of the variable of which this is the exact value; the role is then "exact".
-        limit: greatest allowed size of the value, > 0; beyond it the run is inaccurate.
     """
-    labels: dict[str, str | float] = {} if unit is None else {"units": unit}
+    labels = {} if unit is None else {"units": unit}
     labels["long_name"] = meaning
     if description is not None:
         labels["description"] = description
@@ -61,8 +59,6 @@ def variable(
     if role is not None:
         assert role in ROLES, role
         labels["role"] = role
-    if limit is not None:
-        labels["limit"] = limit
     return xr.Variable(dims, np.asarray(value), labels)
 
 

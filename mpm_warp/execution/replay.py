@@ -14,6 +14,7 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
+from mpm_warp.execution.kernel_cache import load_kernels
 from mpm_warp.execution.threads import LEFT, barrier, in_turn, run_together, share_of
 from mpm_warp.kernel_types import functions_understood, kernels_kept
 from mpm_warp.plan.launch import Launch
@@ -47,6 +48,9 @@ class RecordedSteps:
         # would keep the arrays of the run in memory after its end.
         self._threads = threads
         self._device = device
+        if threads > 1:
+            with kernels_kept():
+                load_kernels(device, [barrier.module])
         self._share_count = plan.share_count
         self._steps_per_call = max(1, UPDATES_PER_CALL // max(1, plan.particle_count))
         # These arrays are kept here because recordings do not keep the arrays that they use.
@@ -140,7 +144,7 @@ class DeviceRun:
         """Compile or load the kernels and forget all recordings."""
         kernels = [*(launch.kernel for launch in self.plan.launches), next_step]
         with kernels_kept(), functions_understood():
-            wp.force_load(self._device, modules=[kernel.module for kernel in kernels])
+            load_kernels(self._device, [kernel.module for kernel in kernels])
         self._recorded: dict[int, RecordedSteps] = {}  # by number of threads
         self._graphs: dict[bool, Any] = {}  # on a GPU: of a step, audited or not
         self._commands: dict[Launch, list[Any]] = {}

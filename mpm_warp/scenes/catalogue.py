@@ -36,6 +36,7 @@ from mpm_warp.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
+from mpm_warp.scenes.limits import Limits, check_limits, with_limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
@@ -107,6 +108,8 @@ class CatalogueScene(ABC):
     """Parameters of the method. They change the headline only by the numerical error."""
     verifications: ClassVar[tuple[Verification, ...]] = ()
     """Comparisons with the exact solution; the results then have a variable `error`."""
+    limits: ClassVar[Limits] = {}
+    """Limits of errors and balances among the results; beyond one the run is inaccurate."""
     comparable: ClassVar[str | None] = None
     """Result that is compared with published values, such as ``cone_factor``; or None."""
     of_other_laws: ClassVar[tuple[str, ...]] = ()
@@ -221,12 +224,19 @@ class CatalogueScene(ABC):
             else:
                 results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
+        results = self.checked(results)
         parameters = parameter_variables(self, {*results.variables, *results.dims})
         if "material" in parameters and "built_law" in results:
             asked = parameters["material"]
             named = material_as_built(str(asked.values), str(results["built_law"].values))
             parameters["material"] = asked.copy(data=np.array(named))
         return results.assign(parameters)
+
+    def checked(self, results: xr.Dataset) -> xr.Dataset:
+        """The results with their limits; `InaccurateRun` where one is beyond its limit."""
+        results = with_limits(self.limits, results)
+        check_limits(self.limits, results)
+        return results
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """The results of a run without the parameters; arguments as of `run`.

@@ -19,6 +19,7 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0
@@ -52,6 +53,7 @@ class Bearing(CatalogueScene):
     """
 
     method = ("cells_per_radius", "rigidity_index", "displacement", "speed_ratio")
+    limits = limited(error="a lower speed_ratio, or more cells_per_radius")
     material = "tresca"
     """Yield criterion of the soil."""
     planar: ClassVar[bool] = False

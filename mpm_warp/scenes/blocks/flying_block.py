@@ -14,6 +14,7 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.limits import LARGEST_LACK, Limit, limited
 from mpm_warp.scenes.run_size import RunSize, size_of_body
 from mpm_warp.simulation import Simulation
 
@@ -40,6 +41,9 @@ class FlyingBlock(CatalogueScene):
     verifications = compared(
         "step_count", (1_000_000,), error=1e-3, momentum_error=1e-9, spin_error=1e-3, extreme=True
     )
+    limits = limited(error="a lower rim_speed") | {
+        name: Limit(LARGEST_LACK, "more step_count") for name in ("momentum_error", "spin_error")
+    }
 
     cells_per_side: int = parameter(4, "cells along a side of the block", minimum=2, maximum=100)
     step_count: int = parameter(

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -17,12 +18,15 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import BASE_CELLS, SAMPLE_COUNT, BlockOnBase
 from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.limits import LARGEST_ERROR, LARGEST_LACK, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
 VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}
 LONG: dict[str, Value] = {"height_ratio": 0.5, "friction": 0.8, "rest_time": 860.0}
 """Settings of extreme checks, on a coarse grid."""
+FINER = "more cells_per_length, a longer travel or rest_time, or a softer block"
+"""What to try where an error or a balance is beyond its limit."""
 _compared = partial(compared, "cells_per_length", (10, 20))
 _extreme = partial(compared, "cells_per_length", (6,), extreme=True)
 
@@ -44,6 +48,14 @@ class SlidingBlock(BlockOnBase):
         *_extreme(*({**VIOLENT, "stiffness_ratio": ratio} for ratio in (1e-6, 1e6)), error=0.01),
         *_extreme(*({**LONG, "grid_angle": angle} for angle in (0.0, 20.0)), error=1e-4),
     )
+    limits: ClassVar[Limits] = {
+        "error": Limit(LARGEST_ERROR, FINER),
+        "momentum_error": Limit(LARGEST_LACK, FINER),
+        "energy_error": Limit(LARGEST_LACK, FINER),
+        "acceleration_error": "it is the error of a block that slides",
+        "creep": "it is the error of a block that sticks",
+        "base_shear_error": "it follows from the errors of acceleration and momentum",
+    }
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`."""

@@ -32,6 +32,7 @@ from mpm_warp.scenes.catalogue import Progress, Verification, compared
 from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
 from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 
 STRENGTH = 1e3
@@ -52,6 +53,10 @@ class Cavity(ClayScene):
     """
 
     method = ("cells_per_radius", "particles_per_cell", "speed_ratio")
+    limits = limited(
+        error="more cells_per_radius or particles_per_cell, or a lower speed_ratio",
+        pore_pressure_error="more cells_per_radius or particles_per_cell, or a lower speed_ratio",
+    )
     exponent: ClassVar[int]
     """m: 2 for the cylinder, 3 for the sphere."""
     von_mises_strength: ClassVar[float]

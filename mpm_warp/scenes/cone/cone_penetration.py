@@ -67,6 +67,7 @@ class ConePenetration(ConeTestByDefault):
     version = 42
     comparable = "cone_factor"
     snapshots_over = penetration.AXIS
+    limits = soundness.energy_limits("penetration")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -348,9 +349,7 @@ class ConePenetration(ConeTestByDefault):
                 friction_coefficient_built=(friction, "1", "friction coefficient as built"),
             )
             results = results.assign(built_interface)
-        soundness.check_energy(results, longer="penetration")
-        if balances:
-            soundness.check_balance(results)
+        results = self.checked(results)
         if self.steady_tolerance > 0.0 and not curves.is_steady():
             soundness.check_levelled(results)
         soundness.check_bound(results, built, strength)

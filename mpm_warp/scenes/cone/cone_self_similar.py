@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -18,6 +19,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.limits import LARGEST_ERROR, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
@@ -43,6 +45,9 @@ class ConeSelfSimilar(CatalogueScene):
     summary = "load of a cone against its depth, from first touch"
     version = 3
     verifications = compared("cells_per_radius", (12, 16), error=0.05)
+    limits: ClassVar[Limits] = {
+        "error": Limit(2.0 * LARGEST_ERROR, "more cells_per_radius, or a lower speed_ratio")
+    }
 
     rigidity_index: float = redefined(ConeTest, "rigidity_index", minimum=10, maximum=1000)
     adhesion_factor: float = redefined(

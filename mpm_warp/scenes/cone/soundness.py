@@ -21,11 +21,10 @@ from mpm_warp.results import Quantity, labelled, variable
 from mpm_warp.sampling import Samples, transferred_energy
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
+from mpm_warp.scenes.limits import LARGEST_LACK, Limit
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import STEADY_SAMPLES
 
-LARGEST_ENERGY_ERROR = 0.05
-"""Largest share of the penetrometer's work that the method itself may create or dissipate."""
 LARGEST_VARIATION = 0.05
 """Largest range of the resistance over the last two radii, over its mean, in a run that has not
 become steady. Steady runs end with 0.5 to 2 %, a run of 6 radii with 4.5 %, one of 2 radii with
@@ -57,24 +56,22 @@ def energy_error(simulation: Simulation, work: float) -> dict[str, xr.Variable]:
         meaning="energy error",
         description="kinetic energy that the transfers between material points and grid "
         "created, dissipated if < 0, over the work of the penetrometer",
-        limit=LARGEST_ENERGY_ERROR,
     )
     return {"energy_error": error}
 
 
-def check_energy(results: xr.Dataset, longer: str = "") -> None:
-    """Raise `InaccurateRun` where the energy error is above `LARGEST_ENERGY_ERROR`.
+def energy_limits(*longer: str) -> dict[str, Limit]:
+    """Limits of the energy error and of the residual of the balance.
 
     `longer` names a parameter that lengthens the run, for scenes in which a longer run helps.
     """
-    share = float(results.energy_error)
-    if not abs(share) <= LARGEST_ENERGY_ERROR:
-        raise InaccurateRun(
-            f"the transfers between material points and grid took {-share:.1%} of the "
-            f"penetrometer's work, more than {LARGEST_ENERGY_ERROR:.0%}: try a lower "
-            f"speed_ratio, or more cells_per_radius{longer and f' or {longer}'}",
-            results,
-        )
+    remedy = " or ".join(("a lower speed_ratio, or more cells_per_radius", *longer))
+    of_work = "share of the penetrometer's work that"
+    taken = f"{of_work} the transfers between material points and grid took"
+    return {
+        "energy_error": Limit(LARGEST_LACK, remedy, taken),
+        "energy_residual": Limit(LARGEST_RESIDUAL, remedy, f"{of_work} is not found again"),
+    }
 
 
 def check_levelled(results: xr.Dataset) -> None:
@@ -165,14 +162,3 @@ def energy_balance_curves(simulation: Simulation) -> Samples:
         return xr.Dataset(labelled(dims=(), role=None, **shares))
 
     return Samples(works_so_far, shares_of_work)
-
-
-def check_balance(results: xr.Dataset) -> None:
-    """Raise `InaccurateRun` where the balance leaves over `LARGEST_RESIDUAL` of the work."""
-    residual = float(results.energy_residual)
-    if not abs(residual) <= LARGEST_RESIDUAL:
-        raise InaccurateRun(
-            f"{residual:.1%} of the penetrometer's work is not found again, more than "
-            f"{LARGEST_RESIDUAL:.0%}: try a lower speed_ratio, or more cells_per_radius",
-            results,
-        )

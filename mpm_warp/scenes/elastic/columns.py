@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 import xarray as xr
@@ -18,6 +19,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
+from mpm_warp.scenes.limits import LARGEST_ERROR, LARGEST_LACK, Limit, Limits, limited
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.simulation import Simulation
 
@@ -65,6 +67,7 @@ class GravityColumn(CatalogueScene):
     summary = "column under its own weight, stress and settlement"
     version = 3
     verifications = compared("cell_count", (10, 20, 40), error=0.005)
+    limits = limited(error="more cell_count")
 
     cell_count: int = parameter(40, "cells along the height", minimum=2, maximum=1000)
     poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
@@ -174,6 +177,11 @@ class ElasticColumnWave(CatalogueScene):
         ),
         *_checks((20,), {"period_count": 10_000}, error=3e-3, energy_departure=4e-4, extreme=True),
     )
+    limits: ClassVar[Limits] = {
+        "error": Limit(LARGEST_ERROR, "more cell_count"),
+        "energy_departure": Limit(LARGEST_LACK, "more cell_count"),
+        "energy_drift": "over many periods the transfers take all energy, as is derived",
+    }
 
     excitation: str = parameter(
         "standing_wave", "what moves the column", choices=("sudden_load", "standing_wave")

@@ -22,6 +22,7 @@ from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.elastic.columns import column, confined, mean_over_sections
+from mpm_warp.scenes.limits import LARGEST_ERROR, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
 from mpm_warp.simulation import Simulation
 
@@ -38,6 +39,8 @@ COLUMN_POISSONS_RATIO = 0.3
 COLUMN_BULK_VISCOSITY = 1.0
 """It spreads the shock in the column over some cells."""
 
+GREATEST = "the limit is that of the error, the greatest of three"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Impact(CatalogueScene):
@@ -53,6 +56,12 @@ class Impact(CatalogueScene):
     method = ("cell_count",)
     loads_solvers = True  # for the shock
     verifications = compared("cell_count", (40, 80), error=0.02, extreme=True)
+    limits: ClassVar[Limits] = {
+        "error": Limit(LARGEST_ERROR, "more cell_count"),
+        "front_speed_error": GREATEST,
+        "stress_error": GREATEST,
+        "velocity_error": GREATEST,
+    }
     modulus: ClassVar[float]
     """Modulus of uniaxial strain [Pa]."""
     density: ClassVar[float]

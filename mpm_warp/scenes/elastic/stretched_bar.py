@@ -14,6 +14,7 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.run_size import RunSize, size_of_body
 from mpm_warp.simulation import Simulation
 
@@ -52,6 +53,7 @@ class StretchedBar(CatalogueScene):
     verifications = compared(
         "cell_count", (4,), {"stretch": 20.0}, error=0.01, stress_error=0.01, extreme=True
     )
+    limits = limited(error="more cell_count", stress_error="more cell_count")
 
     stretch: float = parameter(4.0, "length at the end over that at rest", above=1, maximum=50)
     cell_count: int = parameter(4, "cells along the bar at rest", minimum=2, maximum=20)

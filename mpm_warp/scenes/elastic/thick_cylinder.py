@@ -17,6 +17,7 @@ from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
 from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 
 INNER_RADIUS = 1.0
@@ -44,6 +45,7 @@ class ThickCylinder(CatalogueScene):
     verifications = compared(
         "cell_count", (10, 20, 40), {}, {"section": "plane_strain"}, error=0.01, least_order=1.0
     )
+    limits = limited(error="more cell_count")
 
     section: str = parameter(
         "axisymmetric",

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, mean_of_points, soil_scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
 from mpm_warp.scenes.full_flow.penetrometer import (
     GREATEST_INERTIA,
@@ -24,6 +24,7 @@ from mpm_warp.scenes.full_flow.penetrometer import (
     ResistanceSamples,
     TBar,
 )
+from mpm_warp.scenes.limits import Limits
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
 from mpm_warp.simulation import Simulation
@@ -48,6 +49,10 @@ class FullFlowPenetration(FullFlowPenetrometer):
     """A round body pushed at constant speed through clay, to steady flow."""
 
     method = (*FullFlowPenetrometer.method, "penetration", "uncertainty")
+    limits: ClassVar[Limits] = {
+        **energy_limits("penetration"),
+        "error": "the limit load has no inertia, which a fast bar meets beside it",
+    }
 
     penetration: float = parameter(8.0, "penetration over radius", minimum=5, maximum=50)
     uncertainty: str = parameter(
@@ -178,7 +183,7 @@ class FullFlowPenetration(FullFlowPenetrometer):
             | labelled(empty_cells=(empty, "1", near, holes))
             | energy_error(simulation, curve.work)
         )
-        check_energy(results, longer="penetration")
+        results = self.checked(results)
         change = float(results.resistance_factor_change)
         if not abs(change) <= LARGEST_CHANGE:
             raise UnfinishedRun(

@@ -34,6 +34,7 @@ from mpm_warp.sampling import Samples, even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene, FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation
@@ -95,6 +96,7 @@ class MaterialPoint(PointScene):
         yield_excess=1e-9,
         least_order=1.9,
     )
+    limits = limited(error="more step_count", yield_excess="more step_count")
 
     @property
     def clay(self) -> Material:
@@ -176,6 +178,7 @@ class ElementTest(PointScene):
         *({"material": "modified_cam_clay", "test": test} for test in TESTS),
         error=1e-6,
     )
+    limits = limited(error="more step_count")
 
     test: str = parameter(
         "triaxial_compression",

@@ -21,7 +21,8 @@ from mpm_warp.scenes.cone.cone_penetration import SANE_INERTIA, ConePenetration
 from mpm_warp.scenes.cone.defaults import INCOMPRESSIBLE
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
-from mpm_warp.scenes.cone.soundness import check_energy, energy_error
+from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
+from mpm_warp.scenes.limits import with_limits
 from mpm_warp.scenes.run_size import RunSize, law_bytes, of_several
 from mpm_warp.scenes.sounding.curves import last_factor, layer_values, sounding_curves
 from mpm_warp.scenes.sounding.parameters import LAYER, SoundingTest, check_sounding
@@ -64,6 +65,7 @@ class Sounding(SoundingTest):
 
     summary = "cone penetration through ground that changes with depth"
     version = 33
+    limits = energy_limits()
 
     def check_clay(self) -> None:
         """Check the clay as `ClayScene` does, in a profile that of each row."""
@@ -283,15 +285,16 @@ class Sounding(SoundingTest):
         results = self.record(simulation, own, measured_by(list(tests), outcomes))
         return with_cost(results, [it for it in outcomes if isinstance(it, xr.Dataset)])
 
+    def checked(self, results: xr.Dataset) -> xr.Dataset:
+        """See `CatalogueScene`; no accuracy is stated where the surface stays in the window."""
+        if not self.starts_at_surface or self.travel >= self.surface_passed:
+            return super().checked(results)
+        return with_limits(self.limits, results)
+
     def record(
         self, simulation: Simulation, progress: Progress, measured: MeasuredError | None = None
     ) -> xr.Dataset:
-        """Push the penetrometer through the ground; `measured` replaces the laws of the error.
-
-        Raises:
-            InaccurateRun: the transfers took too much of the penetrometer's work. It is not raised
-                if the surface never leaves the window: no accuracy is stated for such a run.
-        """
+        """Push the penetrometer through the ground; `measured` replaces the laws of the error."""
         curves = PenetrationCurves(simulation, radius=self.cone_radius)
         pressures = pore_pressure_curves(simulation, self.penetrometer)
         built = soil_scene(simulation)
@@ -315,7 +318,4 @@ class Sounding(SoundingTest):
         layer = layer_values(self, over_depth, is_known=measured is None and not why_none)
         is_thin = "layer_share" in layer  # the share of the layer is then the main result
         values = layer if is_thin else last_factor(over_depth) | layer
-        results = over_depth.assign(values | energy_error(simulation, curves.work))
-        if not self.starts_at_surface or self.travel >= self.surface_passed:
-            check_energy(results)
-        return results
+        return over_depth.assign(values | energy_error(simulation, curves.work))

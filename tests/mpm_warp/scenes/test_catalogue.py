@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import SimulationDiverged, UnknownSceneError
+from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnknownSceneError
 from mpm_warp.fields import Value, parameter, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
@@ -71,9 +71,19 @@ def test_every_scene_is_in_the_catalogue_and_those_they_are_made_of_are_not() ->
         assert scene_class(name).catalogue_name() == name
 
 
+@pytest.fixture
+def unjudged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs so coarse that some are inaccurate, which matters to none of these tests."""
+    monkeypatch.setattr(catalogue, "check_limits", lambda limits, results: None)
+
+
 @pytest.mark.parametrize("name", sorted(SMALL))
+@pytest.mark.usefixtures("unjudged")
 def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
-    """Units, names, roles, one headline, and every parameter with its value, derived or given."""
+    """Units, names, roles, one headline, and every parameter with its value, derived or given.
+
+    Every error and every balance has a limit, or the scene says why it has none.
+    """
     scene = scene_class(name)(**SMALL[name])
     told: list[float] = []
     result = scene.run(told.append)
@@ -103,6 +113,56 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
             assert stored.item() == "" or np.isnan(stored)
         else:
             assert stored.item() == given
+
+    judged = {str(label) for label, values in result.variables.items() if _role(values) == "error"}
+    judged |= {"error", "energy_error", "energy_residual"} & set(result)
+    judged |= {bound for check in scene.verifications for bound in check.bounds}
+    assert judged <= set(scene.limits)
+    for label, limit in scene.limits.items():
+        if isinstance(limit, str):
+            assert limit
+        elif label in result:
+            assert result[label].attrs["limit"] == limit.size
+
+
+BEYOND: list[tuple[str, dict[str, Value], str]] = [
+    ("thick_cylinder", {"cell_count": 2, "radius_ratio": 100.0}, "stresses and wall displacement"),
+    ("cavity_sphere", {"cells_per_radius": 1, "particles_per_cell": 1}, "the cavity pressure"),
+    ("circular_footing", {"cells_per_radius": 2}, "the limit load"),
+    ("material_point", {"step_count": 10}, "stress"),
+]
+
+
+@pytest.mark.parametrize(("name", "coarse", "what"), BEYOND)
+def test_a_run_with_a_large_error_is_inaccurate_and_keeps_its_numbers(
+    name: str, coarse: dict[str, Value], what: str
+) -> None:
+    with pytest.raises(
+        InaccurateRun, match=f"the error of {what} is .*, more than 0.15: try"
+    ) as end:
+        scene_class(name)(**coarse).run()
+    assert float(end.value.curves["error"]) > 0.15
+
+
+@pytest.mark.parametrize(
+    ("name", "limited"),
+    [(name, it) for name in sorted(SMALL) for it in scene_class(name).limits],
+)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_beyond_each_limit_a_run_is_inaccurate(name: str, limited: str, sign: float) -> None:
+    scene = scene_class(name)(**SMALL[name])
+    limit = scene.limits[limited]
+
+    def results(value: float) -> xr.Dataset:
+        return xr.Dataset({limited: variable(value, meaning="value")})
+
+    if isinstance(limit, str):
+        scene.checked(results(1.0))
+        return
+    assert scene.checked(results(sign * limit.size))[limited].attrs["limit"] == limit.size
+    for beyond in (1.01 * sign * limit.size, np.nan):
+        with pytest.raises(InaccurateRun, match=f"more than {limit.size:g}: try {limit.remedy}$"):
+            scene.checked(results(beyond))
 
 
 def _role(values: xr.Variable | xr.DataArray) -> str | None:
@@ -267,6 +327,7 @@ RECORDING: list[tuple[str, dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("name", "parameters", "axis"), RECORDING)
+@pytest.mark.usefixtures("unjudged")
 def test_curves_up_to_the_failure_are_those_of_the_whole_run(
     name: str, parameters: dict[str, Any], axis: str
 ) -> None:

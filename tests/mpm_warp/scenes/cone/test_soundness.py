@@ -13,7 +13,6 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.soundness import (
     LARGEST_RESIDUAL,
     MEANING,
-    check_balance,
     check_bound,
     check_levelled,
 )
@@ -110,9 +109,3 @@ def test_a_smooth_cone_loses_nothing_by_sliding(rough: xr.Dataset) -> None:
     # On the shaft, 6 radii long, soil hardly moves: at an adhesion of 0.5 su that is 6 of Nc.
     on_shaft = 6.0 / (6.0 + float(rough.cone_factor_simulated))
     assert shares(rough)["sliding"] > 0.9 * on_shaft
-
-
-@pytest.mark.parametrize("residual", [0.011, -0.011, float("nan")])
-def test_a_balance_that_does_not_close_is_no_result(residual: float) -> None:
-    with pytest.raises(InaccurateRun, match="not found again, more than 1%"):
-        check_balance(xr.Dataset({"energy_residual": residual}))
