@@ -42,6 +42,8 @@ def kernels_kept() -> Iterator[None]:
     """Raise `KernelCacheError`, with a remedy, if Warp cannot store compiled kernels."""
     try:
         yield
+    except KernelCacheError:
+        raise
     except OSError as error:
         folder = wp.config.kernel_cache_dir or error.filename
         raise KernelCacheError(

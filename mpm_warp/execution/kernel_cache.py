@@ -61,10 +61,12 @@ def load_kernels(device: wp.Device, modules: Iterable[Any]) -> None:
 
 def _folders(modules: Iterable[Any]) -> list[Path]:
     """Folders of modules in the cache; a module has one for each version of its code."""
-    cached = Path(wp.config.kernel_cache_dir).iterdir()
+    cache = Path(wp.config.kernel_cache_dir)
     names = "|".join(re.escape(module.name) for module in modules)
     own = re.compile(f"wp_({names})_[0-9a-f]{{7}}")
-    return [folder for folder in cached if own.fullmatch(folder.name)] if names else []
+    if not names or not cache.exists():
+        return []
+    return [folder for folder in cache.iterdir() if own.fullmatch(folder.name)]
 
 
 def _is_of_cache(error: Exception) -> bool:
