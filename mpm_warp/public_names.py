@@ -1,5 +1,8 @@
 """The public names of `mpm_warp`, which imports this module when the first of them is used."""
 
+from mpm_warp.bodies.body import Body, InterfaceFrame, Load, UniformGrid
+from mpm_warp.bodies.contact import BodyContact
+from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import (
     InaccurateRun,
     ParameterError,
@@ -56,6 +59,7 @@ from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
+from mpm_warp.scenes.limits import Limit, limited
 from mpm_warp.scenes.material.material_point import ElementTest, MaterialPoint
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile

@@ -12,6 +12,7 @@ from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.execution.threads import in_turn
+from mpm_warp.jupyter import html_table
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -70,6 +71,24 @@ class Simulation:
         if isinstance(scene, Scene):
             actors = [part.between_steps(self._run, scene) for part in scene.parts]
             self._between_steps += [actor for actor in actors if actor is not None]
+
+    def __repr__(self) -> str:
+        texts = ", ".join(f"{name} {value}" for name, value in self._shown())
+        return f"Simulation({texts})"
+
+    def _repr_html_(self) -> str:
+        return html_table("Simulation", self._shown())
+
+    def _shown(self) -> list[tuple[str, str]]:
+        """Names and values that tell of the size of the run, and how far it is."""
+        byte_count = sum(array.byte_count for array in self.plan.arrays.values())
+        return [
+            ("scene", type(self.scene).__name__),
+            ("material points", f"{self.particle_count:,}"),
+            ("memory", f"{byte_count / 1e6:.3g} MB"),
+            ("step", f"{self.step_count:,}"),
+            ("time", f"{self.time:.4g} s"),
+        ]
 
     @property
     def plan(self) -> Plan:

@@ -88,10 +88,12 @@ def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
     if page not in (README, OF_HARNESS, EXECUTED):
-        for block in blocks(page.read_text()):
+        text, printed = page.read_text(), ""
+        for block in blocks(text):
             for name in re.findall(r'"results/(\w+)\.nc"', block):
                 assert main(["run", name, *SET_SHORT, f"--out={tmp_path / 'results'}"]) == 0
-            run(block, tmp_path)
+            printed += run(block, tmp_path)
+        assert all(told in printed for told in re.findall(r"It prints `([^`]+)`", text))
 
 
 def commands(page: Path) -> Iterator[str]:

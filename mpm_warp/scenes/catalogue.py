@@ -26,7 +26,6 @@ from typing import Any, ClassVar, NoReturn, Self
 
 import numpy as np
 import xarray as xr
-from tqdm import tqdm
 
 from mpm_warp.checks import check_kind, check_known, in_words
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
@@ -38,6 +37,7 @@ from mpm_warp.planning import make_plan
 from mpm_warp.results import material_as_built, parameter_variables
 from mpm_warp.scenes.limits import Limits, check_limits, with_limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
+from mpm_warp.scenes.shown import ShownByParameters
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 
@@ -86,7 +86,7 @@ def compared(
 
 
 @dataclass(frozen=True, kw_only=True)
-class CatalogueScene(ABC):
+class CatalogueScene(ShownByParameters, ABC):
     """A scene, which has a name and parameters and can be run.
 
     A subclass is a frozen dataclass with keyword-only fields, its parameters, each made by
@@ -195,8 +195,8 @@ class CatalogueScene(ABC):
         """Simulate the scene.
 
         Args:
-            progress: True for a progress bar on the terminal; or a function, which is called now
-                and then with the fraction done: with 0 before the first step, with 1 at the end.
+            progress: True for a bar on the terminal or in Jupyter; or a function, which is called
+                now and then with the fraction done: with 0 before the first step, 1 at the end.
             execution: device and threads; default: one thread of the processor.
             snapshots: snapshots to take during the run; they do not change any result.
 
@@ -280,6 +280,8 @@ def _reporter(progress: Progress | bool | None, name: str) -> Iterator[Progress]
     if not progress:  # a hidden bar would still have a semaphore, which a killed worker leaves
         yield lambda fraction: None
         return
+    from tqdm.auto import tqdm  # takes a while: it finds out whether Jupyter shows the bar
+
     layout = "{desc} {percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
     with tqdm(desc=name, total=1.0, bar_format=layout) as bar:
 
