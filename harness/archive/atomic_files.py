@@ -11,6 +11,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+import psutil
+
 from harness.errors import HarnessError, printable
 
 PARTIAL = ".part"
@@ -104,7 +106,7 @@ def abandoned(folder: Path) -> list[Path]:
         partial
         for partial in sorted(folder.glob(".*"))
         if (process := number.search(partial.name))
-        and not _is_alive(int(process[1]))
+        and not psutil.pid_exists(int(process[1]))
         and not is_folder(partial)
     ]
 
@@ -131,7 +133,7 @@ def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
     An existing file is never overwritten, and a link is never followed.
     """
     path = folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
     with open(path, "wb", opener=lambda name, _: os.open(name, flags, 0o666)) as file:
         try:
             yield path, file
@@ -143,13 +145,3 @@ def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
 def partial_ending(process_id: int | str) -> str:
     """Ending of temporary files of a process of this machine."""
     return f".{platform.node()}-{process_id}{PARTIAL}"
-
-
-def _is_alive(process_id: int) -> bool:
-    try:
-        os.kill(process_id, 0)
-    except (ProcessLookupError, OverflowError):  # no process has a number that large
-        return False
-    except PermissionError:  # alive, and another user's
-        return True
-    return True

@@ -91,11 +91,6 @@ def opened(path: Path) -> Iterator[Stored]:
         raise ArchiveError(f"{path}: cannot be read: {reason}") from None
 
 
-def memory_of_machine() -> int:
-    """Bytes of memory that this machine has."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-
-
 def _content(path: Path) -> bytes:
     """The bytes of a file whose mark and digest are right."""
     if not stat.S_ISREG(path.stat().st_mode):  # a FIFO would wait, and a device may be endless

@@ -19,6 +19,7 @@ import xarray as xr
 import mpm_warp
 from harness.archive.conventions import COMPLETED, is_there, over_cases, scenes_of
 from harness.errors import counted, tell
+from harness.machine import stated_in
 from mpm_warp.scenes import scene_class, scene_names
 
 SOURCES = "sources"
@@ -136,7 +137,5 @@ def _commit() -> str:
 
 def _processor() -> str:
     """Name of the processor model, which :mod:`platform` does not give on Linux."""
-    models = Path("/proc/cpuinfo")
-    text = models.read_text() if models.exists() else ""
-    named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)
+    named = re.search(r"^model name\s*:(.*)", stated_in(Path("/proc/cpuinfo")), re.MULTILINE)
     return named[1].strip() if named else platform.processor() or platform.machine()

@@ -14,6 +14,7 @@ from harness.cli.options import make_parser, mistake_in, unrecognised
 from harness.cli.process import (
     BAD_INPUT,
     DEFECT,
+    NOT_READ,
     Terminated,
     complete_streams,
     end_at_sigterm,
@@ -64,7 +65,7 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
         # Nobody reads the output any more, as in `harness run ... | head`: no message is needed.
         for stream in (sys.stdout, sys.stderr):
             send_nowhere(stream)
-        return 128 + signal.SIGPIPE
+        return NOT_READ
     except (*REFUSALS, OSError, MemoryError) as error:
         tell(str(error) or "this machine does not have enough memory")
         return BAD_INPUT

@@ -11,6 +11,8 @@ DONE, INCOMPLETE = 0, 1
 BAD_INPUT = 2
 """Exit code of a command line, a study or a file that cannot be used."""
 
+NOT_READ = 141
+"""Exit code if the output is no longer read, as after ``| head``: 128 and SIGPIPE."""
 DEFECT = 70
 """Exit code of an error of the program itself (EX_SOFTWARE of BSD's sysexits.h)."""
 
@@ -29,7 +31,7 @@ def end_at_sigterm() -> None:
     If SIGHUP is ignored, as under `nohup`, it stays ignored.
     """
     signal.signal(signal.SIGTERM, _raise_terminated)
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
         signal.signal(signal.SIGHUP, _raise_terminated)
 
 

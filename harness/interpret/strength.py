@@ -20,7 +20,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.archive.netcdf_files import memory_of_machine
 from harness.interpret.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.columns import GAP
 from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
@@ -29,6 +28,7 @@ from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import ByDepth, Layer, Site
 from harness.interpret.weights import HALF_WIDTH, Measure, chosen_draws, measures_of
+from harness.machine import memory_of_machine
 from harness.study.distributions import normal, sampled
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats

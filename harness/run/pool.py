@@ -19,7 +19,8 @@ import xarray as xr
 from harness.archive.atomic_files import ArchiveError, discard_partial
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, MISSING, TIMED_OUT
-from harness.run.resources import DEFAULTS, RunOptions, case_time, usable_cores
+from harness.machine import usable_cores
+from harness.run.resources import DEFAULTS, RunOptions, case_time
 from harness.study.cases import Case
 from mpm_warp.execution import THREAD_COUNTS
 
@@ -29,6 +30,9 @@ ABANDONED = 1
 """Exit code of a worker whose parent process has ended."""
 GRACE = 2.0
 """Time that a worker has to end after SIGTERM [s]; then it is killed."""
+MASKS_SIGNALS = hasattr(signal, "pthread_sigmask")
+HANG_UP = (signal.SIGHUP,) if hasattr(signal, "SIGHUP") else ()
+"""What a system has: POSIX both, Windows neither."""
 SINGLE_THREADED = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Environment variables that limit the numerical libraries of a worker to one thread."""
 
@@ -59,8 +63,9 @@ def run_cases(
     others. An exception, such as KeyboardInterrupt, ends the workers; finished results are kept. A
     case that another run has completed meanwhile is not run again.
     """
-    # Starting the resource tracker unblocks signals that are held, so it must come first.
-    resource_tracker.ensure_running()
+    if MASKS_SIGNALS:
+        # Starting the resource tracker unblocks signals that are held, so it must come first.
+        resource_tracker.ensure_running()
     waiting = deque(cases)
     workers: list[WorkerProcess] = []
     ready = list[tuple[WorkerProcess, Case]]()
@@ -245,15 +250,17 @@ def _interrupts_held() -> Iterator[None]:
     received: list[int] = []
     handlers = {
         number: signal.signal(number, lambda number, frame: received.append(number))
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+        for number in (signal.SIGINT, signal.SIGTERM, *HANG_UP)
         # A signal that is ignored, such as SIGHUP under `nohup`, stays so in a worker.
         if signal.getsignal(number) is not signal.SIG_IGN
     }
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    if MASKS_SIGNALS:
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *HANG_UP})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if MASKS_SIGNALS:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for number, handler in handlers.items():
             signal.signal(number, handler)
         for late in received:

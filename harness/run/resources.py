@@ -2,20 +2,16 @@
 
 import functools
 import math
-import os
-import resource
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import Role
-from harness.archive.netcdf_files import memory_of_machine
 from harness.errors import HarnessError, tell
+from harness.machine import memory_of_machine, peak_memory, reset_peak_memory
 from harness.study.cases import Case
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.execution.execution import device_names
@@ -35,11 +31,6 @@ SNAPSHOT_BYTES = 150.0
 """Memory of a material point in a snapshot while it is taken, collected and written [byte]."""
 SHARE_OF_MACHINE = 0.9
 """Fraction of the machine's memory that all running cases may take by default."""
-CONTAINER_LIMITS = (
-    Path("/sys/fs/cgroup/memory.max"),
-    Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
-)
-"""Files in which Linux states the memory of a container."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,22 +47,13 @@ class RunOptions:
 DEFAULTS = RunOptions()
 
 
-def usable_cores() -> int:
-    """Cores that this process may use; all cores unless the system allows fewer."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 class TooLarge(SceneError):
     """A case needs more memory than it may take."""
 
 
 def default_memory_limit() -> float:
     """Memory for all running cases by default: most of this machine or container [byte]."""
-    texts = [file.read_text().strip() for file in CONTAINER_LIMITS if file.is_file()]
-    limits = [memory_of_machine(), *(int(text) for text in texts if text.isdecimal())]
-    return SHARE_OF_MACHINE * min(limits)
+    return SHARE_OF_MACHINE * memory_of_machine()
 
 
 def check_memory(scene: CatalogueScene, limit: float, snapshot_count: int = 0) -> None:
@@ -164,16 +146,12 @@ def check_device(device: str) -> None:
         raise HarnessError(f"--device {device}: there is none here; known: {known}")
 
 
-_RESET = Path("/proc/self/clear_refs")
-_STATUS = Path("/proc/self/status")
-
-
 class Measurement:
     """Measures time and memory of this process from the creation of the object."""
 
     def __init__(self) -> None:
         self._started = time.perf_counter()
-        self._reset = _reset_peak_memory()
+        self._reset = reset_peak_memory()
 
     @property
     def seconds(self) -> float:
@@ -186,7 +164,7 @@ class Measurement:
         return {
             "case_time": case_time(self.seconds),
             "peak_memory": variable(
-                _peak_memory(self._reset),
+                peak_memory(),
                 unit="byte",
                 meaning="peak resident memory",
                 role=Role.MEASURED,
@@ -217,21 +195,3 @@ def with_samples(dataset: xr.Dataset, samples: Sequence[float]) -> xr.Dataset:
         run_time_minimum=seconds(times.min(), meaning=least),
         run_time_sample=seconds(times, meaning=loop, dims=("repeat",), description="kernels warm"),
     ).assign_coords(repeat=number)
-
-
-def _reset_peak_memory() -> bool:
-    """Let the peak memory count from now on; False where that is impossible, as outside Linux."""
-    try:
-        _RESET.write_text("5")
-    except OSError:
-        return False
-    return True
-
-
-def _peak_memory(reset: bool) -> int:
-    """Peak resident memory of the process [byte], since the reset if there was one."""
-    if reset:
-        lines = _STATUS.read_text().splitlines()
-        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM:"))
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit

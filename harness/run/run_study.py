@@ -3,7 +3,6 @@
 Progress is shown as a bar on a terminal, and as a line for each case that has ended.
 """
 
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -12,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TextIO
 
+import psutil
 import xarray as xr
 from tqdm import tqdm
 
@@ -126,7 +126,7 @@ def on_this_machine(
         raise HarnessError(f"{study.name}: cases are timed one at a time, without --workers")
     workers = 1 if alone else worker_count or cases_at_once(options.threads)
     if repeats:
-        tell(f"timed alone, {repeats} warm runs a case; load now {os.getloadavg()[0]:.1f}")
+        tell(f"timed alone, {repeats} warm runs a case; load now {psutil.getloadavg()[0]:.1f}")
     threads = 1 if options.threads is None and repeats else options.threads
     memory = options.memory_limit or default_memory_limit()
 

@@ -9,7 +9,8 @@ from multiprocessing import active_children, get_context
 import xarray as xr
 
 from harness.errors import HarnessError, in_one_line
-from harness.run.resources import UPDATE_RATE, usable_cores
+from harness.machine import usable_cores
+from harness.run.resources import UPDATE_RATE
 from harness.study.scene_part import loaded_scenes
 from mpm_warp.results import labelled
 from mpm_warp.scenes import CatalogueScene, Verification, scene_class

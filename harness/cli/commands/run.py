@@ -23,10 +23,11 @@ from harness.cli.commands.results import list_misses, show
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, counted, say, tell
+from harness.machine import usable_cores
 from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
-from harness.run.resources import RunOptions, spoken_time, usable_cores
+from harness.run.resources import RunOptions, spoken_time
 from harness.run.run_study import on_cluster, on_this_machine, run_study
 from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows, verified_in_turn
 from harness.study.description import warn_of_unusual_values

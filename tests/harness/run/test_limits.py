@@ -223,18 +223,6 @@ def test_a_long_standing_wave_takes_no_more_than_a_short_one() -> None:
     )
 
 
-def test_the_default_is_most_of_a_container(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    told = tmp_path / "memory.max"
-    monkeypatch.setattr(resources, "CONTAINER_LIMITS", (told, tmp_path / "none"))
-    told.write_text("max\n")
-    whole = resources.default_memory_limit()
-    assert whole > resources.PROCESS_MEMORY
-    told.write_text("400000000\n")
-    assert resources.default_memory_limit() == 0.9 * 400e6 < whole
-
-
 def test_a_case_of_days_is_told_of_in_one_line(
     small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

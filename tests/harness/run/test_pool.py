@@ -2,7 +2,6 @@
 
 import math
 import multiprocessing
-import os
 import re
 import signal
 import time
@@ -22,7 +21,7 @@ from harness.compare.differences import differing
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.run import pool
 from harness.run.pool import WorkerProcess, cases_at_once, end_all, run_cases, share_of_cores
-from harness.run.resources import DEFAULTS, RunOptions, usable_cores
+from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from tests.harness.conftest import DONE, SMALL, study_in
@@ -93,19 +92,6 @@ def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harness.run.pool.usable_cores", lambda: 1)
     assert share_of_cores(1) == 1
     assert cases_at_once(2) == 1
-
-
-@pytest.mark.parametrize(("allowed", "of_machine", "usable"), [({3, 5}, 8, 2), (None, 8, 8)])
-def test_cores_are_those_that_this_process_may_use(
-    allowed: set[int] | None, of_machine: int, usable: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """All of the machine's where the system tells no others."""
-    monkeypatch.setattr(os, "cpu_count", lambda: of_machine)
-    if allowed is None:
-        monkeypatch.delattr(os, "sched_getaffinity")
-    else:
-        monkeypatch.setattr(os, "sched_getaffinity", lambda process: allowed)
-    assert usable_cores() == usable
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])

@@ -12,9 +12,8 @@ import pytest
 import xarray as xr
 
 from harness.archive import case_files
-from harness.run import resources
 from harness.run.pool import run_cases
-from harness.run.resources import Measurement, RunOptions, with_samples
+from harness.run.resources import RunOptions, with_samples
 from harness.run.run_study import Display
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
@@ -55,25 +54,6 @@ def test_every_case_tells_its_times_apart_its_work_and_its_memory(scene: str) ->
     assert dataset.particle_updates == dataset.particle_count * dataset.step_count
     assert dataset.peak_memory.attrs["units"] == "byte"
     assert "since it ran the case" in dataset.peak_memory.attrs["description"]
-
-
-def test_the_peak_of_memory_is_that_of_the_case_alone() -> None:
-    """A hundred MiB in between shows; a hundred before does not."""
-    before = Measurement()
-    memory = np.ones(100 * MIB, np.uint8)
-    between = int(before.variables()["peak_memory"])
-    del memory
-    after = int(Measurement().variables()["peak_memory"])
-    assert between - after > 90 * MIB
-
-
-def test_where_the_peak_can_not_be_reset_it_is_said_whose_it_is(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(resources, "_RESET", tmp_path / "none" / "clear_refs")
-    peak = Measurement().variables()["peak_memory"]
-    assert peak.attrs["description"].endswith("since it was started, maybe for earlier cases")
-    assert int(peak) > 10 * MIB
 
 
 def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
