@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from mpm_warp.errors import SceneError
 from mpm_warp.fields import Parameter, Value, parameters_of
 
 ROLES = {
@@ -88,6 +89,23 @@ def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
     """Curves over an axis with this name and these places."""
     coords = labelled(dims=(axis,), role=None, **{axis: places})
     return xr.Dataset(labelled(dims=(axis,), role=None, **quantities), coords=coords)
+
+
+def check_axes(results: xr.Dataset) -> None:
+    """Check that each dimension has a variable of its places, and each place once.
+
+    Raises:
+        SceneError: a dimension has none, or a place is repeated; the message names the variable.
+    """
+    for dim in results.dims:
+        if dim not in results.variables:
+            raise SceneError(f"{dim}: is a dimension without a variable that gives its places")
+        places, counts = np.unique(results[dim].values, return_counts=True)
+        if (counts > 1).any():
+            raise SceneError(
+                f"{dim} = {places[counts.argmax()]} was recorded {counts.max()} times: take fewer "
+                "samples, as a step may pass several moments, or none where nothing has moved"
+            )
 
 
 def stored_name(parameter: str, results: Collection[object]) -> str:

@@ -23,15 +23,17 @@ from harness.archive.conventions import (
     DAMAGED,
     MISSING,
     NO_FIELDS,
+    OUTDATED,
     UNREADABLE,
     UNTIMED,
     Role,
 )
 from harness.archive.netcdf_files import opened, read_attributes, read_netcdf, write_netcdf
-from harness.archive.provenance import SOURCES, provenance
+from harness.archive.provenance import SOURCES
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.names import did_you_mean
+from mpm_warp.provenance import SIMULATOR, edited_packages, provenance
 
 
 @dataclass(frozen=True)
@@ -93,12 +95,12 @@ def write_case(
     machine. Without `fields`, snapshots of an earlier run are removed.
     """
     attributes = {
-        "case_key": case.key,
         "scene": case.scene,
         "scene_version": case.scene_version,
-        "parameters": json.dumps(case.parameters),
         "status": status,
         "message": message,
+        "case_key": case.key,
+        "parameters": json.dumps(case.parameters),
     }
     result = dataset.assign_attrs(provenance() | dataset.attrs | attributes)
     if fields is None:
@@ -135,7 +137,10 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
             reason = "" if is_known else "; ".join(str(reason.values) for reason in reasons)
         _check_owner(path, case, attributes)
         status, sources = attributes["status"], str(attributes.get(SOURCES, ""))
-        if status == COMPLETED and timed < repeats:
+        message = attributes["message"]
+        if status == COMPLETED and (edited := set(edited_packages(sources)) - {SIMULATOR}):
+            status, message = OUTDATED, f"computed by other sources of {', '.join(sorted(edited))}"
+        elif status == COMPLETED and timed < repeats:
             status = UNTIMED
         elif status == COMPLETED and not has_fields(folder, case):
             status = NO_FIELDS
@@ -145,7 +150,6 @@ def read_outcome(folder: Path, case: Case, repeats: int = 0) -> Outcome:
         return Outcome(DAMAGED, str(error))
     except ArchiveError as error:
         return Outcome(UNREADABLE, str(error))
-    message = attributes["message"]
     return Outcome(status, message, seconds=seconds, sources=sources, reason=reason)
 
 

@@ -89,6 +89,7 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
             "scene_version": study.cases[0].scene_version,
             ORDER: " ".join(map(str, coordinates)),
             **({STABILITY_MAP: order} if study.stability_map else {}),
+            "source": "; ".join(sorted({*_attributes(results, "source")} - {""})),
             **common_origins,
         },
     )

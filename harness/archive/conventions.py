@@ -33,6 +33,7 @@ COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
 FAILED, UNFINISHED = "failed", "unfinished"
 MISSING, DAMAGED, UNREADABLE = "missing", "damaged", "unreadable"
+OUTDATED = "outdated"
 """Statuses that the harness gives to cases. Errors of scenes give others."""
 
 

@@ -29,6 +29,12 @@ from harness.archive.atomic_files import ArchiveError, DamagedError, NoFileError
 FORMAT_VERSION = 1
 """Version of the layout of result files, of cases and of studies."""
 
+FIRST = (
+    *("title", "study", "site", "scene", "scene_version", "status", "message", "case_key"),
+    *("source", "history"),
+)
+"""Attributes that a reader looks for, in order; a file made in memory does not keep one."""
+
 _MARK = b"sha256: "
 _LENGTH = len(_MARK) + 64
 
@@ -53,7 +59,8 @@ def read_netcdf(path: Path) -> xr.Dataset:
     with opened(path) as stored:
         encoded = xr.Dataset(stored.variables, attrs=stored.attributes)
         found = xr.decode_cf(encoded, concat_characters=False, decode_times=False).load()
-    del found.attrs["format_version"]  # it belongs to the file, not to the result
+    others = sorted(found.attrs.keys() - {*FIRST, "format_version"})  # it belongs to the file
+    found.attrs = {name: found.attrs[name] for name in (*FIRST, *others) if name in found.attrs}
     return found[[*found.data_vars, *found.coords]].drop_encoding()
 
 

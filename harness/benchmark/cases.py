@@ -16,13 +16,13 @@ import xarray as xr
 
 from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import Role, with_role
-from harness.archive.provenance import provenance
 from harness.errors import in_one_line, say, tell
 from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.tables import StudyError, Table, parse_setting
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
 from mpm_warp.names import nearest_name
 from mpm_warp.plain_numbers import number_of, plain_number
+from mpm_warp.provenance import provenance
 from mpm_warp.scenes import scene_class
 
 META_KEYS: Mapping[str, str] = {

@@ -13,7 +13,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.archive.provenance import provenance
 from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
@@ -23,6 +22,7 @@ from harness.interpret.result import in_digits, in_words, rate_in_words
 from harness.interpret.site import Layer, Site
 from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, runs, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
+from mpm_warp.provenance import provenance
 
 Rows = list[tuple[str, ...]]
 """Rows of a table, the heading first."""

@@ -165,7 +165,7 @@ def embedded(name: str, png: bytes) -> Picture:
 
 
 def _provenance(dataset: xr.Dataset) -> Iterable[tuple[str, str]]:
-    yield from ((str(name), str(value)) for name, value in sorted(dataset.attrs.items()))
+    yield from ((str(name), str(value)) for name, value in dataset.attrs.items())
     for name in OF_CASE:
         if name in dataset:  # it differs between cases
             yield name, "; ".join(sorted({*map(str, dataset[name].values.flat)} - {""}))

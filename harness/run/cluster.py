@@ -15,12 +15,12 @@ from distributed.security import Security
 
 from harness.archive.case_files import Outcome, is_complete, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, FAILED
-from harness.archive.provenance import provenance
 from harness.errors import HarnessError, in_one_line, tell
 from harness.run.pool import Watcher
 from harness.run.resources import costliest_first, spoken_time
 from harness.run.worker import Result, compute
 from harness.study.cases import Case
+from mpm_warp.provenance import provenance
 
 PATIENCE = 10.0
 """Seconds to wait for the scheduler's answer."""
@@ -125,7 +125,8 @@ def _write(folder: Path, case: Case, result: Result) -> Outcome:
     if is_complete(folder, case):
         return Outcome(COMPLETED, "by another run")
     # All other provenance is that of the worker.
-    command = {"command_line": provenance()["command_line"]}
+    here = provenance()
+    command = {name: here[name] for name in ("command_line", "history")}
     outcome, dataset = result.outcome, result.dataset.assign_attrs(command)
     write_case(folder, case, dataset, outcome.status, outcome.message, result.fields)
     return outcome

@@ -30,6 +30,7 @@ from harness.archive.collection import collect
 from harness.archive.conventions import (
     COMPLETED,
     HALF_WIDTH,
+    OUTDATED,
     TRACEBACK,
     over_cases,
     reasons_of,
@@ -40,7 +41,6 @@ from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import (
     SOURCES,
     other_version,
-    sources_digest,
     tell_of_other_version,
 )
 from harness.archive.study_files import read_study, study_file, write_study
@@ -55,6 +55,7 @@ from harness.errors import counted, tell
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.fields import Value
+from mpm_warp.provenance import SIMULATOR, edited_packages
 
 
 def check_begun(study: Study, out: Path) -> None:
@@ -167,23 +168,22 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
 def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
     """Print one line on how many results were computed by other sources of the simulator.
 
-    The version of a scene stays the same when a kernel, or only a comment, is edited. Whether the
-    numbers change is unknown, so such results are kept. A result whose file does not state its
-    sources is counted too.
+    The version of a scene stays the same when a kernel of the simulator, or only a comment, is
+    edited. Whether the numbers change is unknown, so such results are kept. Laws and parts of other
+    packages have no version, so results of their earlier sources are `outdated` and run again. A
+    result whose file does not state its sources is counted too.
     """
-    digests = {part.name: sources_digest(part.scene) for part in study.parts}
-    completed = [
-        (case, outcome)
-        for case, outcome in zip(study.cases, outcomes, strict=True)
-        if outcome.status == COMPLETED
-    ]
-    count = sum(outcome.sources != digests[case.scene] for case, outcome in completed)
-    if count:
-        tell(
-            f"{study.name}: {count} of {counted(len(completed), 'result')} computed by other "
-            "sources of the simulator, of the same version; kept: `harness run --fresh` computes "
-            "them anew"
-        )
+    computed = [it for it in outcomes if it.status in (COMPLETED, OUTDATED)]
+    edited = Counter(name for it in computed for name in edited_packages(it.sources))
+    for name, count in edited.items():
+        number = f"{study.name}: {count} of {counted(len(computed), 'result')} computed by other"
+        if name == SIMULATOR:
+            tell(
+                f"{number} sources of the simulator, of the same version; kept: `harness run "
+                "--fresh` computes them anew"
+            )
+        else:
+            tell(f"{number} sources of {name}; `harness run` computes them anew")
 
 
 def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -> list[str]:

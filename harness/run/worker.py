@@ -26,7 +26,6 @@ from harness.archive.conventions import (
     stated,
     with_role,
 )
-from harness.archive.provenance import SOURCES, provenance, sources_digest
 from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.resources import (
@@ -38,7 +37,10 @@ from harness.run.resources import (
     with_samples,
 )
 from harness.study.cases import Case
+from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
+from mpm_warp.provenance import provenance
+from mpm_warp.results import check_axes
 from mpm_warp.scenes import Progress, scene_class
 from mpm_warp.snapshots import Snapshots
 
@@ -67,7 +69,6 @@ def compute(
     ``status``, if it has one, is the status of the case.
     """
     execution = execution or Execution()
-    provenance()  # reads the commit now, because sources may be edited while the case runs
     measurement = Measurement()
     status, message = COMPLETED, ""
     snapshots = Snapshots(case.snapshots) if case.snapshots else None
@@ -76,8 +77,7 @@ def compute(
         if message := _missing_headline(dataset):
             status = UNFINISHED
     except Exception as error:
-        curves = getattr(error, "curves", None)
-        dataset = xr.Dataset() if curves is None else curves
+        dataset = _curves_of(error)
         status = getattr(error, "status", "")
         # Errors with a status have clear messages; others need the name of their type.
         message = " ".join(str(error).split()) if status else in_one_line(error)
@@ -95,7 +95,7 @@ def compute(
             for name in _headlines(dataset)
         )
     dataset = dataset.assign(measurement.variables())
-    dataset = dataset.assign_attrs(provenance(), device=execution.device)
+    dataset = dataset.assign_attrs(provenance() | {"device": execution.device} | dataset.attrs)
     seconds = measurement.seconds
     compiling, running = (float(dataset.get(name, 0.0)) for name in ("compile_time", "run_time"))
     outcome = Outcome(
@@ -108,6 +108,16 @@ def compute(
     )
     fields = None if snapshots is None else snapshots.dataset()
     return Result(outcome, dataset, fields or None)
+
+
+def _curves_of(error: Exception) -> xr.Dataset:
+    """What was recorded before an error; nothing if it cannot be kept."""
+    curves = getattr(error, "curves", None)
+    with contextlib.suppress(SceneError):
+        if curves is not None:
+            check_axes(curves)
+            return curves
+    return xr.Dataset()
 
 
 def load_libraries() -> None:
@@ -203,7 +213,6 @@ def _run(
     limit = options.memory_limit or default_memory_limit()
     check_memory(case.built(), limit, len(case.snapshots))
     run_count = options.repeats + 1
-    sources = sources_digest(scene)  # computed before the sources can be edited
 
     def run(number: int, snapshots: Snapshots | None = None) -> xr.Dataset:
         def report(fraction: float) -> None:
@@ -212,7 +221,7 @@ def _run(
 
         return case.built().run(report, execution, snapshots)
 
-    dataset = run(0, snapshots).assign_attrs({SOURCES: sources})
+    dataset = run(0, snapshots)
     samples = []
     for number in range(1, run_count):
         again = run(number)

@@ -34,7 +34,8 @@ from mpm_warp.fields import Value, check_names, check_parameters, parameters_of
 from mpm_warp.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
-from mpm_warp.results import material_as_built, parameter_variables
+from mpm_warp.provenance import provenance, sources_of
+from mpm_warp.results import check_axes, material_as_built, parameter_variables
 from mpm_warp.scenes.limits import Limits, check_limits, with_limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.scenes.shown import ShownByParameters
@@ -204,7 +205,8 @@ class CatalogueScene(ShownByParameters, ABC):
             Curves, scalars, computing cost and all parameters. Each variable has the attributes
             `units` and `long_name`. Variables other than ordinary results have the attribute
             `role`, one of `mpm_warp.results.ROLES`. A parameter with the name of a result is called
-            ``<name>_parameter``.
+            ``<name>_parameter``. Attributes say what was run, where, when and by which code, with
+            `source` and `history` of the CF conventions.
 
         Raises:
             mpm_warp.errors.SimulationDiverged: the run became unstable; its `curves` hold what was
@@ -218,19 +220,31 @@ class CatalogueScene(ShownByParameters, ABC):
         self.run_size()
         check_kind("execution", execution, (Execution, type(None)))
         check_kind("snapshots", snapshots, (Snapshots, type(None)))
+        provenance()  # reads the commit now, because sources may be edited while the scene runs
+        sources = sources_of(self, self.build())
         with _reporter(progress, self.catalogue_name()) as report:
             if snapshots is None:
                 results = self.compute(report, execution)
             else:
                 results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
+        check_axes(results)
         results = self.checked(results)
         parameters = parameter_variables(self, {*results.variables, *results.dims})
         if "material" in parameters and "built_law" in results:
             asked = parameters["material"]
             named = material_as_built(str(asked.values), str(results["built_law"].values))
             parameters["material"] = asked.copy(data=np.array(named))
-        return results.assign(parameters)
+        return results.assign(parameters).assign_attrs(
+            {
+                "title": self.summary,
+                "scene": self.catalogue_name(),
+                "scene_version": self.version,
+                **provenance(),
+                "device": (execution or Execution()).device,
+                "sources": sources,
+            }
+        )
 
     def checked(self, results: xr.Dataset) -> xr.Dataset:
         """The results with their limits; `InaccurateRun` where one is beyond its limit."""

@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.netcdf_files import read_attributes, write_netcdf
-from harness.archive.provenance import provenance
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
@@ -26,6 +25,7 @@ from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text
 from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
 from mpm_warp.plain_numbers import plain_number
+from mpm_warp.provenance import provenance
 
 COLUMNS = {
     "depth [m]": ("depth", 1.0),

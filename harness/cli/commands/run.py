@@ -10,7 +10,6 @@ from tqdm import tqdm
 from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
-from harness.archive.provenance import provenance
 from harness.archive.study_files import study_file
 from harness.benchmark.cases import (
     benchmark_cases,
@@ -34,6 +33,7 @@ from harness.study.description import warn_of_unusual_values
 from harness.study.scene_part import loaded_scenes
 from harness.study.study import Study, load_study, with_snapshots
 from mpm_warp.fields import parameters_of
+from mpm_warp.provenance import provenance
 
 
 def run(options: argparse.Namespace) -> int:

@@ -1,25 +1,28 @@
 """Provenance of a result: where, when and by which code its cases were computed."""
 
+import dataclasses
+import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 import xarray as xr
 
-import mpm_warp
-from harness.archive import provenance as origin
-from harness.archive.case_files import case_file, write_case
+from harness.archive.case_files import case_file, case_folder, read_case, write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED, CRASHED
-from harness.archive.provenance import SOURCES, other_version, provenance, sources_digest
+from harness.archive.provenance import OF_CASE, SOURCES, other_version
 from harness.archive.study_files import read_study, write_study
-from harness.run.collect_and_clean import collect_and_write
-from harness.run.worker import compute
+from harness.run.collect_and_clean import collect_and_write, outcomes
+from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from harness.study.study import Study
+from mpm_warp import Gravity
+from mpm_warp import provenance as origin
+from mpm_warp.provenance import edited_packages, provenance, sources_digest, sources_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from tests.harness.conftest import DONE, Command, keep, study_in
+from tests.harness.conftest import DONE, Command, keep, prepared, study_in
 
 EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "time_written": "then"}
 
@@ -27,7 +30,7 @@ EARLIER = {"commit": "earlier", "processor": "another", "device": "cuda:0", "tim
 @pytest.fixture
 def cases(small: Study, tmp_path: Path) -> list[Case]:
     """The cases of a study, which all completed at another time and place."""
-    now = {SOURCES: sources_digest(small.parts[0].scene)}
+    now = {SOURCES: f"mpm_warp {sources_digest('mpm_warp')}"}
     keep(small, tmp_path, *[DONE.assign_attrs(EARLIER | now)] * 3)
     return list(small.cases)
 
@@ -38,8 +41,8 @@ def test_a_result_says_where_its_cases_were_computed(small: Study, tmp_path: Pat
     attributes = read_study(tmp_path / "small.nc").attrs
     assert {name: attributes[name] for name in EARLIER} == EARLIER
     here = provenance()
-    assert attributes["collected_commit"] == here["commit"]
-    assert attributes["collected_time_written"].startswith("20")
+    assert attributes["history"].startswith("20")
+    assert attributes["history"].endswith(f" (collected by {here['source']})")
     assert attributes["Conventions"] == here["Conventions"]
 
 
@@ -67,72 +70,111 @@ def test_a_case_that_never_reached_a_device_has_none(
     assert dataset["commit"].values.tolist() == [provenance()["commit"], "earlier", "earlier"]
 
 
+LAW = """
+from mpm_warp import Tresca
+
+class Soft(Tresca):
+    pass
+"""
+
+
 @pytest.fixture
-def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A simulator of two files."""
-    package = tmp_path / "mpm_warp"
-    (package / "step").mkdir(parents=True)
-    (package / "scene.py").write_text("a = 1\n")
-    (package / "step" / "momentum.py").write_text("b = 1\n")
-    monkeypatch.setattr(mpm_warp, "__path__", [str(package)])
-    return package
-
-
-def digest(scene: type = object) -> str:
-    """What a fresh process finds."""
+def own_package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A package of two modules with a law; its folder."""
+    package = tmp_path / "their_clay"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "soft.py").write_text(LAW)
+    (package / "rates.py").write_text("rate = 1\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    yield package
+    for name in [name for name in sys.modules if name.startswith("their_clay")]:
+        del sys.modules[name]
     sources_digest.cache_clear()
-    try:
-        return sources_digest(scene)
-    finally:
-        sources_digest.cache_clear()
 
 
-def test_every_source_of_the_simulator_counts_and_nothing_else(sources: Path) -> None:
-    before = digest()
-    assert len(before) == 16
-    (sources / "notes.md").write_text("of no matter")
-    assert digest() == before
-    (sources / "step" / "momentum.py").write_text("b = 2\n")
-    changed = digest()
-    (sources / "step" / "momentum.py").rename(sources / "momentum.py")
-    moved = digest()
-    (sources / "added.py").touch()
-    assert len({before, changed, moved, digest()}) == 4
+def test_the_sources_of_a_scene_are_those_of_its_law_and_its_parts_too(own_package: Path) -> None:
+    from their_clay.soft import Soft  # type: ignore[import-not-found]
+
+    scene = ConePenetration()
+    built = scene.build()
+    assert [it.split()[0] for it in sources_of(scene, built).split(", ")] == ["mpm_warp"]
+    soft = Soft(shear_modulus=1e6, poissons_ratio=0.49, density=1700.0, strength=1e4)
+    before = sources_of(scene, dataclasses.replace(built, material=soft))
+    assert re.fullmatch(r"mpm_warp [0-9a-f]{16}, their_clay [0-9a-f]{16}", before)
+    part = type("Part", (Gravity,), {"__module__": "their_clay.soft"})(9.81)
+    assert sources_of(scene, built.with_parts(part)) == before
+    (own_package / "notes.md").write_text("of no matter")
+    sources_digest.cache_clear()
+    assert edited_packages(before) == []
+    (own_package / "rates.py").write_text("rate = 2\n")
+    sources_digest.cache_clear()
+    assert edited_packages(before) == ["their_clay"]
+    assert edited_packages("") == ["mpm_warp"]
 
 
-def test_the_module_of_a_scene_of_another_package_counts(
-    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_case_whose_law_was_edited_is_run_again(
+    own_package: Path, small: Study, tmp_path: Path, command: Command
 ) -> None:
-    file = tmp_path / "dam.py"
-    file.write_text("height = 1\n")
-    module = ModuleType("dam")
-    module.__file__ = str(file)
-    monkeypatch.setitem(sys.modules, "dam", module)
-    scene = type("Dam", (), {"__module__": "dam"})
-    before = digest(scene)
-    assert before != digest()
-    file.write_text("height = 2\n")
-    assert digest(scene) not in (before, digest())
+    ours = sources_digest("mpm_warp")
+    sources = f"mpm_warp {ours}, their_clay {sources_digest('their_clay')}"
+    keep(small, tmp_path, *[DONE.assign_attrs(sources=sources)] * 3)
+    of_study = (small.source, "--out", tmp_path)
+    assert command("status", *of_study).err == ""
+    (own_package / "soft.py").write_text(LAW.replace("pass", "rate = 2"))
+    sources_digest.cache_clear()
+    line = "small: 3 of 3 results computed by other sources of their_clay; `harness run` computes"
+    for name in ("status", "collect"):
+        told = command(name, *of_study, code=int(name == "status"))
+        assert line in told.err
+    assert [it.status for it in outcomes(small, tmp_path)] == ["outdated"] * 3
+    case = small.cases[0]
+    result = run_case(case, case_folder(tmp_path, small))
+    assert result.message == ""  # not "by another run"
+    assert [it.status for it in outcomes(small, tmp_path)] == ["completed", *["outdated"] * 2]
+
+
+def test_a_result_from_python_has_the_provenance_of_a_case(small: Study, tmp_path: Path) -> None:
+    case, path = small.cases[0], tmp_path / "own.nc"
+    own = case.built().run()
+    own.to_netcdf(path)
+    with xr.open_dataset(path) as read:
+        said = read.attrs
+    folder = prepared(small, tmp_path)
+    run_case(case, folder)
+    of_case = read_case(folder, case).attrs
+    assert {*OF_CASE, "source", "history", "scene", "scene_version"} <= {*said}
+    same = {*said} - {"time_written", "history"}
+    assert {name: of_case[name] for name in same} == {name: said[name] for name in same}
+    assert said["source"] == f"mpm_warp {said['mpm_warp_version']}, commit {said['commit']}"
+    assert said["history"] == f"{said['time_written']} {said['command_line']}"
+
+
+def test_attributes_are_in_the_order_of_a_reader(small: Study, folder: Path) -> None:
+    write_case(folder, small.cases[0], DONE.assign_attrs(title="t"), COMPLETED)
+    names = [*read_case(folder, small.cases[0]).attrs]
+    first = ["title", "scene", "scene_version", "status", "message", "case_key", "source"]
+    assert names[:8] == [*first, "history"]
+    assert names[8:] == sorted(names[8:])
 
 
 def test_a_case_names_the_code_that_computes_it_though_it_is_edited_meanwhile(
-    small: Study, sources: Path, monkeypatch: pytest.MonkeyPatch
+    small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    loaded = digest(ConePenetration)
-    for function in (origin.sources_digest, origin._of_process):
-        function.cache_clear()
     monkeypatch.setattr(origin, "_commit", lambda: "loaded")
+    origin._of_process.cache_clear()
+    loaded = sources_digest("mpm_warp")
+    compute_scene = ConePenetration.compute
 
-    def edited(*_: object) -> xr.Dataset:
-        (sources / "scene.py").write_text("a = 2\n")
+    def edited(*given: object) -> xr.Dataset:
         monkeypatch.setattr(origin, "_commit", lambda: "edited")
-        return DONE
+        monkeypatch.setattr(origin, "sources_digest", lambda _: "edited")
+        return compute_scene(*given)
 
-    monkeypatch.setattr(ConePenetration, "run", edited)
+    monkeypatch.setattr(ConePenetration, "compute", edited)
     said = compute(small.cases[0]).dataset.attrs
-    for function in (origin.sources_digest, origin._of_process):
-        function.cache_clear()
-    assert (said[SOURCES], said["commit"]) == (loaded, "loaded")
+    origin._of_process.cache_clear()
+    assert (said[SOURCES], said["commit"]) == (f"mpm_warp {loaded}", "loaded")
 
 
 @pytest.mark.usefixtures("cases")

@@ -14,12 +14,13 @@ from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
 from harness.archive.case_files import case_file, discard, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
 from harness.archive.netcdf_files import write_netcdf
-from harness.archive.provenance import SOURCES, sources_digest
+from harness.archive.provenance import SOURCES
 from harness.archive.study_files import read_study
 from harness.run.collect_and_clean import outcomes, remove_stray, stray_files
 from harness.run.resources import RunOptions, case_time
 from harness.run.worker import run_case
 from harness.study.study import Study
+from mpm_warp.provenance import sources_digest
 from tests.harness.conftest import DONE, Command, Refusal, damage, keep, prepared
 
 NOBODY = partial_ending(2**22 + 1)
@@ -160,7 +161,7 @@ def keep_made(study: Study, out: Path, *sources: str | None) -> None:
 def test_results_of_other_sources_are_kept_and_told(
     name: str, small: Study, out: Path, of_small: Command
 ) -> None:
-    ours = sources_digest(small.parts[0].scene)
+    ours = f"mpm_warp {sources_digest('mpm_warp')}"
     keep_made(small, out, ours, ours, ours)
     assert "sources" not in of_small(name).err
     keep_made(small, out, ours, "earlier", None)
@@ -176,7 +177,7 @@ def test_fresh_computes_them_anew(small: Study, out: Path, of_small: Command) ->
     keep_made(small, out, "earlier", "earlier", "earlier")
     assert "sources" not in of_small("run", "--fresh").err
     dataset = read_study(out / "small.nc")
-    assert dataset.attrs[SOURCES] == sources_digest(small.parts[0].scene)
+    assert dataset.attrs[SOURCES] == f"mpm_warp {sources_digest('mpm_warp')}"
     assert "cone_factor" in dataset
 
 
@@ -221,6 +222,22 @@ def test_clean_leaves_the_results_of_the_study_and_what_is_being_written(
     kept = {case_file(folder, case) for case in half_done.cases[:2]}
     assert set(folder.iterdir()) == {*kept, being_written, elsewhere}
     of_small("clean")  # nothing to ask about
+
+
+def test_clean_keeps_what_is_no_result_of_a_case_and_removes_what_no_process_can_be_writing(
+    folder: Path, half_done: Study, of_small: Command
+) -> None:
+    """Results that another study wrote into this folder; a number that no process has."""
+    of_small("collect", code=1)
+    inner = folder / "small.nc"
+    inner.write_bytes((folder.parents[1] / "small.nc").read_bytes())
+    partial = folder / f".abc{partial_ending('9' * 20)}"
+    partial.touch()
+    told = of_small("clean", "--yes")
+    assert told.out == f"{partial}: half-written\n"
+    assert f"{inner}: is no result of a case; kept" in told.err
+    assert inner.exists()
+    assert not partial.exists()
 
 
 def test_clean_says_what_each_file_is(folder: Path, half_done: Study, of_small: Command) -> None:

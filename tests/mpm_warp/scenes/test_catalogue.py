@@ -2,6 +2,7 @@
 
 import dataclasses
 import pickle
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnknownSceneError
+from mpm_warp.errors import InaccurateRun, SceneError, SimulationDiverged, UnknownSceneError
 from mpm_warp.fields import Value, parameter, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
@@ -295,6 +296,25 @@ def test_two_scenes_of_one_name_are_refused(offer: Callable[..., None]) -> None:
         "GravityColumn and the entry point 'mpm_warp:HalfColumn' of an unknown package; rename one "
         "of them"
     )
+
+
+@pytest.mark.parametrize(
+    ("recorded", "told"),
+    [
+        ({"time": [0.1, 0.2, 0.2]}, "time = 0.2 was recorded 2 times: take fewer samples"),
+        ({"time": [np.nan, np.nan]}, "time = nan was recorded 2 times"),
+        ({}, "time: is a dimension without a variable that gives its places"),
+    ],
+)
+def test_a_place_that_is_recorded_twice_is_refused_by_its_name(
+    recorded: dict[str, list[float]], told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    curve = xr.Dataset(
+        {"settlement": ("time", np.zeros(len(recorded.get("time", [1.0]))))}, recorded
+    )
+    monkeypatch.setattr(GravityColumn, "compute", lambda *_: curve)
+    with pytest.raises(SceneError, match=re.escape(told)):
+        GravityColumn().run()
 
 
 def test_a_scene_that_records_nothing_says_so() -> None:
