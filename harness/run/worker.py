@@ -112,7 +112,7 @@ def compute(
 
 def _curves_of(error: Exception) -> xr.Dataset:
     """What was recorded before an error; nothing if it cannot be kept."""
-    curves = getattr(error, "curves", None)
+    curves: xr.Dataset | None = getattr(error, "curves", None)
     with contextlib.suppress(SceneError):
         if curves is not None:
             check_axes(curves)

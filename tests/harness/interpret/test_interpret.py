@@ -8,12 +8,12 @@ import pytest
 import xarray as xr
 
 from harness.archive.netcdf_files import read_attributes, write_netcdf
-from harness.archive.provenance import provenance
 from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
 from harness.interpret.site import load_site
 from harness.interpret.strength import _in_table, interpret
 from harness.interpret.weights import LEFT_OUT, Measure
 from mpm_warp.errors import ParameterError
+from mpm_warp.provenance import provenance
 from tests.harness.conftest import Command, Refusal
 from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
 
