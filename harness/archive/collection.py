@@ -13,6 +13,7 @@ from harness.archive.conventions import (
     CHANGED,
     COMPLETED,
     DAMAGED,
+    DERIVED_BY,
     DISTRIBUTION,
     DRAWS,
     GIVEN_BY,
@@ -154,10 +155,15 @@ def _parameters(
     assigned = {name for part in study.parts for name in part.assigned}
     varied = [pair for part in study.parts for pair in part.varied.items()]
     distributions = {name: drawn.text for name, drawn in varied if isinstance(drawn, Input)}
+    derived = {name: it.text for part in study.parts for name, it in part.derived.items()}
+    for part in study.parts:  # what one scene is given is no function of others in all cases
+        for name in part.assigned - part.derived.keys():
+            derived.pop(name, None)
     given = [_without_replaced(case) for case in study.cases]
     for name, definition in definitions.items():
         stored, labels = names[name], parameter_attributes(definition)
         labels |= {DISTRIBUTION: distributions[name]} if name in distributions else {}
+        labels |= {DERIVED_BY: derived[name]} if name in derived else {}
         values = [of_case.get(name) for of_case in given]
         missing = "" if definition.kind is str else np.nan
         filled = np.array([missing if value is None else value for value in values])

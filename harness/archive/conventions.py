@@ -28,6 +28,7 @@ import xarray as xr
 from harness.study.compared import ERROR
 from mpm_warp.fields import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
+from mpm_warp.uncertainty.further_runs import LARGEST_PART
 
 COMPLETED, UNTIMED, NO_FIELDS = "completed", "untimed", "no_fields"
 CRASHED, TIMED_OUT = "crashed", "timed_out"
@@ -68,6 +69,10 @@ HALF_WIDTH = f"half width of 95 %: {NUMERICAL}"
 """The meaning of +- in tables and pictures."""
 DISTRIBUTION = "distribution"
 """Attribute of a varied parameter with the distribution that it was drawn from, in words."""
+DERIVED_BY = "derived_by"
+"""Attribute of a parameter that the study derives from others: the expression."""
+OF_THE_RUN = ("steadiness", "noise")
+"""Parts of U that a longer run makes smaller, whatever the mesh."""
 GIVEN_BY = "scenes"
 """Attribute of a variable in a study of several scenes: names of the scenes that have it."""
 TRACEBACK = "traceback"
@@ -139,6 +144,29 @@ def uncertainty_of(dataset: xr.Dataset) -> np.ndarray:
     return _first_known(dataset, with_role(dataset, Role.UNCERTAINTY))
 
 
+def error_of_settings(dataset: xr.Dataset) -> np.ndarray:
+    """U of each case without what a longer run would change: steadiness and noise.
+
+    It compares settings of the method; U where no parts of it are known.
+    """
+    squares = uncertainty_of(dataset).astype(float) ** 2
+    for name in with_role(dataset, Role.UNCERTAINTY):
+        for part in OF_THE_RUN:
+            known = over_cases(dataset, f"{name}_{part}").astype(float)
+            squares = squares - np.nan_to_num(known) ** 2
+    own: np.ndarray = np.sqrt(np.maximum(squares, 0.0))
+    return own
+
+
+def largest_parts_of(dataset: xr.Dataset) -> list[str]:
+    """The largest part of each case's U, and what makes it smaller; "" without U.
+
+    As "steadiness, 61 % of U^2: more penetration".
+    """
+    texts = over_cases(dataset, dataset.get(LARGEST_PART, ""))
+    return [str(text) if is_there(text) else "" for text in texts.tolist()]
+
+
 def _first_known(dataset: xr.Dataset, names: Iterable[str]) -> np.ndarray:
     """For each case the first of the named variables that is not NaN; NaN if all are."""
     known = over_cases(dataset, math.nan)
@@ -207,6 +235,11 @@ def varied_names(dataset: xr.Dataset) -> list[str]:
         return names
     values = {name: filter(is_there, over_cases(dataset, name).tolist()) for name in names}
     return [name for name in names if name == "scene" or len(set(values[name])) > 1]
+
+
+def freely_varied(dataset: xr.Dataset) -> list[str]:
+    """Names of what a study varies, without what it derives from that."""
+    return [name for name in varied_names(dataset) if DERIVED_BY not in dataset[name].attrs]
 
 
 def over_cases(dataset: xr.Dataset, variable: object) -> np.ndarray:

@@ -17,9 +17,12 @@ from harness.archive.conventions import (
     COMPLETED,
     alike,
     case_dims,
+    headline_values,
     is_there,
+    largest_parts_of,
     over_cases,
     parameter_of,
+    uncertainty_of,
     varied_names,
 )
 from harness.archive.netcdf_files import read_attributes
@@ -43,6 +46,7 @@ class Recommendation:
     settings: dict[str, Value]  # those that vary between cases or differ from the default
     run_time: float  # longest wall-clock time of the time loop among cases with them [s]
     error: float  # largest relative error among these cases; see `credited_error`
+    largest_part: str  # of the half width where that is the error, and what makes it smaller
     case_count: int  # cases with a known error, or that did not complete
     file: Path  # the result that they come from
 
@@ -51,12 +55,14 @@ class Recommendation:
         return (
             f"{text or 'default settings'}: error {self.error:.2%} and {self.run_time:.3g} s at "
             f"most, over {counted(self.case_count, 'case')} of {self.file}"
+            f"{self.largest_part and f'; largest part of its U: {self.largest_part}'}"
         )
 
 
-def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation | None:
-    """The cheapest settings whose relative error is small enough in every case; None if none are.
+def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recommendation:
+    """The cheapest settings whose relative error is small enough in every case.
 
+    If none are, it is those of the smallest error.
     Files of other scenes or without errors are ignored, but one of the scene must have errors.
     """
     known = scene_class(scene)
@@ -69,7 +75,8 @@ def recommend(scene: str, largest_error: float, files: Iterable[Path]) -> Recomm
     if not found:
         raise HarnessError(f"{scene}: {_why_nothing(method, results.values())}")
     good = [entry for entry in found if entry.error <= largest_error]
-    return min(good, key=lambda it: it.run_time, default=None)
+    nearest = min(found, key=lambda it: it.error)
+    return min(good, key=lambda it: it.run_time, default=nearest)
 
 
 def results_in(folder: Path) -> list[Path]:
@@ -120,7 +127,8 @@ def _measured(
     """Time and error of each combination of settings in a result."""
     if error_name(dataset) is None or "run_time" not in dataset:
         return []
-    error = credited_error(dataset)
+    error, parts = credited_error(dataset), largest_parts_of(dataset)
+    by_half_width = uncertainty_of(dataset) / np.abs(headline_values(dataset))
     seconds = over_cases(dataset, "run_time")
     done = over_cases(dataset, "status") == COMPLETED
     fixed = {
@@ -134,13 +142,15 @@ def _measured(
         # The case that the errors refer to has no error, so it says nothing about its settings.
         judged = np.isfinite(errors) | ~done[cases]
         if judged.any():
-            worst = float(np.max(np.where(done[cases], errors, np.inf)[judged]))
+            judged_by = np.where(judged, np.where(done[cases], errors, np.inf), -np.inf)
+            worst = cases[int(np.argmax(judged_by))]
             own = zip(map(parameter_of, varied), values, strict=True)
             found.append(
                 Recommendation(
                     settings=fixed | {name: _setting(value, method[name]) for name, value in own},
                     run_time=float(np.nanmax(seconds[cases])) if done[cases].any() else np.inf,
-                    error=worst,
+                    error=float(judged_by.max()),
+                    largest_part=parts[worst] if error[worst] == by_half_width[worst] else "",
                     case_count=int(judged.sum()),
                     file=file,
                 )

@@ -24,6 +24,7 @@ from harness.archive.conventions import (
     COMPLETED,
     Role,
     case_dims,
+    freely_varied,
     headline_values,
     headlines_of,
     is_there,
@@ -265,7 +266,7 @@ def change_notes(dataset: xr.Dataset) -> list[str]:
     None for a parameter of the method, because its cases share their errors; none for parts of a
     sounding.
     """
-    names, values = varied_names(dataset), np.array(_headlines(dataset))
+    names, values = freely_varied(dataset), np.array(_headlines(dataset))
     scene = scenes_of(dataset)[0]
     method = scene_class(scene).method if scene in scene_names() else ()
     if len(names) != 1 or parameter_of(names[0]) in (*method, *PARTS):

@@ -9,6 +9,7 @@ import xarray as xr
 from harness.archive.conventions import (
     Role,
     alike,
+    error_of_settings,
     headline_values,
     over_cases,
     parameter_names,
@@ -61,7 +62,8 @@ def with_finest_error(
 
     Only cases that differ in nothing but parameters of the method are compared. The most accurate
     of them is, in this order: the case of the reference, if one is given; the case with the
-    smallest stated uncertainty; the case with most particle updates. It has no error itself. Its
+    smallest stated uncertainty, without the parts of it that a longer run makes smaller; the case
+    with most particle updates. It has no error itself. Its
     relative uncertainty becomes `error_floor`, below which an error means nothing. A case whose
     headline has not settled gets no error and is never the most accurate one.
 
@@ -86,7 +88,8 @@ def with_finest_error(
         floor[others] = known.half_width / known.value
     description = (
         "relative difference from the most accurate of the cases that differ only in the method: "
-        "that with the smallest U, or else with most particle updates, which has no error itself"
+        "that with the smallest U (without steadiness and noise), or else with most particle "
+        "updates, which has no error itself"
         if reference is None
         else f"relative difference from the result of the study {reference.attrs['study']}"
     )
@@ -118,13 +121,13 @@ class _Known(NamedTuple):
 def _best_known(dataset: xr.Dataset, method: Sequence[str]) -> dict[tuple[object, ...], _Known]:
     """The most accurate case of each group of cases that differ only in the method."""
     values, half_width, is_settled = _settled_headlines(dataset)
-    cost = over_cases(dataset, "particle_updates")
+    own, cost = error_of_settings(dataset), over_cases(dataset, "particle_updates")
     best = {}
     for soil, group in _alike(dataset, method).items():
         cases = group[is_settled[group]]
         with_half_width = cases[np.isfinite(half_width[cases])]
         if len(with_half_width):
-            cases = with_half_width[[np.argmin(half_width[with_half_width])]]
+            cases = with_half_width[[np.argmin(own[with_half_width])]]
         if len(cases):
             case = int(cases[np.argmax(cost[cases])])
             best[soil] = _Known(case, float(values[case]), float(half_width[case]))

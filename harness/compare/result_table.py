@@ -1,5 +1,6 @@
 """The result of a study as a text table: beside published cone factors, or exact solutions."""
 
+import re
 from collections.abc import Iterable
 
 import numpy as np
@@ -12,6 +13,7 @@ from harness.archive.conventions import (
     Role,
     headlines_of,
     labels_of,
+    largest_parts_of,
     limits_of,
     over_cases,
     reasons_of,
@@ -116,6 +118,7 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
     ]
     notes = [
         *_resolution_notes(dataset),
+        *_largest_part_notes(dataset),
         *reason_notes(dataset),
         *_notes(dataset, references),
         *experience_notes(dataset),
@@ -184,8 +187,8 @@ def reason_notes(dataset: xr.Dataset) -> list[str]:
 
     Reasons of u2 follow where they differ from that of the cone factor.
     """
-    of_u2 = _reason_lines(dataset, own_reasons_of_pressure(dataset), " of u2")
-    return [*_reason_lines(dataset, reasons_of(dataset)), *of_u2]
+    of_u2 = _lines_of(dataset, "no uncertainty of u2", own_reasons_of_pressure(dataset))
+    return [*_lines_of(dataset, "no uncertainty", reasons_of(dataset)), *of_u2]
 
 
 def own_reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
@@ -199,17 +202,21 @@ def _reasons_of_pressure(dataset: xr.Dataset) -> list[str]:
     return [reason if isinstance(reason, str) else "" for reason in reasons]
 
 
-def _reason_lines(dataset: xr.Dataset, reasons: list[str], what: str = "") -> list[str]:
-    if not any(reasons):
-        return []
-    labels, notes = labels_of(dataset), []
-    for reason in dict.fromkeys(filter(None, reasons)):
-        cases = [label for label, own in zip(labels, reasons, strict=True) if own == reason]
-        counted = f"{len(cases)} of {len(reasons)} cases"
+def _lines_of(dataset: xr.Dataset, what: str, texts: list[str]) -> list[str]:
+    """A line for each different text, with the cases that have it."""
+    labels, lines = labels_of(dataset), []
+    for text in dict.fromkeys(filter(None, texts)):
+        cases = [label for label, own in zip(labels, texts, strict=True) if own == text]
+        counted = f"{len(cases)} of {len(texts)} cases"
         suffix = f" of {'; '.join(cases) if len(cases) <= MOST_CASES else counted}"
-        every = len(cases) == len(reasons)
-        notes.append(f"no uncertainty{what}{'' if every else suffix}: {reason}")
-    return notes
+        lines.append(f"{what}{'' if len(cases) == len(texts) else suffix}: {text}")
+    return lines
+
+
+def _largest_part_notes(dataset: xr.Dataset) -> list[str]:
+    """A line for each part of U that is the largest of a case: what makes U smaller there."""
+    told = [re.sub(", [^,:]* of U[^:]*", "", text) for text in largest_parts_of(dataset)]
+    return _lines_of(dataset, "largest part of U", told)
 
 
 def _resolution_notes(dataset: xr.Dataset) -> list[str]:
@@ -292,7 +299,8 @@ def _exact_table(dataset: xr.Dataset) -> str:
             notes.append(f"{_note(dataset, name)}; at most {limit:g}")
     if with_role(dataset, Role.UNCERTAINTY):
         notes.append(f"+-: {HALF_WIDTH}")
-    return table(with_runs(dataset, columns), [*notes, *reason_notes(dataset)])
+    notes += [*_largest_part_notes(dataset), *reason_notes(dataset)]
+    return table(with_runs(dataset, columns), notes)
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:

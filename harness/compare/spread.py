@@ -26,13 +26,14 @@ import xarray as xr
 from harness.archive.conventions import (
     DISTRIBUTION,
     DRAWS,
+    freely_varied,
     headlines_of,
     known_digits,
     over_cases,
     stated,
     uncertainty_of,
-    varied_names,
 )
+from harness.compare.linear_fit import linear_fit
 from mpm_warp.grid.fitted import Floats
 
 PERCENTILES = (5, 50, 95)
@@ -73,7 +74,7 @@ class Spread:
 
 def spreads_of(dataset: xr.Dataset) -> list[Spread]:
     """The spread of each headline in a study of one scene; empty without distributions."""
-    names = varied_names(dataset) if "status" in dataset else []
+    names = freely_varied(dataset) if "status" in dataset else []
     if "scene" in names or not any(DISTRIBUTION in dataset[name].attrs for name in names):
         return []
     columns = {name: over_cases(dataset, name) for name in names}
@@ -129,11 +130,8 @@ def first_order(inputs: Mapping[str, Floats], values: Floats) -> dict[str, float
         return product.T  # [points, terms]
 
     matrix = terms(np.stack(drawn))
-    weights, *_ = np.linalg.lstsq(matrix, values, rcond=None)
-    leverage = np.linalg.norm(np.linalg.qr(matrix)[0], axis=1) ** 2
-    # The error at each case of a fit to all others.
-    left_out = (values - matrix @ weights) / np.maximum(1.0 - leverage, 1e-9)
-    explained = max(0.0, 1.0 - float(np.mean(left_out**2) / values.var()))
+    weights, _ = fit = linear_fit(matrix, values)
+    explained = fit.explained(values)
     if len(drawn) == 1:  # SciPy needs at least two inputs
         return dict.fromkeys(inputs, explained)
     found = sobol_indices(

@@ -11,11 +11,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
     by_case,
+    headlines_of,
     is_there,
     over_cases,
     scenes_of,
@@ -36,14 +37,19 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats, assigned, axis_label, spelt, wrapped
+from harness.pictures.drawing.quantities import (
+    Floats,
+    Values,
+    assigned,
+    axis_label,
+    plain,
+    spelt,
+)
 from harness.pictures.studied import Studied, case_labels, series_of
 from harness.study.designs import ONE_AT_A_TIME
 from mpm_warp.scenes.full_flow.cyclic import Degradation
 
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
-LABEL_LETTERS = 30
-"""Number of letters in a line of the label of a curve."""
 OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"
 APPROACHED = (
     "Before the gap the cone approaches faster; this part is no result. Its speed rises over the "
@@ -55,9 +61,10 @@ APPROACHED = (
 def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     """Penetration resistance over undrained shear strength, one curve per case.
 
-    Up to eight curves are labelled. If there are more, the colour of a curve shows its last value,
-    or its scene if there are several. In a one-at-a-time study the first case is black, and the
-    cases that differ most from it are labelled.
+    Up to eight curves are labelled. If there are more, the colour of a curve shows the varied
+    number that the ends of the curves follow most, or its scene if there are several. In a
+    one-at-a-time study the first case is black, and the cases that differ most from it are
+    labelled.
     """
     if not {RESISTANCE, STRENGTH} <= set(dataset.variables):
         return None
@@ -66,48 +73,86 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
     drawn = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist()
     last = {case: int(np.flatnonzero(np.isfinite(curves[case]))[-1]) for case in drawn}
     ends = {case: float(curves[case][place]) for case, place in last.items()}
-    scale = Normalize(min(ends.values(), default=0.0), max(ends.values(), default=1.0))
     scenes = scenes_of(dataset)
     kinds = list(dict.fromkeys(scenes))
-    scene_colours = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
     few, several = len(drawn) <= MOST_LABELS, len(kinds) > 1
     labelled = drawn if few else _furthest(dataset, ends)
     studied = Studied.of(dataset)
+    along = None if few or several else _followed(studied, ends)
     figure, (axes,) = panels()
+    if few:
+        colours = {case: series_colour(rank, len(drawn)) for rank, case in enumerate(drawn)}
+    elif along is not None:
+        scale = _scale_above(figure, axes, dataset, along)
+        colours = {case: shade(scale.norm(along.numbers[case])) for case in drawn}
+    else:
+        of_kind = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
+        colours = {case: of_kind[scenes[case]] for case in drawn}
+        for kind, colour in of_kind.items() if several else ():
+            axes.plot([], [], color=colour, label=spelt(spoken(kind)))
+    if not few:
+        colours |= dict.fromkeys(labelled[:1], INK)
     x, marks = dataset["penetration"].values, []
-    for rank, case in enumerate(drawn):
-        width = 1.3 if case in labelled else 0.6
-        if few:
-            colour = series_colour(rank, len(drawn))
-        elif labelled[:1] == [case]:
-            colour, width = INK, 1.8
-        else:
-            colour = scene_colours[scenes[case]] if several else shade(float(scale(ends[case])))
+    for case in drawn:
         named = _with_scene(dataset, case) if few and several else None
-        axes.plot(x, curves[case], color=colour, lw=width, label=named)
+        width = 1.3 if case in labelled else 0.6
+        axes.plot(x, curves[case], color=colours[case], lw=width, label=named)
         if case in labelled and studied and studied.varied:
-            label = wrapped(studied.label(case), LABEL_LETTERS)
-            marks.append(CurveEnd(x[last[case]], ends[case], label, colour))
+            marks.append(CurveEnd(x[last[case]], ends[case], studied.label(case), colours[case]))
     axes.set(xlabel=axis_label(dataset, "penetration"), ylabel=OVER_STRENGTH)
     axes.set(xlim=(0, float(x.max())), ylim=(0, None))
     label_ends(axes, marks, size=7)
-    if several and not few:
-        for kind, colour in scene_colours.items():
-            axes.plot([], [], color=colour, label=spelt(spoken(kind)))
-    elif not few:
-        colours = ScalarMappable(scale, SHADES)
-        bar = figure.colorbar(colours, ax=axes, location="top", aspect=50, pad=0.02)
-        bar.set_label("resistance over strength at the end of the curve [-]", fontsize=8)
     failed = len(curves) - len(drawn)
     approached = any(np.isnan(curves[case][1 : last[case]]).any() for case in drawn)
     return captioned(
         figure,
         dataset,
         f"{len(drawn)} cases." if not few else "",
+        _as_simulated(dataset),
         APPROACHED if approached else "",
         f"{failed} of {len(curves)} cases have no curve: they did not complete." if failed else "",
         legend=axes if several else None,
     )
+
+
+def _as_simulated(dataset: xr.Dataset) -> str:
+    """A sentence on results that are corrected, which the curves are not; "" if there are none."""
+    corrected = [
+        plain(spelt(spoken(name)))
+        for name in headlines_of(dataset)
+        if np.nan_to_num(over_cases(dataset, f"{name}_correction")).any()
+    ]
+    told = "Curves are as simulated; for the known error of mesh, speed and window only"
+    return f"{told} the {' and the '.join(corrected)} is corrected." if corrected else ""
+
+
+def _followed(studied: Studied | None, ends: dict[int, float]) -> Values | None:
+    """The varied number that the ends of curves follow most, or a text if no number varies."""
+    from scipy.stats import spearmanr
+
+    if studied is None or not studied.varied or studied.is_one_at_a_time:
+        return None
+    names = [
+        name
+        for name in studied.numbers or studied.varied
+        if np.ptp(studied.varied[name].numbers[[*ends]]) > 0.0
+    ]
+    found = {
+        name: abs(spearmanr(studied.varied[name].numbers[[*ends]], [*ends.values()]).statistic)
+        for name in names
+    }
+    return studied.varied[max(found, key=lambda name: found[name])] if found else None
+
+
+def _scale_above(figure: Figure, axes: Axes, dataset: xr.Dataset, along: Values) -> ScalarMappable:
+    """A scale of colours for a parameter, above the axes."""
+    ends = along.different[[0, -1]].tolist()
+    scale = ScalarMappable((LogNorm if along.scale == "log" else Normalize)(*ends), SHADES)
+    bar = figure.colorbar(scale, ax=axes, location="top", aspect=50, pad=0.02)
+    along.dress(bar.ax, room=10)
+    bar.ax.set_xlim(*ends)
+    bar.set_label(axis_label(dataset, along.name), fontsize=8)
+    return scale
 
 
 def _furthest(dataset: xr.Dataset, ends: dict[int, float]) -> list[int]:

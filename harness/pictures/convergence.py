@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from harness.archive.conventions import over_cases
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, panels, series
 from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
@@ -24,6 +25,7 @@ OF_LIMIT = (
     "line leads to the limit, the hollow mark. No order: the values do not approach a limit "
     "evenly, and their distance to it is not known."
 )
+OF_CORRECTED = "Corrected values have no order: the known error of the mesh is taken off them."
 
 Refinement = tuple[Callable[[Floats], Floats], str]
 """What goes to zero, as a function of a parameter, and the value of the parameter there."""
@@ -113,17 +115,24 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     h = REFINED_BY[name][1][0](studied.varied[name].numbers)
     is_error = studied.headline == ERROR
+    correction = np.nan_to_num(over_cases(dataset, f"{studied.headline}_correction").astype(float))
+    simulated, is_corrected = studied.computed - correction, bool(correction.any())
     figure, (axes,) = panels()
     for (cases, label), line in series(studied.groups(name, h)):
-        x, y = h[cases], studied.computed[cases]
+        x, y = h[cases], simulated[cases]
         observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
         text, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
+        if is_corrected:
+            text = f"{label or 'computed'}, corrected"
+            told = f"{label or 'computed'}, as simulated: {observed}"
+            axes.plot(x, y, **line.style, mfc="white", ls="", label=told)
         studied.draw(axes, h, cases, **line.style, ls=dashes, label=text)
     if is_error:
         axes.set(xscale="log", yscale="log")
     _dress(axes, studied, name, is_error)
     meaning = OF_ERROR if is_error else OF_LIMIT
-    return captioned(figure, dataset, meaning, studied.bars, legend=axes)
+    of_corrected = OF_CORRECTED if is_corrected else ""
+    return captioned(figure, dataset, meaning, of_corrected, studied.bars, legend=axes)
 
 
 def _order_of_error(h: Floats, error: Floats) -> str:

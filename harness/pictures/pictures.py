@@ -16,9 +16,10 @@ from harness.errors import HarnessError
 from harness.pictures.case_curves import cycles_figure, element_tests_figure, resistance_figure
 from harness.pictures.cases import cases_figure, scenes_figure, spread_figure
 from harness.pictures.convergence import convergence_figure
-from harness.pictures.curve import curve_figure, map_figure
+from harness.pictures.curve import curve_figure
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
 from harness.pictures.effects import effects_figure, tornado_figure
+from harness.pictures.map import map_figure
 from harness.pictures.sounding import sounding_figure
 from harness.pictures.stability import stability_figure
 from harness.pictures.work_precision import study_figure

@@ -16,9 +16,9 @@ from matplotlib.patches import Patch
 from harness.archive.conventions import (
     COMPLETED,
     MISSING,
+    freely_varied,
     limits_of,
     spoken,
-    varied_names,
 )
 from harness.pictures.drawing.caption import LINE, captioned
 from harness.pictures.drawing.plot_parts import SHADES, STYLED
@@ -39,7 +39,7 @@ def shows_stability(dataset: xr.Dataset) -> bool:
     if not dataset.attrs.get(STABILITY_MAP):
         return False
     ran = set(dataset["status"].values.flat) - {MISSING}
-    return bool(ran and varied_names(dataset))
+    return bool(ran and freely_varied(dataset))
 
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
@@ -59,7 +59,7 @@ def stability_strips(dataset: xr.Dataset) -> "Sequence[Strip | Shares]":
     ran = outcomes.status != MISSING
     order = str(dataset.attrs[STABILITY_MAP]).split()
     places = {name: place for place, name in enumerate(order)}
-    names = sorted(varied_names(dataset), key=lambda name: places.get(name, len(order)))
+    names = sorted(freely_varied(dataset), key=lambda name: places.get(name, len(order)))
     varied = [Values.of(dataset, name) for name in names]
     if dataset.attrs["design"] != ONE_AT_A_TIME:
         found = [Shares.of(values.at(ran), outcomes.at(ran)) for values in varied]

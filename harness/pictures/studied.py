@@ -11,12 +11,12 @@ from matplotlib.axes import Axes
 
 from harness.archive.conventions import (
     CHANGED,
+    freely_varied,
     headlines_of,
     over_cases,
     parameter_names,
     scenes_of,
     uncertainty_of,
-    varied_names,
 )
 from harness.pictures.drawing.caption import left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import Series, mark_failures, series
@@ -66,8 +66,8 @@ class Studied:
 
     @functools.cached_property
     def varied(self) -> dict[str, Values]:
-        """The parameters that have several values, in the order of the study."""
-        names = [name for name in varied_names(self.dataset) if name != "scene"]
+        """The parameters with several values that follow from no others, in the study's order."""
+        names = [name for name in freely_varied(self.dataset) if name != "scene"]
         values = {name: Values.of(self.dataset, name) for name in names}
         return {name: value for name, value in values.items() if value.different.size > 1}
 

@@ -11,14 +11,14 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
+    freely_varied,
     over_cases,
     scenes_of,
     spoken,
     uncertainty_of,
-    varied_names,
 )
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
-from harness.pictures.drawing.caption import NO_BREAK, captioned, not_completed
+from harness.pictures.drawing.caption import NO_BREAK, captioned, largest_parts, not_completed
 from harness.pictures.drawing.plot_parts import (
     INK,
     MOST_LABELS,
@@ -55,7 +55,7 @@ class _Problem(NamedTuple):
 def _problems_of(dataset: xr.Dataset) -> list[_Problem]:
     """The problems that a study solves with different settings, in the order of the study."""
     scenes, problems = np.array(scenes_of(dataset)), []
-    varied = [Values.of(dataset, name) for name in varied_names(dataset) if name != "scene"]
+    varied = [Values.of(dataset, name) for name in freely_varied(dataset) if name != "scene"]
     for scene in dict.fromkeys(scenes.tolist()):
         method, own = method_of(dataset, scene), np.flatnonzero(scenes == scene)
         soil = [it for it in varied if it.name not in method and np.ptp(it.numbers[own]) > 0.0]
@@ -94,7 +94,7 @@ FRONT = "front: no other is faster and better"
 NOT_STATED = "states no error of its own"
 MEANING_OF_LINES = (
     "Points are measured errors. Thin lines lead to the half width of the case or of the "
-    "reference, if it is greater; the front is that of the upper ends."
+    "reference, if it is greater; the front joins the upper ends."
 )
 
 
@@ -109,7 +109,6 @@ def _checks_figure(dataset: xr.Dataset) -> Figure:
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
     lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
-    figure.set_figheight(figure.get_figheight() + 0.075 * len(lines))  # room for the legend
     for number, scene in enumerate(scenes):
         curve = dataset.isel(check=number)
         axes.loglog(
@@ -163,6 +162,7 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
         f"All points: {', '.join(soil)}." if soil else "",
         _settings_key(dataset, problems),
         MEANING_OF_LINES if has_half_widths else "",
+        largest_parts(dataset),
         "Run times are comparable only if the cases were run one at a time.",
         not_completed(dataset),
     )
@@ -176,7 +176,7 @@ def _draw_fronts(
     measured: Floats,
     errors: Floats,
 ) -> None:
-    """Draw the cases of each problem at their measured errors; the front is that of `errors`."""
+    """Draw the cases of each problem at their measured errors; the front joins `errors`."""
     several = len({problem.scene for problem in problems}) > 1
     budget = MOST_LABELS
     for problem, line in series(problems, None):
@@ -192,8 +192,9 @@ def _draw_fronts(
         soil = problem.soil if len(problems) > 1 else []
         name = ", ".join([*scene, *soil]) if len(problems) <= MOST_LABELS else ""
         label = name or once(axes, FRONT)
-        place = seconds[front], measured[front]
-        axes.plot(*place, f"{line.marker}-", color=line.colour, label=label, zorder=3)
+        axes.plot(seconds[front], measured[front], line.marker, color=line.colour, zorder=3)
+        axes.plot(seconds[front], errors[front], color=line.colour, zorder=3)
+        axes.plot([], [], f"{line.marker}-", color=line.colour, label=label)
         wider = front[errors[front] > measured[front]]
         axes.vlines(seconds[wider], measured[wider], errors[wider], color=line.colour, lw=0.7)
         apart = _apart(front, measured, np.ptp(np.log(measured[np.isfinite(errors)])))

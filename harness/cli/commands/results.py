@@ -130,8 +130,9 @@ def report(options: argparse.Namespace) -> int:
 def show_recommendation(options: argparse.Namespace) -> int:
     """Print the cheapest settings whose error is small enough."""
     found = recommend(options.scene, options.error, results_in(options.results))
-    if found is None:
-        say(f"{options.scene}: no settings in {options.results} reach {options.error:.2%}")
+    if found.error > options.error:
+        reach = f"no settings in {options.results} reach {options.error:.2%}"
+        say(f"{options.scene}: {reach}; the nearest: {found}")
         return INCOMPLETE
     say(f"{options.scene}: {found}")
     return DONE

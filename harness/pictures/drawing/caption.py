@@ -1,6 +1,7 @@
 """Captions of pictures: what is shown, and which parameters are fixed."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,8 +11,10 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
     COMPLETED,
+    DERIVED_BY,
     NUMERICAL,
     is_there,
+    largest_parts_of,
     over_cases,
     parameter_names,
     reasons_of,
@@ -28,6 +31,7 @@ from harness.pictures.drawing.quantities import (
     assigned,
     plain,
     quantity,
+    shortened,
     spelt,
     symbol,
     wrapped,
@@ -43,6 +47,8 @@ MOST_FIXED = 14
 """Largest number of parameters that a caption names."""
 MOST_TEXTS = 4
 """Largest number of long texts that a caption explains."""
+LONGEST = 300
+"""Number of letters of the longest title, or other text, that a caption gives in full."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 """Keeps a symbol and its value on one line."""
 SOIL_AND_CONE = (
@@ -67,10 +73,10 @@ def captioned(
     """
     if legend is not None:
         legend_above(figure, legend)
-    title = plain(dataset.attrs.get("title", "")).rstrip(".")
+    title = plain(shortened(str(dataset.attrs.get("title", "")), LONGEST)).rstrip(".")
     ended = title if title.endswith(("?", "!")) or not title else f"{title}."
     key = " ".join(_numbered(dataset))
-    parts = [ended, *sentences, key, fixed(dataset)]
+    parts = [ended, *sentences, key, _derived(dataset), fixed(dataset)]
     figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
     text = wrapped(" ".join(filter(None, parts)), LETTERS)
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
@@ -81,9 +87,22 @@ def _numbered(dataset: xr.Dataset) -> Iterator[str]:
     """Sentences that explain the numbers which replace long texts."""
     for name in varied_names(dataset):
         if long := Values.of(dataset, name).long:
-            key = "; ".join(f'{place}: "{plain(text)}"' for place, text in enumerate(long, 1))
+            key = "; ".join(
+                f'{place}: "{plain(shortened(text, LONGEST))}"'
+                for place, text in enumerate(long, 1)
+            )
             text = key if len(long) <= MOST_TEXTS else "numbered in the order of cases"
             yield f"{plain(spelt(spoken(name))).capitalize()} is {text}."
+
+
+def _derived(dataset: xr.Dataset) -> str:
+    """A sentence on the parameters that the study derives from those it varies."""
+    given = [
+        f"{symbol(name) or plain(spelt(spoken(name)))} = {plain(it.attrs[DERIVED_BY])}"
+        for name, it in dataset.coords.items()
+        if DERIVED_BY in it.attrs
+    ]
+    return f"Derived: {', '.join(given)}." if given else ""
 
 
 def left_out(count: int, noun: str) -> str:
@@ -114,7 +133,17 @@ def of_half_widths(dataset: xr.Dataset, holds: str, *, are_shown: bool) -> str:
     if sentence and "," not in words:  # a single reason is given in full
         why = f"{':' if are_shown else ''} {sentence.partition(', but ')[0]}"
     without = f"{where}{why}." if why else ""
-    return " ".join(filter(None, [meaning, without, _not_measured(dataset) if are_shown else ""]))
+    others = [largest_parts(dataset), _not_measured(dataset)] if are_shown else []
+    return " ".join(filter(None, [meaning, without, *others]))
+
+
+def largest_parts(dataset: xr.Dataset) -> str:
+    """A sentence on the part of U that is the largest, in the most cases; "" if none is known."""
+    parts = Counter(text.partition(",")[0] for text in largest_parts_of(dataset) if text)
+    texts = [f"{part} in {count}" for part, count in parts.most_common()]
+    if len(parts) == 1:
+        texts = [*parts]
+    return f"Largest part of U: {', '.join(texts)}." if parts else ""
 
 
 def _not_measured(dataset: xr.Dataset) -> str:

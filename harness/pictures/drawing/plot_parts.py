@@ -1,5 +1,6 @@
 """What pictures have in common: style, axes, series, labels and files."""
 
+import functools
 import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -73,6 +74,10 @@ MOST_LABELS = 8
 """Largest number of curves, or points, that a picture labels."""
 FAILED = "#B00020"
 """Colour of cases that failed."""
+LABEL_LETTERS = 30
+"""Number of letters in a line of the label of a curve."""
+LEGEND_LINE = 0.25
+"""Height of a legend of one line [inch]."""
 SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
 """Colours of a scale, by luminance; the lightest can still be seen on paper."""
 INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
@@ -193,11 +198,13 @@ def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
 def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
     """Write labels right of the axes, as near to the ends of their curves as possible.
 
-    They are 0.06 of the axes' height a line apart, or less if there are too many.
+    Their lines have up to 30 letters, and are 0.06 of the axes' height apart, or less if there are
+    too many.
     """
     from scipy.optimize import isotonic_regression
 
-    ordered = sorted(ends, key=lambda end: end.y)
+    wrap = functools.partial(wrapped, letters=LABEL_LETTERS)
+    ordered = sorted((end._replace(label=wrap(end.label)) for end in ends), key=lambda end: end.y)
     if not ordered:
         return
     low, high = axes.get_ylim()
@@ -221,7 +228,10 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
 
 
 def legend_above(figure: Figure, axes: Axes) -> None:
-    """A legend above the axes, no wider than the page; long labels are wrapped."""
+    """A legend above the axes, no wider than the page; long labels are wrapped.
+
+    The figure becomes higher by the lines of the legend after the first.
+    """
     handles, labels = axes.get_legend_handles_labels()
     if not handles:
         return
@@ -229,10 +239,14 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     for columns in range(min(len(handles), 4), 0, -1):
         share = _legend_share(figure, handles, labels, columns)
         if share <= 0.98:
-            return
-    longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)
-    lines = [wrapped(label, int(0.9 * longest / share)) for label in labels]
-    _legend_share(figure, handles, lines, 1)
+            break
+    else:
+        longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)
+        lines = [wrapped(label, int(0.9 * longest / share)) for label in labels]
+        _legend_share(figure, handles, lines, 1)
+    (legend,) = figure.legends
+    more = legend.get_window_extent().height / figure.dpi - LEGEND_LINE
+    figure.set_figheight(figure.get_figheight() + max(0.0, more))
 
 
 def _legend_share(

@@ -54,6 +54,8 @@ _PREFIXES = {"Pa": ((1e9, "G"), (1e6, "M"), (1e3, "k"))}
 """Larger units that readers expect, by the unit."""
 LONGEST_LABEL = 24
 """Number of letters of the longest text that an axis has room for."""
+MOST_LETTERS = 100
+"""Number of letters of the longest name that is written in full."""
 DERIVED = "derived"
 """Shown for a parameter without a value in a case."""
 SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
@@ -66,6 +68,11 @@ def wrapped(text: str, letters: int) -> str:
     symbols = iter(SYMBOL.findall(text))
     lines = textwrap.fill(SYMBOL.sub(IN_PLACE, text), letters, break_on_hyphens=False)
     return re.sub(IN_PLACE, lambda _: next(symbols), lines)
+
+
+def shortened(text: str, letters: int) -> str:
+    """The text, or so many of its letters with an ellipsis."""
+    return text if len(text) <= letters else f"{text[: letters - 1].rstrip()}…"
 
 
 def symbol(name: Hashable) -> str:
@@ -83,7 +90,7 @@ def plain(text: object) -> str:
 def named(dataset: xr.Dataset, name: Hashable) -> str:
     """Name and symbol of a variable."""
     text = str(dataset[name].attrs.get("long_name", spoken(name)))
-    return f"{plain(spelt(text))} {symbol(name)}".rstrip()
+    return f"{plain(spelt(shortened(text, MOST_LETTERS)))} {symbol(name)}".rstrip()
 
 
 def unit_of(dataset: xr.Dataset, name: Hashable) -> str:

@@ -47,6 +47,21 @@ def test_each_series_has_its_limit_at_the_end_of_refinement() -> None:
     assert texts(axes.get_xticklabels())[:2] == ["∞", "16"]
 
 
+def test_corrected_values_are_drawn_beside_those_as_simulated_which_have_the_order() -> None:
+    made = MADE["a mesh"]()
+    correction = made["cone_factor"] - 0.1 * np.arange(2) - 10.0
+    made["cone_factor_correction"] = -correction.drop_attrs()
+    made["cone_factor"].values[:] -= correction.values
+    figure = convergence_figure(made)
+    assert legend(figure) == [
+        "$α$ = 0, as simulated: order 1.00, limit 10",
+        "$α$ = 0, corrected",
+        "$α$ = 1, as simulated: order 1.00, limit 11.5",
+        "$α$ = 1, corrected",
+    ]
+    assert "Corrected values have no order" in caption_of(figure)
+
+
 def test_an_error_is_drawn_on_logarithmic_axes_with_its_order() -> None:
     made = result({"cell_count": [5, 10, 20]}).assign_attrs(scene="thick_cylinder")
     made = made.drop_vars(["cone_factor", "penetration_resistance"])
@@ -73,7 +88,7 @@ def test_it_is_not_meant_for_other_studies(varied: dict[str, list[float]]) -> No
 def fronts(figure: Figure) -> list[list[list[float]]]:
     """The points of each front."""
     lines = [line for line in figure.axes[0].lines if line.get_linestyle() == "-"]
-    return [line.get_xydata().tolist() for line in lines]
+    return [line.get_xydata().tolist() for line in lines if line.get_xydata().size]
 
 
 def timed(
@@ -173,14 +188,16 @@ def test_the_soil_of_a_single_front_stands_in_the_caption() -> None:
     assert r"All points: $I_{\mathrm{r}}$ = 50." in told
 
 
-def test_a_point_is_a_measured_error_and_never_a_half_width() -> None:
-    """It ranks cases, as the upper end of a thin line."""
+def test_a_point_is_a_measured_error_and_the_front_joins_the_errors_that_rank_cases() -> None:
+    """Those are the upper ends of thin lines, so that the front never rises."""
     along = "cells_per_radius"
     dataset = timed(along, [0.01, 0.03], [1.0, 2.0], "cone_penetration", cells_per_radius=[2, 4])
     dataset["cone_factor"] = along, [10.0, 10.0], {"role": "headline"}
     dataset["cone_factor_uncertainty"] = along, [2.0, 0.5], {"role": "uncertainty"}
     figure = study_figure(dataset)
-    assert fronts(figure) == [[[1.0, 0.01], [2.0, 0.03]]]
+    assert fronts(figure) == [[[1.0, 0.2], [2.0, 0.05]]]
+    points = [it for it in figure.axes[0].lines if it.get_marker() == "o" and it.get_xdata().size]
+    assert [it.get_xydata().tolist() for it in points] == [[[1.0, 0.01], [2.0, 0.03]]]
     (lines,) = figure.axes[0].collections
     ends = [np.asarray(path.vertices).tolist() for path in lines.get_paths()]
     assert ends == [[[1.0, 0.01], [1.0, 0.2]], [[2.0, 0.03], [2.0, 0.05]]]

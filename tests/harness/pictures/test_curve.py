@@ -14,8 +14,9 @@ from matplotlib.patches import Rectangle
 
 from harness.compare.compared import with_experience
 from harness.pictures.case_curves import resistance_figure
-from harness.pictures.curve import curve_figure, draw_experience
-from harness.pictures.drawing.plot_parts import panels
+from harness.pictures.curve import curve_figure
+from harness.pictures.drawing.plot_parts import SHADES, panels
+from harness.pictures.literature import draw_experience
 
 from .conftest import MADE, REFERENCES, caption_of, legend, one_at_a_time, result, texts
 
@@ -135,12 +136,15 @@ def test_second_parameter_makes_series_beside_shared_curves() -> None:
     assert len(curves(figure)) == len(REFERENCES)
 
 
-def test_where_the_literature_depends_on_the_series_each_has_its_envelope() -> None:
+def test_where_the_literature_depends_on_the_series_each_has_its_own_in_its_colour() -> None:
     varied = {"adhesion_factor": [0.0, 1.0], "rigidity_index": [50.0, 300.0]}
     figure = curve_figure(result(varied))
-    assert curves(figure) == []
+    colours = [line.get_color() for line in points(figure)]
+    drawn = [line.get_color() for line in curves(figure) if len(line.get_xdata())]
+    assert drawn == [colour for colour in colours for _ in REFERENCES]
+    assert set(legend(figure)) >= LABELS
     bands = [to_hex(band.get_facecolor()[0]) for band in figure.axes[0].collections]
-    assert bands == [to_hex(line.get_color()) for line in points(figure)]
+    assert bands == list(map(to_hex, colours))
 
 
 @pytest.mark.parametrize(
@@ -216,6 +220,19 @@ def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled(
     assert labels[0] == "start"
     assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
     assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")
+
+
+def test_many_curves_have_the_colours_of_the_number_that_they_follow() -> None:
+    columns = {"density": [1.0, 2.0] * 6, "rigidity_index": [100.0 + it for it in range(12)]}
+    made = result(columns, [11.0 + 0.1 * it for it in range(12)], "latin_hypercube")
+    made["cone_factor_correction"] = xr.full_like(made["cone_factor"], 0.2).drop_attrs()
+    figure = resistance_figure(made)
+    axes, scale = figure.axes
+    assert scale.get_xlabel().startswith("rigidity index")
+    colours = [line.get_color() for line in axes.lines]
+    assert colours == [to_hex(SHADES(it / 11)) for it in range(12)]
+    told = "for the known error of mesh, speed and window only the cone factor is corrected."
+    assert told in caption_of(figure)
 
 
 def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:

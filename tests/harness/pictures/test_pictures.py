@@ -19,7 +19,6 @@ from matplotlib.transforms import Bbox
 
 from harness.archive.study_files import write_study
 from harness.compare.compared import with_experience
-from harness.pictures.curve import map_figure
 from harness.pictures.drawing.caption import captioned, fixed
 from harness.pictures.drawing.plot_parts import (
     FAILED,
@@ -31,6 +30,7 @@ from harness.pictures.drawing.plot_parts import (
     panels,
 )
 from harness.pictures.effects import effects_figure, tornado_figure
+from harness.pictures.map import map_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
@@ -265,7 +265,7 @@ def test_effects_of_random_cases_are_found_again() -> None:
     line = figure.axes[1].lines[1]  # after the cases
     slope = np.ptp(line.get_ydata()) / np.ptp(line.get_xdata())
     assert slope == pytest.approx(1.5, rel=1e-9)  # what was put in is in the span of the fit
-    assert "the fit explains 100% of the variance" in caption_of(figure)
+    assert "of their variance it explains 100 %" in caption_of(figure)
 
 
 def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
@@ -293,6 +293,26 @@ def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None
     assert texts(left.get_xticklabels()) == ["25", "50", "100", "500"]
     assert texts(left.get_yticklabels()) == ["0", "0.25", "0.5", "1"]
     assert texts(right.texts) == [f"$α$ = {value}" for value in ("0", "0.25", "0.5", "1")]
+
+
+def test_a_map_has_the_literature_beside_each_of_its_curves() -> None:
+    figure = drawn("two parameters")[1]["map"]
+    right = figure.axes[1]
+    colours = [line.get_color() for line in right.lines if line.get_marker() in "osD^"]
+    of_references = [it for it in right.lines if it.is_dashed() and len(it.get_xdata())]
+    assert [it.get_color() for it in of_references] == [it for it in colours for _ in range(3)]
+    assert {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"} <= {*legend(figure)}
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_title_of_a_megabyte_and_long_labels_leave_room_for_the_axes() -> None:
+    made = result({"adhesion_factor": [0.0, 1.0]}).assign_attrs(title="A title " * 2**17)
+    own = {"label": "L" * 100, "range": "{}", "formula": "10", "validity": "v" * 1000}
+    made["reference_own"] = made["reference_lu_2004"].assign_attrs(own)
+    figure = figures(made)["curve"]
+    assert image(figure)
+    assert len(caption_of(figure)) < 1500
+    assert "…" in caption_of(figure)
 
 
 def test_a_map_has_the_bands_of_experience_behind_its_curves() -> None:

@@ -1,0 +1,200 @@
+"""The literature beside cone factors: curves and envelope of references, bands of experience."""
+
+import itertools
+from collections.abc import Sequence
+from typing import NamedTuple, Self
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from harness.archive.conventions import Role, with_role
+from harness.compare.compared import conditions_of, stored_experience, stored_references
+from harness.pictures.drawing.plot_parts import CurveEnd, end_of, once
+from harness.pictures.drawing.quantities import MOST_LETTERS, Floats, Values, plain, shortened
+from harness.pictures.studied import Studied
+from harness.references import cone_factors as literature
+from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
+from harness.references.experience import Factor
+from harness.study.compared import OwnReference
+
+HATCHES = ("///", "\\\\\\", "...", "---")
+"""Hatches of bands, used in turn, so that overlapping bands can be told apart."""
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
+"""Colours of references, after Okabe and Ito, which colour-blind readers can tell apart."""
+DASHES = ((0, (4, 3)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (10, 2)))
+"""Dashes of references beside several series, used in turn."""
+FINE = 400
+"""Points of a curve of the literature."""
+
+
+def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
+    """Draw the bands of experience of a result over the whole width."""
+    entries = [entry for entry in stored_experience(dataset) if entry.factor is Factor.RESISTANCE]
+    for entry, hatch in zip(entries, itertools.cycle(HATCHES), strict=False):
+        axes.axhspan(
+            *entry.bounds,
+            facecolor="none",
+            edgecolor="#8C8C8C",
+            hatch=hatch,
+            linewidth=0,
+            alpha=0.5,
+            zorder=0.5,
+            label=plain(
+                f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}"
+            ),
+        )
+
+
+class _OverAxis(NamedTuple):
+    """What the literature says along an axis, each array of shape [position]."""
+
+    x: Floats
+    envelope: np.ndarray  # lower and upper bound, and whether it holds, shape [3, position]
+    values: np.ndarray  # of each reference, and whether it is valid, shape [reference, 2, position]
+
+    def is_as(self, other: Self) -> bool:
+        """Whether another says the same."""
+        pairs = zip(self, other, strict=True)
+        return all(np.array_equal(one, two, equal_nan=True) for one, two in pairs)
+
+
+def has_literature(studied: Studied) -> bool:
+    """Whether the scene has the parameters that cone factors of the literature depend on."""
+    return studied.headline == COMPARED and all(name in studied.dataset for name in NEEDED)
+
+
+def draw_literature(
+    axes: Axes, studied: Studied, along: Values, shown: Sequence[tuple[np.ndarray, str]]
+) -> list[CurveEnd]:
+    """Draw envelope and references beside series, each given by its cases and its colour.
+
+    If they are the same for all series, each reference is a curve with a colour and a label: solid
+    where it is valid, dashed elsewhere; the ends of these curves are returned. Otherwise each
+    series has its own envelope and references, in its colour and where they are valid.
+    """
+    references = stored_references(studied.dataset)
+    found = [_over_axis(studied, along, cases, references) for cases, _ in shown]
+    if any(not it.is_as(found[0]) for it in found[1:]):
+        for here, (_, colour) in zip(found, shown, strict=True):
+            _draw_envelope(axes, here, colour)
+            for (value, applies), dashes in zip(here.values, itertools.cycle(DASHES), strict=False):
+                axes.plot(here.x, np.where(applies, value, np.nan), color=colour, lw=0.9, ls=dashes)
+        for reference, dashes in zip(references, itertools.cycle(DASHES), strict=False):
+            axes.plot(
+                [],
+                [],
+                color="0.3",
+                lw=0.9,
+                ls=dashes,
+                label=plain(shortened(reference.label, MOST_LETTERS)),
+            )
+        return []
+    ends: list[CurveEnd] = []
+    for here in found[:1]:
+        _draw_envelope(axes, here, "0.6")
+        drawn = zip(references, here.values, colours_of(references), strict=True)
+        for reference, (value, applies), own in drawn:
+            axes.plot(here.x, np.where(applies, value, np.nan), color=own)
+            if not applies[np.isfinite(value)].all():
+                label = once(axes, "outside its validity")
+                axes.plot(here.x, value, color=own, lw=0.9, ls=DASHES[0], alpha=0.7, label=label)
+            ends += end_of(here.x, value, plain(shortened(reference.label, MOST_LETTERS)), own)
+    return ends
+
+
+def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:
+    lower, upper, holds = here.envelope
+    inside = holds.astype(bool)
+    if not inside.any():
+        return
+    band = axes.fill_between(here.x, lower, upper, inside, color=colour, alpha=0.2, lw=0)
+    band.set_label(once(axes, "envelope of the literature (no confidence interval)"))
+    # Where the references are valid at a single value, such as an apex angle of 60 degrees, the
+    # band has no width.
+    padded = np.pad(inside, 1)
+    alone = inside & ~padded[:-2] & ~padded[2:]
+    if alone.any():
+        axes.vlines(here.x[alone], lower[alone], upper[alone], color=colour, alpha=0.4, lw=5)
+
+
+def _over_axis(
+    studied: Studied, along: Values, cases: np.ndarray, references: Sequence[ConeFactor]
+) -> _OverAxis:
+    """What the literature says along an axis, from its first to its last value, beside cases."""
+    x, conditions = _conditions_over(studied, along, cases)
+
+    def over(*quantities: Quantity) -> np.ndarray:
+        return np.array([np.broadcast_to(np.asarray(it, float), x.shape) for it in quantities])
+
+    envelope = over(*literature.envelope(conditions), literature.envelope_applies(conditions))
+    values = [over(it.evaluate(conditions), it.applies(conditions)) for it in references]
+    return _OverAxis(x, envelope, np.reshape(values, (len(references), 2, x.size)))
+
+
+def _conditions_over(
+    studied: Studied, along: Values, cases: np.ndarray
+) -> tuple[Floats, Conditions]:
+    """Positions along an axis, and the conditions there; `cases` differ in what it shows.
+
+    Between cases, parameters that follow the one of the axis are interpolated.
+    """
+    name, dataset = along.name, studied.dataset
+    if along.categories:
+        # References do not depend on texts, so their values are constant along this axis.
+        x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}
+    else:
+        x, attributes = _fine(along), dataset[name].attrs
+    following = {
+        it: values
+        for it in with_role(dataset, Role.PARAMETER)
+        if it != name
+        and not (values := Values.of(dataset, it).at(cases)).categories
+        and values.different.size > 1
+    }
+    places = np.unravel_index(cases[0], dataset["status"].shape)
+    first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
+    one = dataset.isel(first).drop_vars([*following, name])
+    one = one.assign_coords({name: xr.Variable(name, x, attributes)})
+    for it, values in following.items():
+        between = _interpolated(x, along, along.numbers[cases], values)
+        one = one.assign_coords({it: (name, between, dataset[it].attrs)})
+    return x, conditions_of(one)
+
+
+def _interpolated(x: Floats, along: Values, at: Floats, values: Values) -> Floats:
+    """Values of the cases at ascending positions `at`, at positions `x`; as their axes are."""
+    place, scale = (np.log if it.scale == "log" else np.asarray for it in (along, values))
+    between = np.interp(place(x), place(at), scale(values.numbers))
+    return np.asarray(np.exp(between) if values.scale == "log" else between)
+
+
+def _fine(values: Values) -> Floats:
+    """Positions at which curves of the literature are drawn, from the first value to the last."""
+    low, high = values.different[[0, -1]].tolist()
+    if low == high:
+        low, high = (0.0, 1.0) if 0 <= low <= 1 else (low / 2, low * 2)
+    space = np.geomspace if values.scale == "log" else np.linspace
+    return np.union1d(space(low, high, FINE), values.different)
+
+
+def colours_of(references: Sequence[ConeFactor]) -> list[str]:
+    """Colours of references. Those that ship have the same in all pictures; others get the rest."""
+    ids = [reference.id for reference in literature.CONE_FACTORS]
+    shipped = dict(zip(ids, itertools.cycle(COLOURS), strict=False))
+    taken = {shipped.get(reference.id) for reference in references}
+    left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
+    return [shipped.get(reference.id) or next(left) for reference in references]
+
+
+def _own(dataset: xr.Dataset) -> list[OwnReference]:
+    return [it for it in stored_references(dataset) if isinstance(it, OwnReference)]
+
+
+def ranges_of_own(dataset: xr.Dataset) -> str:
+    """Sentences on the ranges in which the study's own references are drawn."""
+    return " ".join(
+        plain(shortened(f"{reference.label} is drawn within its range: {reference.validity}.", 200))
+        for reference in _own(dataset)
+        if reference.ranges
+    )
