@@ -53,7 +53,7 @@ def test_corrected_values_are_drawn_beside_those_as_simulated_which_have_the_ord
     made["cone_factor_correction"] = -correction.drop_attrs()
     made["cone_factor"].values[:] -= correction.values
     figure = convergence_figure(made)
-    assert legend(figure) == [
+    assert sorted(legend(figure)) == [
         "$α$ = 0, as simulated: order 1.00, limit 10",
         "$α$ = 0, corrected",
         "$α$ = 1, as simulated: order 1.00, limit 11.5",
