@@ -84,7 +84,9 @@ def resistance_figure(dataset: xr.Dataset) -> Figure | None:
         colours = {case: series_colour(rank, len(drawn)) for rank, case in enumerate(drawn)}
     elif along is not None:
         scale = _scale_above(figure, axes, dataset, along)
-        colours = {case: shade(scale.norm(along.numbers[case])) for case in drawn}
+        colours = {
+            case: shade(float(np.asarray(scale.norm(along.numbers[case])))) for case in drawn
+        }
     else:
         of_kind = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
         colours = {case: of_kind[scenes[case]] for case in drawn}

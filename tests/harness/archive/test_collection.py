@@ -214,8 +214,7 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     for law in laws:
         parts = {"mesh": 0.1}
         reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
-        remedies = {"mesh": "more cells"}
-        run = SimpleNamespace(name="cone_factor", factor=10.0, description="Nc", remedies=remedies)
+        run = SimpleNamespace(name="cone_factor", factor=10.0, description="Nc")
         known = further_runs.TestRun.stated(run, 0.1, parts, reasons)
         shear = variable(0.0, unit="1", meaning="shear part")
         built = variable(law, unit=None, meaning="law as built", role="built")

@@ -62,7 +62,7 @@ def test_the_reference_is_that_of_the_least_error_but_for_what_a_longer_run_take
 ) -> None:
     """The finest mesh, whose U is no smaller because the test was too short."""
     dataset = stating(two_soils, [0.3, 0.2, 0.25], [1.0] * 3)
-    steadiness = "cells_per_radius", [0.0, 0.0, 0.22], {}
+    steadiness = ("cells_per_radius", [0.0, 0.0, 0.22])
     parts = [*["mesh, 90 % of U^2: more cells"] * 2, "steadiness, 77 % of U^2: more penetration"]
     dataset = dataset.assign(
         cone_factor_uncertainty_steadiness=steadiness,
