@@ -11,7 +11,7 @@ import dataclasses
 import functools
 import types
 import typing
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from types import UnionType
 from typing import Any, ClassVar, get_args, get_origin
@@ -35,6 +35,20 @@ class Derived(float):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Variants:
+    """Values that have a name and parameters of their own, as laws of clay have.
+
+    The value of a parameter with variants has a `name`, its `own` values and their definitions,
+    `parameters`, both by name. In flat form it is the name, and an own value is "parameter.own".
+    """
+
+    key: str  # of the name, where name and own parameters are given as a table
+    names: Callable[[], Collection[str]]
+    parameters: Callable[[str], Mapping[str, "Parameter"]]  # of a name; may raise `ParameterError`
+    value: Callable[[object], Any]  # from a name, a table or a value
+
+
+@dataclass(frozen=True, kw_only=True)
 class Parameter:
     """Definition of one parameter."""
 
@@ -50,6 +64,7 @@ class Parameter:
     # allowed range
     sane: tuple[float, float] | None = None
     optional: bool = False  # whether there may be no value: the type is ``float | None``
+    variants: Variants | None = None  # of a parameter whose value has own parameters
 
     @property
     def allowed(self) -> str:
@@ -107,6 +122,7 @@ def parameter(
     unit: str = "1",
     choices: tuple[Value, ...] | None = None,
     sane: tuple[float, float] | None = None,
+    variants: Variants | None = None,
     **bounds: float,
 ) -> Any:
     """Declare a parameter as a field of a dataclass; the arguments are those of `Parameter`.
@@ -115,7 +131,9 @@ def parameter(
     scene derives the value from others, and the type is ``float``. It is None also if there may be
     no value, and the type is ``float | None``. `meaning` must say which.
     """
+    choices = choices if variants is None else tuple(variants.names())
     definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane}
+    definition |= {"variants": variants}
     return dataclasses.field(default=default, metadata={**definition, "bounds": Range(**bounds)})
 
 
@@ -126,17 +144,68 @@ def redefined(group: type, name: str, **changes: Any) -> Any:
     return parameter(**definition | dataclasses.asdict(definition.pop("bounds")) | changes)
 
 
-_DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
-"""Definitions by scene class: resolving type hints is slow, and a study has thousands of cases."""
+@functools.cache
+def own_parameters_of(scene: type) -> Mapping[str, Parameter]:
+    """The parameters of a scene class, by name, in the order of their declaration."""
+    return {field.name: definition_of(scene, field) for field in dataclasses.fields(scene)}
 
 
+@functools.cache
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
-    """All parameters of a scene class, by name, in the order of their declaration."""
-    if scene not in _DEFINITIONS:
-        _DEFINITIONS[scene] = {
-            field.name: definition_of(scene, field) for field in dataclasses.fields(scene)
+    """All parameters of a scene class in flat form: also those that only some variants have."""
+    definitions: dict[str, Parameter] = {}
+    for name, definition in own_parameters_of(scene).items():
+        definitions[name] = definition
+        if definition.variants is not None:
+            definitions |= own_of_variants(definition.variants)
+    return definitions
+
+
+def own_of_variants(variants: Variants) -> Mapping[str, Parameter]:
+    """The own parameters of all variants that can be loaded; one of several has no bounds here."""
+    found: dict[str, Parameter] = {}
+    for variant in variants.names():
+        try:
+            own = variants.parameters(variant)
+        except ParameterError:
+            continue
+        for definition in own.values():
+            absent = dataclasses.replace(definition, default=None)
+            if found.setdefault(definition.name, absent) != absent:
+                found[definition.name] = dataclasses.replace(absent, bounds=FINITE, choices=None)
+    return found
+
+
+def flat_values(scene: object) -> dict[str, tuple[Parameter, Value | None]]:
+    """Definitions and values of all parameters of a scene in flat form."""
+    values: dict[str, tuple[Parameter, Value | None]] = {}
+    for name, definition in own_parameters_of(type(scene)).items():
+        value = getattr(scene, name)
+        values[name] = definition, (value if definition.variants is None else value.name)
+        if definition.variants is not None:
+            own = value.parameters.items()
+            values |= {f"{name}.{key}": (it, value.own[key]) for key, it in own}
+    return values
+
+
+def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of a scene from values in flat form, the inverse of `flat_values`.
+
+    Raises:
+        ParameterError: the scene has no parameter of a name.
+    """
+    check_names(scene, flat, parameters_of(scene))
+    known = own_parameters_of(scene)
+    values = {name: value for name, value in flat.items() if name in known}
+    for name, definition in known.items():
+        own = {
+            key.removeprefix(f"{name}."): value
+            for key, value in flat.items()
+            if key.startswith(f"{name}.")
         }
-    return _DEFINITIONS[scene]
+        if own and definition.variants is not None:
+            values[name] = {definition.variants.key: flat.get(name, definition.default), **own}
+    return values
 
 
 def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
@@ -145,7 +214,9 @@ def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
     kinds = typing.get_args(hint) or (hint,)  # of ``float | None``, the two
     return Parameter(
         name=field.name,
-        kind=next(kind for kind in kinds if kind is not types.NoneType),
+        kind=str
+        if field.metadata["variants"] is not None
+        else next(kind for kind in kinds if kind is not types.NoneType),
         default=typing.cast(Value | None, field.default),
         optional=isinstance(hint, types.UnionType),
         **field.metadata,
@@ -167,11 +238,12 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
     Then `derived` gives values, by name, for parameters that were not given.
     """
-    definitions = parameters_of(type(scene))
-    for name, definition in definitions.items():
+    for name, definition in own_parameters_of(type(scene)).items():
         given = getattr(scene, name)
         value = definition.default if isinstance(given, Derived) else given
-        if not isinstance(value, Derived):
+        if definition.variants is not None:
+            value = definition.variants.value(value)
+        elif not isinstance(value, Derived):
             value = definition.checked(value)
         object.__setattr__(scene, name, value)
     fill_in(scene, derived())
@@ -179,7 +251,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
     """Check derived values and set the parameters of a scene that were not given."""
-    definitions = parameters_of(type(scene))
+    definitions = own_parameters_of(type(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
             checked = definitions[name].checked(value)
@@ -187,19 +259,22 @@ def fill_in(scene: object, derived: Mapping[str, float]) -> None:
             object.__setattr__(scene, name, Derived(checked))
 
 
-def check_names(scene: type, names: Iterable[str]) -> None:
-    """Check that a scene has these parameters; a `ParameterError` says what to give instead."""
-    known = parameters_of(scene)
+def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter]) -> None:
+    """Check that these parameters of a scene are known; the error says what to give instead."""
     for name in names:
         if name not in known:
-            raise ParameterError(
-                name, f"unknown parameter {name!r}{nearest_parameter(name, known)}"
-            )
+            nearest = nearest_parameter(name, parameters_of(scene))
+            raise ParameterError(name, f"unknown parameter {name!r}{nearest}")
 
 
 def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
     """Declare a number as a field of a `Checked`; with the type `int` an integer."""
     return field(default=default, metadata={"allowed": allowed, "unit": unit})
+
+
+def by_scene(allowed: Range, *, unit: str = "") -> Any:
+    """Declare a number of a material that a scene of the catalogue gives; None until it does."""
+    return checked(allowed, unit=unit, default=None)
 
 
 def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:

@@ -21,13 +21,13 @@ ALIASES: dict[str, dict[str, str]] = {
     "k0": {
         "K0": "",
         "stress_anisotropy": "(1 - K0) sigma_v0' / (2 su)",
-        "earth_pressure_at_rest": "of modified_cam_clay",
+        "material.earth_pressure_at_rest": "of modified_cam_clay",
     },
     "ocr overconsolidation_ratio": {
-        "vertical_overconsolidation_ratio": "by effective vertical stress",
-        "isotropic_overconsolidation_ratio": "p_c over p'",
+        "material.vertical_overconsolidation_ratio": "by effective vertical stress",
+        "material.isotropic_overconsolidation_ratio": "p_c over p'",
     },
-    "m phi friction_angle": {"critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
+    "m phi friction_angle": {"material.critical_state_ratio": "6 sin(phi) / (3 - sin(phi))"},
     "anisotropy delta": {"stress_anisotropy": "(sigma_v0 - sigma_h0) / (2 su)"},
     "sensitivity st delta delta_rem remoulded_strength": {
         "remoulded_strength_ratio": "1 / sensitivity"
@@ -113,8 +113,9 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
     """
     names = list(known)
     meant = SCENES.get(name.lower(), "")
-    if meant in names:
-        return f"; did you mean {meant!r}?"
+    own = [longer for longer in names if longer.endswith(f".{name}")]  # of a law
+    if likely := next((it for it in (meant, *own) if it in names), None):
+        return f"; did you mean {likely!r}?"
     begun = [longer for longer in names if longer.startswith(f"{name}_")]
     return did_you_mean(name, names) or did_you_mean(name, begun, 0.0) or known_names(names)
 

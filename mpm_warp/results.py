@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, flat_values
 
 ROLES = {
     "headline": "the scalar that the scene is run for; one in each dataset",
@@ -132,18 +132,17 @@ def parameter_variables(scene: Any, results: Collection[object]) -> dict[str, xr
 
     A number that is not given, or replaced by other parameters, is NaN; such a text is "".
     """
-    definitions = parameters_of(type(scene))
-    given = {name: getattr(scene, name) for name in definitions}
-    given |= dict.fromkeys(scene.replaced(given))
+    given = flat_values(scene)
+    replaced = set(scene.replaced({name: value for name, (_, value) in given.items()}))
     return {
         stored_name(name, results): variable(
-            _stored(given[name], definition),
+            _stored(None if name in replaced else value, definition),
             unit=None if definition.kind is str else definition.unit,
-            meaning=name.replace("_", " "),
+            meaning=name.rpartition(".")[2].replace("_", " "),
             description=f"{definition.meaning}; {definition.allowed}",
             role="parameter",
         )
-        for name, definition in definitions.items()
+        for name, (definition, value) in given.items()
     }
 
 

@@ -63,7 +63,10 @@ def collect(study: Study, folder: Path) -> xr.Dataset:
     results = [_result(folder, case) for case in study.cases]
     gathered = _gathered(results)
     definitions = {
-        name: definition for part in study.parts for name, definition in part.parameters.items()
+        name: definition
+        for part in study.parts
+        for name, definition in part.parameters.items()
+        if any(name in case.parameters for case in study.cases)
     }
     names = {name: stored_name(name, {*gathered.variables, *gathered.dims}) for name in definitions}
     axes: dict[str, Sequence[Value]] = {CASE: range(len(study.cases))}

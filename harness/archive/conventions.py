@@ -120,7 +120,8 @@ def parameter_attributes(definition: Parameter) -> dict[str, str]:
 
 def spoken(name: Hashable) -> str:
     """A variable's name with blanks between the words."""
-    return str(name).removesuffix(PARAMETER_SUFFIX).replace("_", " ")
+    own = str(name).rpartition(".")[2]  # of a law, as in material.critical_state_ratio
+    return own.removesuffix(PARAMETER_SUFFIX).replace("_", " ")
 
 
 def headlines_of(dataset: xr.Dataset) -> list[str]:

@@ -30,11 +30,12 @@ $ harness new my_footing --scene strip_footing
 [list = studies.list_names] list studies and scenes
 List the studies that ship and all scenes, one per line.
 $ harness list
-[describe = studies.describe] describe a scene, a study, or a site file
+[describe = studies.describe] describe a scene, a law of clay, a study, or a site file
 Describe a scene by its parameters, with default, unit, meaning and allowed range; a study by its
 scene, what it varies and fixes, and its number of cases; a site file by its keys, with values and
 meaning.
 $ harness describe cone_penetration
+$ harness describe modified_cam_clay
 $ harness describe adhesion_factor
 $ harness describe my_study.toml
 $ harness describe site.toml

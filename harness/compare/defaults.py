@@ -1,6 +1,5 @@
 """Which parameters of a result differ from the defaults of its scenes."""
 
-import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
@@ -8,9 +7,9 @@ import xarray as xr
 
 from harness.archive.conventions import is_there, over_cases, parameter_names, scenes_of
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Value, parameters_of
-from mpm_warp.materials.other_laws import loaded_laws, other_law
-from mpm_warp.scenes import scene_class, scene_names
+from mpm_warp.fields import Value, flat_values, own_parameters_of, parameters_of
+from mpm_warp.materials.clay_law import PARAMETER, ClayLaw, laws
+from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 
 def not_by_default(dataset: xr.Dataset) -> dict[str, str]:
@@ -34,14 +33,14 @@ def not_by_default(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def _defaults(
-    dataset: xr.Dataset, scene: type, stored: Mapping[str, str]
+    dataset: xr.Dataset, scene: type[CatalogueScene], stored: Mapping[str, str]
 ) -> dict[str, Value | None]:
     """The defaults of a scene; derived ones are those of the first case."""
     definitions = parameters_of(scene)
     derivable: Mapping[str, Value] = scene().derived()
     defaults = {
         name: definition.default
-        for name, definition in definitions.items()
+        for name, definition in own_parameters_of(scene).items()
         if name not in derivable
     }
     defaults |= defaults_of_law(dataset)
@@ -51,17 +50,22 @@ def _defaults(
         if is_there(value := over_cases(dataset, stored[name])[0])
     }
     try:
-        return dataclasses.asdict(scene(**given)) | defaults
+        own = flat_values(scene.of(given))
+        return {name: value for name, (_, value) in own.items()} | defaults
     except ParameterError:  # the scene refuses the case, so it derives nothing
         return defaults
 
 
 def defaults_of_law(dataset: xr.Dataset) -> dict[str, Value | None]:
     """Defaults of the own parameters of the first case's law, by name."""
-    name = str(over_cases(dataset, "material")[0]) if "material" in dataset else ""
-    if name not in loaded_laws():
+    name = str(over_cases(dataset, PARAMETER)[0]) if PARAMETER in dataset else ""
+    if name not in laws():
         return {}
-    return {name: definition.default for name, definition in other_law(name).parameters.items()}
+    try:
+        law = ClayLaw.of(name)
+    except ParameterError:  # a package that cannot be loaded any more
+        return {}
+    return {f"{PARAMETER}.{own}": it.default for own, it in law.parameters.items()}
 
 
 def _same(value: Value, default: Value | None) -> bool:

@@ -174,7 +174,11 @@ def _with_scene(dataset: xr.Dataset, case: int) -> str:
 
 
 STRAIN, SHEAR, DEVIATOR = "shear_strain", "shear_stress", "deviator_stress"
-EFFECTIVE, WATER, SLOPE = "effective_mean_stress", "excess_pore_pressure", "critical_state_ratio"
+EFFECTIVE, WATER, SLOPE = (
+    "effective_mean_stress",
+    "excess_pore_pressure",
+    "material.critical_state_ratio",
+)
 LABELS = {
     STRAIN: r"shear strain $ε_1 - ε_3$ [-]",
     SHEAR: r"shear stress $(σ_1 - σ_3) / 2$ [kPa]",

@@ -1,6 +1,5 @@
 """The cases of a study. The key of a case is a hash of all that its numbers depend on."""
 
-import dataclasses
 import functools
 import hashlib
 import json
@@ -19,7 +18,7 @@ from harness.study.expressions import Expression, ExpressionError
 from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Value, parameters_of
+from mpm_warp.fields import Value, flat_values, own_parameters_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000
@@ -52,7 +51,7 @@ class Case:
         Raises:
             ParameterError: the scene does not allow them; the message says why.
         """
-        return scene_class(self.scene)(**self.parameters)
+        return scene_class(self.scene).of(self.parameters)
 
 
 def most_cases(parts: Sequence[ScenePart], design: Design) -> int:
@@ -95,7 +94,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             case = Case(
                 scene=part.name,
                 scene_version=part.scene.version,
-                parameters=identifying_parameters(part.scene, complete),
+                parameters=complete,
                 label=label,
                 changed=tuple(values),
                 snapshots=part.snapshots,
@@ -121,18 +120,6 @@ def _is_excluded(part: ScenePart, complete: Mapping[str, Value | None]) -> bool:
         raise ExpressionError(f"exclude: {error}") from None
 
 
-def identifying_parameters(
-    scene: Scene, complete: Mapping[str, Value | None]
-) -> dict[str, Value | None]:
-    """The parameters that the key of a case depends on.
-
-    Parameters of material laws from other packages are left out where they have no value. So the
-    key is the same whether or not such packages are installed.
-    """
-    absent = {name for name in scene.of_other_laws if complete[name] is None}
-    return {name: value for name, value in complete.items() if name not in absent}
-
-
 def complete_parameters(
     scene: Scene, given: dict[str, Value], derived: Mapping[str, Expression] | None = None
 ) -> tuple[dict[str, Value | None], ParameterError | None]:
@@ -151,11 +138,11 @@ def complete_parameters(
     Raises:
         ExpressionError: an expression has no value; the message names its parameter.
     """
-    defaults = {name: definition.default for name, definition in parameters_of(scene).items()}
+    defaults = {name: definition.default for name, definition in own_parameters_of(scene).items()}
     to_come = dict(derived or {})
     while True:
         try:
-            complete, refusal = _parameters(scene(**given)), None
+            complete, refusal = _values(scene.of(given)), None
         except ParameterError as error:
             complete, refusal = {**defaults, **given}, error
         if not to_come or (refusal is not None and refusal.key not in to_come):
@@ -168,6 +155,5 @@ def complete_parameters(
         given = given | {name: rounded(value) if isinstance(value, float) else value}
 
 
-def _parameters(scene: CatalogueScene) -> dict[str, Value | None]:
-    """The parameters of a scene; `dataclasses.asdict` would copy each of them first."""
-    return {field.name: getattr(scene, field.name) for field in dataclasses.fields(scene)}
+def _values(scene: CatalogueScene) -> dict[str, Value | None]:
+    return {name: value for name, (_, value) in flat_values(scene).items()}

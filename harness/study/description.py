@@ -23,7 +23,8 @@ from harness.study.designs import DESIGNS, Range, Variation
 from harness.study.distributions import Input
 from harness.study.scene_part import ScenePart, method_of
 from harness.study.study import Study
-from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, own_parameters_of
+from mpm_warp.materials.clay_law import PARAMETER, law_class, laws, own_parameters
 from mpm_warp.scenes import CatalogueScene, scene_class
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of
 
@@ -35,10 +36,31 @@ def scene_rows(name: str) -> list[str]:
     """What a scene simulates, and its parameters: default, unit, meaning, allowed range."""
     scene = scene_class(name)
     rows = [f"{name}: {scene.summary}", ""]
-    for parameter, definition in parameters_of(scene).items():
+    for parameter, definition in own_parameters_of(scene).items():
         meaning = f"{definition.meaning}; {definition.allowed}{_sane_range(definition)}"
         rows.append(f"{parameter:26} {_default(definition):16} {meaning}")
     return rows
+
+
+def law_title(name: str) -> str:
+    """What a law of clay is, in one line; `ParameterError` if it cannot be loaded."""
+    return (law_class(name).__doc__ or "").strip().partition("\n")[0].rstrip(".")
+
+
+def law_rows(name: str) -> list[str]:
+    """What a law of clay is, and its own parameters as a study gives them."""
+    own = own_parameters(law_class(name))
+    rows = [f"{name}: {law_title(name)}", ""]
+    for definition in own.values():
+        meaning = f"{definition.meaning}; {definition.allowed}"
+        rows.append(f"{definition.name:42} {_default(definition):16} {meaning}")
+    if not own:
+        rows.append("It has no parameters of its own; a scene has those of a criterion.")
+    return [
+        *rows,
+        "",
+        f'in a study: material = {{ law = "{name}", ... }}; the scene gives the rest',
+    ]
 
 
 def _sane_range(definition: Parameter) -> str:
@@ -59,7 +81,9 @@ def _default(definition: Parameter) -> str:
 
 def study_rows(study: Study) -> list[str]:
     """What a study runs, what it varies and fixes, and what it is compared with."""
-    scenes = ", ".join(f"harness describe {part.name}" for part in study.parts)
+    with_own = {law for part in study.parts for law in _laws_of(part)}
+    described = [*(part.name for part in study.parts), *sorted(with_own)]
+    scenes = ", ".join(f"harness describe {name}" for name in described)
     return [
         f"{study.name}: {study.title}",
         "",
@@ -98,6 +122,14 @@ def _part_lines(part: ScenePart) -> Iterator[tuple[str, str]]:
         yield "derived", f"{name} = {expression.text}"
     for condition in part.excluded:
         yield "excluded", condition.text
+
+
+def _laws_of(part: ScenePart) -> set[str]:
+    """The laws with parameters of their own that a study names for a scene."""
+    varied = part.varied.get(PARAMETER, ())
+    named = {part.fixed.get(PARAMETER), *(case.get(PARAMETER) for case in part.listed)}
+    named |= set(varied) if isinstance(varied, tuple) else set()
+    return {str(name) for name in named if name in laws() and own_parameters(law_class(str(name)))}
 
 
 def _span(values: Variation) -> str:
@@ -140,7 +172,7 @@ OWN_REFERENCE = """\
 def study_text(name: str, scene_name: str) -> str:
     """A study in TOML that varies one parameter and shows the other defaults as comments."""
     scene = scene_class(scene_name)
-    parameters = parameters_of(scene)
+    parameters = own_parameters_of(scene)
     varied, values = _parameter_to_vary(scene)
     method = method_of(scene)
     others = {key: definition for key, definition in parameters.items() if key != varied}
@@ -179,7 +211,7 @@ def study_text(name: str, scene_name: str) -> str:
 
 def _parameter_to_vary(scene: type[CatalogueScene]) -> tuple[str, list[Value]]:
     """The first parameter for which the scene allows several values; those of the method last."""
-    method, known = method_of(scene), parameters_of(scene)
+    method, known = method_of(scene), own_parameters_of(scene)
     tried = {
         name: [
             it
@@ -308,7 +340,8 @@ def unusual_values(study: Study) -> list[str]:
     """A line for each parameter that seems to be in a wrong unit; it says what to give instead."""
     lines = []
     for part in study.parts:
-        laws = [name for name in part.scene.of_other_laws if part.parameters[name].unit == "Pa"]
+        own = own_parameters_of(part.scene)
+        laws = [it for it, one in part.parameters.items() if it not in own and one.unit == "Pa"]
         for name, usual in {**dict.fromkeys(laws, USUAL_STRESS), **USUAL}.items():
             values = _given(part, name)
             if (unit := usual.unit_of_all(values)) is not None:

@@ -86,10 +86,12 @@ class Expression:
         tree = _tree(text)
         evaluator = _evaluator(tree)
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
-        names = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
+        dotted = {n.value: n for n in ast.walk(tree) if isinstance(n, ast.Attribute)}
+        named = (n for n in ast.walk(tree) if isinstance(n, ast.Name) and id(n) not in called)
+        names = (ast.unparse(dotted.get(n, n)) for n in named)
         is_negation = isinstance(tree, ast.UnaryOp) and isinstance(tree.op, ast.Not)
         is_condition = is_negation or isinstance(tree, ast.Compare | ast.BoolOp)
-        return cls(text, frozenset(name.id for name in names), is_condition, evaluator)
+        return cls(text, frozenset(names), is_condition, evaluator)
 
     def value(self, parameters: Parameters) -> Value:
         """Its value for these parameters.
@@ -131,8 +133,9 @@ def _evaluator(node: ast.expr) -> Evaluator:
     match node:
         case ast.Constant(value=bool() | int() | float() | str() as constant):
             return lambda _: _operand("", constant)
-        case ast.Name(id=name):
-            return lambda given: _operand(name, given[name])
+        case ast.Name() | ast.Attribute(value=ast.Name()):
+            name = ast.unparse(node)
+            return lambda given: _operand(name, given.get(name))
         case ast.BinOp(op=op, left=left, right=right) if type(op) in NUMBER_OPERATORS:
             function, nodes = NUMBER_OPERATORS[type(op)], [left, right]
         case ast.UnaryOp(op=op, operand=operand) if type(op) in NUMBER_OPERATORS:

@@ -17,6 +17,7 @@ from harness.study.designs import VARY_REPLACES_FIXED
 from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, shown
 from mpm_warp.errors import ParameterError
+from mpm_warp.materials.clay_law import LAW, PARAMETER
 from mpm_warp.names import nearest_name
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.profile import Profile
@@ -184,7 +185,11 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
         tables = (own.get(key) for key in ASSIGNING_TABLES if not (keeps and key == "vary"))
         said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
-            result[name] = {key: value for key, value in table.items() if key not in said}
+            result[name] = {
+                key: value
+                for key, value in table.items()
+                if key not in said and key.partition(".")[0] not in said
+            }
     if isinstance(scenes := result.get("scenes"), dict):
         of_all = {key: own[key] for key in SCENE_KEYS if key in own}
         result["scenes"] = {
@@ -201,6 +206,39 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
                 if isinstance(inherited[name], dict) and isinstance(value[name], dict):
                     result[key][name] = merged(inherited[name], value[name], design)
     return result
+
+
+def flat_tables(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a study in which parameters of a law have names as "material.its_parameter".
+
+    A study may also have them in one table, material = { law = "its_name", its_parameter = 1 }.
+    """
+    flat = dict(values)
+    for key in {*ASSIGNING_TABLES, "scenes", "case"} & values.keys():
+        match values[key]:
+            case dict() as table if key == "scenes":
+                flat[key] = {
+                    name: flat_tables(own) if isinstance(own, dict) else own
+                    for name, own in table.items()
+                }
+            case dict() as table:
+                flat[key] = flat_material(table)
+            case list() as tables:
+                flat[key] = [flat_material(it) if isinstance(it, dict) else it for it in tables]
+    return flat
+
+
+def flat_material(table: Mapping[str, Any]) -> dict[str, Any]:
+    """The entries of a table in which those of a law have names as "material.its_parameter"."""
+    flat = {key: value for key, value in table.items() if key != PARAMETER}
+    match table.get(PARAMETER):
+        case None:
+            return flat
+        case dict() as own:
+            names = {it: PARAMETER if it == LAW else f"{PARAMETER}.{it}" for it in own}
+            return flat | {names[it]: value for it, value in own.items()}
+        case name:
+            return flat | {PARAMETER: name}
 
 
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:

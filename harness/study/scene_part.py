@@ -98,6 +98,9 @@ def read_part(name: str, scene: Scene, table: Table, design: Design, given: Tabl
     derived = _derived(table.table("derived"))
     listed = _listed(table, design)
     for key, value in given.values.items():
+        for table_of_own in (fixed, varied, derived):  # a new law has no parameters of the old one
+            for own in [it for it in table_of_own if it.startswith(f"{key}.")]:
+                del table_of_own[own]
         derived.pop(key, None)
         if not isinstance(value, (list, dict)):
             fixed[key] = given.value(key)

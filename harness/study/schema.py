@@ -129,7 +129,14 @@ def _of_scene(scene: Scene) -> Schema:
     parameters, over = parameters_of(scene).values(), scene.snapshots_over
 
     def of_each(schema: Callable[[Parameter], Schema]) -> Schema:
-        return table_schema({parameter.name: schema(parameter) for parameter in parameters})
+        properties = {parameter.name: schema(parameter) for parameter in parameters}
+        for parameter in parameters:  # one with variants may also be a table
+            if parameter.variants is not None:
+                name, own = parameter.name, f"{parameter.name}."
+                of_own = {it.removeprefix(own): one for it, one in properties.items() if own in it}
+                table = table_schema({parameter.variants.key: properties[name], **of_own})
+                properties[name] = {"anyOf": [properties[name], table]}
+        return table_schema(properties)
 
     fixed = of_each(value_schema)
     return table_schema(

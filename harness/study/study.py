@@ -14,7 +14,15 @@ from typing import Any
 from harness.study.cases import Case, cases_of
 from harness.study.compared import OWN_REFERENCES, Compared, read_compared
 from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
-from harness.study.files import find_study, lineage, merged, study_names, with_profile
+from harness.study.files import (
+    find_study,
+    flat_material,
+    flat_tables,
+    lineage,
+    merged,
+    study_names,
+    with_profile,
+)
 from harness.study.scene_part import (
     LARGEST_STUDY,
     SCENE_KEYS,
@@ -85,10 +93,10 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
             f"--scene {study}` writes one, `harness run my_study.toml` runs it"
         )
     path = find_study(study)
-    assignments = dict(parse_setting(setting) for setting in settings)
+    assignments = flat_material(dict(parse_setting(setting) for setting in settings))
     values: dict[str, Any] = {}
     for file, said in lineage(path):
-        own = with_profile(file, said)
+        own = flat_tables(with_profile(file, said))
         values = merged(values, own, {**values, **own}.get("design", FULL))
         # Each base is checked by itself, so that its mistakes are reported with its file name.
         read = _read(file, values, assignments if file == path else {})
@@ -124,7 +132,7 @@ def is_scene(subject: str) -> bool:
 
 def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
     """A study of one scene with its defaults and these settings; it has no file and no results."""
-    assignments = dict(parse_setting(setting) for setting in settings)
+    assignments = flat_material(dict(parse_setting(setting) for setting in settings))
     return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
 
 

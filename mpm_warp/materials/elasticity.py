@@ -16,7 +16,7 @@ import warp as wp
 
 from mpm_warp.checks import POSITIVE, Range
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import checked
+from mpm_warp.fields import by_scene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, vec2, vec4, vec5, vec7
 from mpm_warp.materials.material import Law, Material
@@ -34,8 +34,8 @@ class Isotropic(Material):
         poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
     """
 
-    shear_modulus: float = checked(POSITIVE, unit="Pa")
-    poissons_ratio: float = checked(Range(minimum=0, below=0.5))
+    shear_modulus: float = by_scene(POSITIVE, unit="Pa")
+    poissons_ratio: float = by_scene(Range(minimum=0, below=0.5))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -11,7 +11,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,7 +19,7 @@ import warp as wp
 
 from mpm_warp.checks import POSITIVE, as_array, check_array, check_kind, check_number
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields import Checked, check_own, checked
+from mpm_warp.fields import Checked, by_scene, check_own
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
@@ -87,7 +87,7 @@ class Material(Checked, ABC):
         variation: how strength, stiffness and adhesion vary by place; None: they are uniform.
     """
 
-    density: float = checked(POSITIVE, unit="kg/m3")
+    density: float = by_scene(POSITIVE, unit="kg/m3")
     variation: Variation | None = None
 
     reference_test: ClassVar[str] = "simple_shear"
@@ -106,6 +106,12 @@ class Material(Checked, ABC):
             raise SceneError(f"{name} has no properties that vary by place")
         for number, row in enumerate(rows or ()):
             check_kind(f"{name}: variation.rows[{number}]", row, type(self))
+
+    def check_complete(self) -> None:
+        """Raise a `SceneError` for a number that only a scene of the catalogue would have given."""
+        for own in fields(self):
+            if own.type is float and getattr(self, own.name) is None:
+                raise SceneError(f"{type(self).__name__}: {own.name} is missing")
 
     # The law on the device.
 

@@ -33,7 +33,7 @@ import numpy as np
 
 from mpm_warp.checks import Range
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import checked, parameter
+from mpm_warp.fields import by_scene, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.cam_clay_return import (
     WATER,
@@ -105,7 +105,7 @@ class ModifiedCamClay(Material):
         "M by direction: the same in all, or by the Lode angle as one friction angle has it",
         choices=(CIRCLE, MATSUOKA_NAKAI),
     )
-    poissons_ratio: float = checked(Range(minimum=0, below=0.5))
+    poissons_ratio: float = by_scene(Range(minimum=0, below=0.5))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -122,7 +122,7 @@ class ModifiedCamClay(Material):
             )
         if self.deviator_at_rest is not None:
             self.check_stress_at_rest(np.array([0.0, -self.deviator_at_rest, 0.0, 0.0]))
-        if self.water_modulus <= 0.0:
+        if self.poissons_ratio is not None and self.water_modulus <= 0.0:
             raise SceneError(
                 f"ModifiedCamClay: poissons_ratio = {self.poissons_ratio:g} of the undrained clay "
                 "is too small: its skeleton alone has more; give 0.49"

@@ -17,7 +17,7 @@ import warp as wp
 
 from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import checked
+from mpm_warp.fields import by_scene
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
@@ -37,7 +37,7 @@ class UndrainedClay(Isotropic):
             where it depends on direction.
     """
 
-    strength: float = checked(POSITIVE, unit="Pa")
+    strength: float = by_scene(POSITIVE, unit="Pa")
 
     @property
     def properties(self) -> tuple[float, ...]:

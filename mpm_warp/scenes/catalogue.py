@@ -30,7 +30,14 @@ import xarray as xr
 from mpm_warp.checks import check_kind, check_known, in_words
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import Value, check_names, check_parameters, parameters_of
+from mpm_warp.fields import (
+    Value,
+    check_names,
+    check_parameters,
+    nested_values,
+    own_parameters_of,
+    parameters_of,
+)
 from mpm_warp.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
@@ -113,14 +120,12 @@ class CatalogueScene(ShownByParameters, ABC):
     """Limits of errors and balances among the results; beyond one the run is inaccurate."""
     comparable: ClassVar[str | None] = None
     """Result that is compared with published values, such as ``cone_factor``; or None."""
-    of_other_laws: ClassVar[tuple[str, ...]] = ()
-    """Parameters of laws with their own; each is None where `material` names another law."""
     snapshots_over: ClassVar[str | None] = None
     """Parameter with the length of a run, over which snapshots are taken; or None."""
 
     def __new__(cls, **values: object) -> Self:
         """Refuse an unknown name and suggest another, which `__init__` would not do."""
-        check_names(cls, values)
+        check_names(cls, values, own_parameters_of(cls))
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
@@ -137,9 +142,9 @@ class CatalogueScene(ShownByParameters, ABC):
         return re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
 
     @classmethod
-    def offered(cls) -> "type[CatalogueScene]":
-        """The class that the catalogue offers, which may have more parameters."""
-        return cls
+    def of(cls, values: Mapping[str, Any]) -> Self:
+        """The scene from values in flat form, where a law has "material.its_parameter"."""
+        return cls(**nested_values(cls, values))
 
     @property
     def likely_failure(self) -> str:
@@ -335,7 +340,7 @@ def scene_class(name: str) -> type[CatalogueScene]:
     if name not in scenes:
         raise UnknownSceneError(f"unknown scene {name!r}{nearest_name(name, scenes)}")
     scene = scenes[name]
-    return (scene if isinstance(scene, type) else _loaded(scene)).offered()
+    return scene if isinstance(scene, type) else _loaded(scene)
 
 
 @functools.cache

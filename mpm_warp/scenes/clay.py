@@ -1,21 +1,19 @@
 """Scenes in undrained clay: perfectly plastic, softening or with a rate effect, or of any law."""
 
-import functools
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, make_dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields import Derived, Parameter, fill_in, parameter
+from mpm_warp.fields import Derived, fill_in, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.clay_law import LAWS, ClayLaw
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law, other_laws
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
 from mpm_warp.scenes.catalogue import CatalogueScene
 
@@ -35,17 +33,17 @@ class ClayScene(CatalogueScene):
     Raises:
         mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
             strain rate, a remoulded strength without a ductility, a strength that falls too
-            steeply, or a parameter of a law that `material` does not name.
+            steeply, or a law that is not allowed.
     """
 
     rigidity_index: float = parameter(
         Derived(100.0), "rigidity index G/su", minimum=2, maximum=5000
     )
-    material: str = parameter(
+    material: ClayLaw = parameter(
         "tresca",
-        "yield criterion, or a law with parameters of its own; von_mises: sqrt(J2) = su, as Tresca "
-        "in pure shear",
-        choices=(*CRITERIA, *other_laws()),
+        "law of the clay: a yield criterion, or a law with parameters of its own, see `harness "
+        "describe LAW`; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        variants=LAWS,
     )
     poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
     rate_factor: float = parameter(
@@ -75,29 +73,24 @@ class ClayScene(CatalogueScene):
     )
 
     @property
-    def law(self) -> OtherLaw | None:
-        """The law with parameters of its own that `material` names; None for a criterion."""
-        return other_law(self.material) if self.material in other_laws() else None
+    def is_criterion(self) -> bool:
+        """Whether the law is a yield criterion, without parameters of its own."""
+        return self.material.name in CRITERIA
 
     @property
     def strength_changes(self) -> bool:
         """Whether the clay softens or has a rate effect."""
         return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
 
-    @classmethod
-    def offered(cls) -> type[CatalogueScene]:
-        """This scene with the parameters of all laws in addition to its own."""
-        return _with_laws(cls, loaded_laws())
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # The offered class is made at run time, so unpickling makes it again.
-        kind = type(self)
-        own = kind.__mro__[1] if "of_other_laws" in vars(kind) else kind
-        return _unpacked, (own, {field.name: getattr(self, field.name) for field in fields(self)})
-
     def __post_init__(self) -> None:
         super().__post_init__()
-        self._check_other_laws()
+        law = self.material
+        if self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
+            raise ParameterError(
+                "material",
+                f"material = {law.name!r} has a strength of its own: rate_factor and "
+                "remoulded_strength_ratio are of other clay",
+            )
         for name, without, needed, what in NEEDED:
             value = getattr(self, name)
             if value != without and getattr(self, needed) is None:
@@ -112,7 +105,7 @@ class ClayScene(CatalogueScene):
             self._follow_law()
             _ = self.clay
         except SceneError as refusal:
-            key = "ductility" if self.law is None else "material"
+            key = "ductility" if self.is_criterion else "material"
             raise ParameterError(key, str(refusal)) from None
 
     @property
@@ -121,39 +114,37 @@ class ClayScene(CatalogueScene):
 
         It is su of the scene where this is not given.
         """
-        if self.law is None or "strength" in self.law.given:
+        if not self.material.has_own_strength:
             return None
         return self.own_clay.undrained_strength(self.own_clay.reference_test)
 
     @property
-    def has_own_stiffness(self) -> bool:
-        """Whether the law has its own stiffness, from which the rigidity index follows."""
-        return self.law is not None and "shear_modulus" not in self.law.given
-
-    @property
     def own_clay(self) -> Material:
         """The intact clay, for the strength, stiffness and stress that the law itself gives."""
-        given = {"shear_modulus": self.rigidity_index, "poissons_ratio": self.poissons_ratio}
-        of_scene = self.law is not None and "strength" in self.law.given
-        strength = self.undrained_shear_strength if of_scene else 1.0
+        strength = 1.0 if self.material.has_own_strength else self.undrained_shear_strength
         try:
-            return self._intact({**given, "density": 1.0, "strength": strength})
+            return self.material.material(
+                density=1.0,
+                shear_modulus=self.rigidity_index,
+                poissons_ratio=self.poissons_ratio,
+                strength=strength,
+            )
         except SceneError as refusal:
             raise ParameterError("material", str(refusal)) from None
 
     def _follow_law(self) -> None:
         """Set su, rigidity index and Delta by a law that gives them, and what depends on them."""
         own_strength = self.own_strength
-        if own_strength is None and not self.has_own_stiffness:
+        if own_strength is None and not self.material.has_own_stiffness:
             return
         if own_strength is not None and isinstance(self.undrained_shear_strength, Derived):
-            object.__setattr__(self, "undrained_shear_strength", Derived(own_strength))
+            fill_in(self, {"undrained_shear_strength": own_strength})
         strength = self.undrained_shear_strength
-        if self.has_own_stiffness:
+        if self.material.has_own_stiffness:
             own = self.own_clay.ground_shear_modulus / strength
             fill_in(self, {"rigidity_index": own})
             if not math.isclose(self.rigidity_index, own):
-                has_own = f" with material = {self.material!r}, whose stiffness is its own"
+                has_own = f" with material = {self.material.name!r}, whose stiffness is its own"
                 self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
         if (deviator := self.own_clay.deviator_at_rest) is not None:
             if not hasattr(self, "stress_anisotropy"):
@@ -164,26 +155,6 @@ class ClayScene(CatalogueScene):
                 )
             fill_in(self, {"stress_anisotropy": deviator / (2.0 * strength)})
         fill_in(self, self.derived())
-
-    def _check_other_laws(self) -> None:
-        """Check the parameters of other laws, and fill in their defaults."""
-        law = self.law
-        if law is not None and self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
-            raise ParameterError(
-                "material",
-                f"material = {law.name!r} has a strength of its own: rate_factor and "
-                "remoulded_strength_ratio are of other clay",
-            )
-        for name in self.of_other_laws:
-            value = getattr(self, name)
-            if law is not None and name in law.parameters:
-                definition = law.parameters[name]
-                own = definition.checked(definition.default if value is None else value)
-                object.__setattr__(self, name, own)
-            elif value is not None:
-                raise ParameterError(
-                    name, f"{name} = {value!r} is no parameter of material = {self.material!r}"
-                )
 
     @property
     @abstractmethod
@@ -215,7 +186,7 @@ class ClayScene(CatalogueScene):
             "density": density,
             "strength": strength,
         }
-        intact = self._intact(given)
+        intact = self.material.material(**given)
         try:
             intact.check_stress_at_rest(self.stress_at_rest)
         except SceneError as refusal:
@@ -231,56 +202,6 @@ class ClayScene(CatalogueScene):
             remoulded_strength_ratio=self.remoulded_strength_ratio,
             ductility=self.ductility or 1.0,
         )
-
-    def _intact(self, given: Mapping[str, Any]) -> Material:
-        """The clay without softening and rate effect."""
-        if self.law is None:
-            return CRITERIA[self.material](**given)
-        own = {name: getattr(self, name, None) for name in self.law.parameters}
-        return self.law.make(own, given)
-
-
-def _unpacked(scene: type[ClayScene], values: dict[str, Any]) -> CatalogueScene:
-    return scene.offered()(**values)
-
-
-@functools.cache
-def _with_laws(scene: type[ClayScene], laws: tuple[str, ...]) -> type[ClayScene]:
-    """A scene class with the parameters of laws in addition to its own."""
-    own = {field.name for field in fields(scene)}
-    found: dict[str, list[tuple[str, Parameter]]] = {}
-    for name in laws:
-        for definition in other_law(name).parameters.values():
-            if definition.name not in own:
-                found.setdefault(definition.name, []).append((name, definition))
-    if not found:
-        return scene
-    return make_dataclass(
-        scene.__name__,
-        [(name, of[0][1].kind | None, _of_other_laws(of)) for name, of in found.items()],
-        bases=(scene,),
-        namespace={
-            "__doc__": scene.__doc__,
-            "__module__": scene.__module__,
-            "of_other_laws": tuple(found),
-        },
-        frozen=True,
-        kw_only=True,
-    )
-
-
-def _of_other_laws(found: Sequence[tuple[str, Parameter]]) -> Any:
-    """The field for a parameter of the named laws; it has bounds only if one law has it."""
-    by_default: dict[str, list[str]] = {}
-    for name, definition in found:
-        default = "" if definition.default is None else f", default {definition.default}"
-        by_default.setdefault(default, []).append(name)
-    laws = "; ".join(
-        f"of material {' and '.join(names)}{default}" for default, names in by_default.items()
-    )
-    _, first = found[0]
-    of_one = {"choices": first.choices, **asdict(first.bounds)} if len(found) == 1 else {}
-    return parameter(None, f"{first.meaning} ({laws})", unit=first.unit, **of_one)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -78,14 +78,13 @@ def cone_factors_by_mode(test: FieldClayScene, results: xr.Dataset) -> dict[str,
 
 def rigidity_of_law(test: FieldClayScene) -> dict[str, xr.Variable]:
     """Rigidity indices of a law with its own strength, in the element test that gives its su."""
-    if test.law is None or test.own_strength is None:
+    if test.own_strength is None:
         return {}
     clay, mode = test.own_clay, test.own_clay.reference_test
     at_first = at_half = test.clay.ground_shear_modulus / test.own_strength
     if not isinstance(clay, Isotropic):
-        own = {name: getattr(test, name) for name in test.law.parameters}
         element: Any = scene_class("element_test")
-        found = element(material=test.material, test=mode, step_count=STEP_COUNT, **own).run()
+        found = element(material=test.material, test=mode, step_count=STEP_COUNT).run()
         at_first = float(found.small_strain_rigidity_index)
         at_half = float(found.half_strength_rigidity_index)
     by = f"G over su in {mode.replace('_', ' ')}"

@@ -27,11 +27,19 @@ from harness.run.resources import (
     tell_of_likely_failures,
 )
 from harness.study.cases import Case
-from harness.study.description import scene_rows, study_rows, study_text, warn_of_unusual_values
+from harness.study.description import (
+    law_rows,
+    law_title,
+    scene_rows,
+    study_rows,
+    study_text,
+    warn_of_unusual_values,
+)
 from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
+from mpm_warp.materials.clay_law import laws
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
 from mpm_warp.scenes import scene_class, scene_names
@@ -79,10 +87,11 @@ def _site_text(test: Path) -> str:
 
 
 def list_names(options: argparse.Namespace) -> int:
-    """Print all studies and scenes."""
+    """Print all studies, scenes and laws of clay."""
     kinds = {
         "studies": {name: load_study(name).title for name in study_names()},
         "scenes": {name: _summary(name) for name in scene_names()},
+        "laws of clay": {name: _title(name) for name in laws()},
     }
     width = max(len(name) for them in kinds.values() for name in them)
     for kind, them in kinds.items():
@@ -98,10 +107,21 @@ def _summary(scene: str) -> str:
         return str(refusal)
 
 
+def _title(law: str) -> str:
+    """What a law of clay is, or why it cannot be loaded."""
+    try:
+        return law_title(law)
+    except ParameterError as refusal:
+        return str(refusal)
+
+
 def describe(options: argparse.Namespace) -> int:
-    """Describe a scene, a study or a site file."""
+    """Describe a scene, a law of clay, a study or a site file."""
     if is_site_file(options.subject):
         say(*site_rows(Path(options.subject)))
+        return DONE
+    if options.subject in laws():
+        print(*law_rows(options.subject), sep="\n")
         return DONE
     if not is_scene(options.subject):
         study = load_study(options.subject)

@@ -77,7 +77,7 @@ def shortened(text: str, letters: int) -> str:
 
 def symbol(name: Hashable) -> str:
     """The symbol of a variable in matplotlib's mathematics; "" if it has none."""
-    written = SYMBOLS.get(str(name).removesuffix("_parameter"), "")
+    written = SYMBOLS.get(str(name).rpartition(".")[2].removesuffix("_parameter"), "")
     subscripted = _SUBSCRIPT.sub(r"_{\\mathrm{\1}}", written)
     return f"${subscripted}$" if written else ""
 

@@ -144,14 +144,14 @@ class Cavity(ClayScene):
     def exact(self) -> ExactCavity | None:
         """The exact pressures; None for a law of another package."""
         clay = self.clay
-        if not isinstance(clay, UndrainedClay) or self.law is not None:
+        if not isinstance(clay, UndrainedClay) or not self.is_criterion:
             return None
         return ExactCavity(
             clay=clay,
             rigidity_index=self.rigidity_index,
             wall=self.wall,
             exponent=self.exponent,
-            strength_share=self.von_mises_strength if self.material == "von_mises" else 1.0,
+            strength_share=self.von_mises_strength if self.material.name == "von_mises" else 1.0,
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -279,7 +279,7 @@ class CavityCylinder(Cavity):
     def __post_init__(self) -> None:
         super().__post_init__()
         delta, ratio = self.stress_anisotropy, self.remoulded_strength_ratio
-        material = self.material
+        material = self.material.name
         unknown = "there is no exact pressure"
         is_beyond = material in CRITERIA and abs(delta) > MOST_ANISOTROPY
         for refused, allowed in (

@@ -190,7 +190,7 @@ class ConeTestByDefault(ConeTest):
     @property
     def _is_tresca(self) -> bool:
         """Whether the laws of the error are of this criterion; see `is_of_catalogue`."""
-        return is_of_catalogue(self) and self.material == "tresca"
+        return is_of_catalogue(self) and self.material.name == "tresca"
 
     @property
     def _speed_ratio(self) -> float:

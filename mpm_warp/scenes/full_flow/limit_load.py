@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields import redefined
+from mpm_warp.fields import parameter, redefined
 from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials import CRITERIA
@@ -15,7 +15,6 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.simulation import Simulation
 
@@ -126,7 +125,7 @@ class FullFlowSphere(FullFlow):
         error=0.01,  # the bounds of Tresca are given to a tenth
     )
 
-    material: str = redefined(ClayScene, "material", choices=tuple(CRITERIA))
+    material: str = parameter("tresca", "yield criterion", choices=tuple(CRITERIA))
 
     @property
     def exact(self) -> Exact | None:

@@ -120,7 +120,7 @@ class MaterialPoint(PointScene):
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         rates = np.concatenate([[path.gradient for path in paths], random])
         start = np.zeros((len(rates), 4))
-        if self.law is None:
+        if self.is_criterion:
             start[: len(paths)] = [path.start for path in paths]
         return StrainPaths(
             material=self.clay, gradient=rates, stress=start * strength, step_count=self.step_count
@@ -133,7 +133,7 @@ class MaterialPoint(PointScene):
         A law of another package follows those of Tresca clay of the same stiffness and strength.
         """
         clay = self.clay
-        if self.law is not None:
+        if not self.is_criterion:
             clay = MaterialPoint(
                 rigidity_index=self.rigidity_index,
                 undrained_shear_strength=self.undrained_shear_strength,
@@ -149,7 +149,7 @@ class MaterialPoint(PointScene):
         stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         shown = labelled(dims=tuple(axes), stress=(stress, "1", "stress over su"))
-        if self.law is not None:
+        if not self.is_criterion:
             shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
             greatest = (shear, "1", "greatest shear stress in the plane over su")
             shown |= labelled(role="headline", shear_stress=greatest)

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from mpm_warp.checks import in_words
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields import Derived, Value, parameter, parameters_of, redefined
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.clay_law import PARAMETER
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile
@@ -161,9 +163,9 @@ class SoundingTest(FittedToCone, FieldClayScene):
             ):
                 value = getattr(self, name)
                 if value != absent and not isinstance(value, Derived):
-                    has_own = f"material = {self.material!r} has its own strength"
+                    has_own = f"material = {self.material.name!r} has its own strength"
                     raise ParameterError(name, f"{name}: {has_own}; {instead}")
-            if not self.has_own_stiffness:
+            if not self.material.has_own_stiffness:
                 weight["rigidity_index"] = np.full_like(depth, self.rigidity_index)
             return Profile.of(with_strength(self, {"depth": depth} | weight))
         strength = self.undrained_shear_strength + self.strength_gradient * depth
@@ -307,11 +309,24 @@ def check_sounding(test: SoundingTest) -> None:
     optional = ("adhesion_factor", "stress_anisotropy")
     taken = [name for name in optional if getattr(ground, name) is not None]
     where = "law has it by K0" if test.profile is None else "profile has it by depth"
-    definitions = {**parameters_of(type(test)), **(test.law.parameters if test.law else {})}
-    for name in taken if test.profile is None else [*taken, *REPLACED, *ground.of_law]:
+    definitions = parameters_of(type(test))
+    for name in taken if test.profile is None else [*taken, *REPLACED]:
         default = definitions[name].default
         value = getattr(test, name, default)
         # A case that is run again has the values that followed from its law.
         allowed = getattr(ground, name)[:1] if test.profile is None else [default]
         if not isinstance(value, Derived) and value not in allowed:
             test.refuse(name, f": the {where}; keep one of them")
+    if test.profile is not None:
+        _check_law(test, ground)
+
+
+def _check_law(test: SoundingTest, ground: Profile) -> None:
+    """Refuse a parameter of the law that a profile has by depth too."""
+    for name in ground.of_law:
+        if test.material.own[name] != test.material.parameters[name].default:
+            raise ParameterError(
+                f"{PARAMETER}.{name}",
+                f"{PARAMETER}.{name} = {in_words(test.material.own[name])} is not allowed: the "
+                "profile has it by depth; keep one of them",
+            )

@@ -9,7 +9,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import Derived, parameters_of
+from mpm_warp.fields import Derived, own_parameters_of
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.surrounding_ground import SurroundingGround
@@ -129,16 +129,15 @@ class Sounding(SoundingTest):
         if self.starts_at_surface:
             of_start["time_step_fraction"] = min(self.time_step_fraction, TIME_STEP_FRACTION)
         of_law = {name: float(values[row]) for name, values in ground.of_law.items()}
-        kind: Any = ConePenetration.offered()
-        common = parameters_of(type(self)).keys() & parameters_of(kind).keys()
+        common = own_parameters_of(type(self)).keys() & own_parameters_of(ConePenetration).keys()
         values = {name: getattr(self, name) for name in common}
         # The test would derive another default window than that of the sounding.
         kept = {
             name: float(value) if isinstance(value, Derived) else value
             for name, value in values.items()
         }
-        test: ConePenetration = kind(**kept | of_ground | of_start | of_law)
-        return test
+        law = {"material": self.material.changed(of_law)}
+        return ConePenetration(**kept | of_ground | of_start | law)
 
     def _in_ground(
         self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any
@@ -147,7 +146,7 @@ class Sounding(SoundingTest):
         index = float(shear_modulus) / float(strength)
         return {
             # The stiffness that a law derives from its parameters is not linear between rows.
-            "rigidity_index": Derived(index) if self.has_own_stiffness else index,
+            "rigidity_index": Derived(index) if self.material.has_own_stiffness else index,
             "undrained_shear_strength": float(strength),
             "adhesion_factor": float(adhesion),
             "shaft_adhesion_factor": self.shaft_adhesion(float(adhesion)),

@@ -32,9 +32,10 @@ import numpy as np
 
 from mpm_warp.checks import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields import own_of_variants
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.clay_law import LAWS, PARAMETER
 from mpm_warp.materials.material import Material
-from mpm_warp.materials.other_laws import OtherLaw, loaded_laws, other_law
 from mpm_warp.names import nearest_parameter
 from mpm_warp.plain_numbers import plain_number
 from mpm_warp.scenes.clay import FieldClayScene
@@ -186,9 +187,8 @@ def units_of(name: str) -> Mapping[str, float]:
     if name in UNITS:
         return UNITS[name]
     of_laws = {
-        key: definition.unit
-        for law in loaded_laws()
-        for key, definition in other_law(law).parameters.items()
+        key.removeprefix(f"{PARAMETER}."): definition.unit
+        for key, definition in own_of_variants(LAWS).items()
     }
     if name not in of_laws:
         raise refused(f"unknown column {name!r}{nearest_parameter(name, [*UNITS, *of_laws])}")
@@ -206,7 +206,9 @@ def replaced_by(text: str) -> set[str]:
     """Parameters of a sounding that a table replaces: `REPLACED` and those that are its columns."""
     columns = columns_of(text).keys()
     has_anisotropy = columns & {*GIVING_ANISOTROPY}
-    return {*columns, *REPLACED, *(("stress_anisotropy", MEAN_STRESS) if has_anisotropy else ())}
+    of_law = [*(columns - UNITS.keys()), *([MEAN_STRESS] if has_anisotropy else [])]
+    names = [*(columns & UNITS.keys()), *(f"{PARAMETER}.{name}" for name in of_law)]
+    return {*names, *REPLACED, *(["stress_anisotropy"] if has_anisotropy else [])}
 
 
 def _header(line: str) -> dict[str, float]:
@@ -252,15 +254,15 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
         ParameterError: a column is of another law or conflicts with this one, or the law does not
             allow the values of a row.
     """
-    law = test.law
-    own = set() if law is None else law.parameters.keys()
+    law = test.material
+    own = law.parameters.keys()
     for name in columns.keys() - {*OWN, *STIFFNESS, *OF_EFFECTIVE_STRESS} - own:
-        raise refused(f"column {name} is no parameter of material = {test.material!r}")
-    if law is None or "strength" in law.given:
+        raise refused(f"column {name} is no parameter of material = {law.name!r}")
+    if not law.has_own_strength:
         return columns
-    for name in ["strength", *([] if "shear_modulus" in law.given else STIFFNESS)]:
+    for name in ["strength", *(STIFFNESS if law.has_own_stiffness else [])]:
         if name in columns:
-            raise refused(f"column {name}: material = {test.material!r} has its own; leave it out")
+            raise refused(f"column {name}: material = {law.name!r} has its own; leave it out")
     deviator: Floats | None = None
     rows = _with_stresses(columns, own) if "K0" in columns else dict(columns)
     if {*own, VERTICAL} & rows.keys():
@@ -271,10 +273,10 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
         if MEAN_STRESS in own:
             rows[MEAN_STRESS] = (vertical + 2.0 * horizontal) / 3.0
             rows[EARTH_PRESSURE] = horizontal / vertical
-    clays = [_clay_in(test, law, rows, row) for row in range(len(rows["depth"]))]
+    clays = [_clay_in(test, rows, row) for row in range(len(rows["depth"]))]
     strengths = [clay.undrained_strength(clay.reference_test) for clay in clays]
     found = {"strength": np.array(strengths, dtype=float)}
-    if "shear_modulus" not in law.given:
+    if law.has_own_stiffness:
         found["shear_modulus"] = np.array([clay.ground_shear_modulus for clay in clays])
     if deviator is None and "stress_anisotropy" not in rows:
         own_deviators = [clay.deviator_at_rest for clay in clays]
@@ -306,12 +308,10 @@ def _finer(columns: Mapping[str, Floats]) -> dict[str, Floats]:
     return {name: np.interp(finer, numbers, values) for name, values in columns.items()}
 
 
-def _clay_in(test: FieldClayScene, law: OtherLaw, rows: Mapping[str, Floats], row: int) -> Material:
-    given = {"density": 1.0, "shear_modulus": 1.0, "poissons_ratio": test.poissons_ratio}
-    own = {name: getattr(test, name, None) for name in law.parameters}
+def _clay_in(test: FieldClayScene, rows: Mapping[str, Floats], row: int) -> Material:
+    names = test.material.own.keys() & rows.keys()
     try:
-        for name in own.keys() & rows.keys():
-            own[name] = law.parameters[name].checked(float(rows[name][row]))
-        return law.make(own, given)
+        law = test.material.changed({name: float(rows[name][row]) for name in names})
+        return law.material(density=1.0, shear_modulus=1.0, poissons_ratio=test.poissons_ratio)
     except (SceneError, ParameterError) as refusal:
         raise ParameterError("material", f"at {rows['depth'][row]:g} m: {refusal}") from None
