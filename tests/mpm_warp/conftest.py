@@ -41,12 +41,12 @@ MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
     "steady_tolerance": 0,
 }
 """A short cone test to which its further runs belong."""
-DIRECTED = {
-    "material": "anisotropic",
+STRENGTHS = {
     "strength_compression": 20e3,
     "strength_extension": 10e3,
     "strength_simple_shear": 15e3,
 }
+DIRECTED: dict[str, Any] = {"material": {"law": "anisotropic", **STRENGTHS}}
 """Clay whose strength depends on direction."""
 
 

@@ -157,11 +157,11 @@ MADE = [
     made(
         LinearElastic,
         ELASTIC,
-        shear_modulus=NUMBERS,
+        shear_modulus=NUMBERS[:-1],
         poissons_ratio=[-0.1, 0.5, 0.7, NAN],
         density=[0.0, -1.0, INF],
     ),
-    made(Tresca, CLAY, strength=NUMBERS, density=[-1.0]),
+    made(Tresca, CLAY, strength=NUMBERS[:-1], density=[-1.0]),
     made(VonMises, CLAY, strength=[0.0, INF]),
     made(
         EinavRandolph,
@@ -215,7 +215,7 @@ MADE = [
         Scene,
         SCENE,
         grid=[None, GRID],
-        material=[None, "tresca"],
+        material=[None, "tresca", Tresca(shear_modulus=1e6, poissons_ratio=0.3, density=1e3)],
         particles_per_side=[0, -2, 2.0, 1.5, True, NAN],
         time_step_fraction=[0.0, INF],
         stress_at_rest=[np.zeros(3), np.array([0.0, NAN, 0.0, 0.0])],

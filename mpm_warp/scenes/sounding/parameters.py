@@ -317,13 +317,12 @@ def check_sounding(test: SoundingTest) -> None:
         allowed = getattr(ground, name)[:1] if test.profile is None else [default]
         if not isinstance(value, Derived) and value not in allowed:
             test.refuse(name, f": the {where}; keep one of them")
-    if test.profile is not None:
-        _check_law(test, ground)
+    _check_law(test, ground)
 
 
 def _check_law(test: SoundingTest, ground: Profile) -> None:
     """Refuse a parameter of the law that a profile has by depth too."""
-    for name in ground.of_law:
+    for name in ground.of_law if test.profile is not None else ():
         if test.material.own[name] != test.material.parameters[name].default:
             raise ParameterError(
                 f"{PARAMETER}.{name}",

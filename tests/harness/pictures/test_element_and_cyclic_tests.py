@@ -27,7 +27,7 @@ def tested() -> xr.Dataset:
             "effective_mean_stress": ((name, "shear_strain"), 50e3 - shear),
             "excess_pore_pressure": ((name, "shear_strain"), shear),
             "strength": (name, [10e3, 40e3], {"role": "headline", "units": "Pa"}),
-            "critical_state_ratio": ((), 1.2, {"role": "parameter"}),
+            "material.critical_state_ratio": ((), 1.2, {"role": "parameter"}),
             "status": (name, ["completed", "completed"]),
         },
         coords={

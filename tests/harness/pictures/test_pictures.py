@@ -5,7 +5,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import numpy as np
@@ -124,7 +123,7 @@ def test_a_caption_begins_with_the_title_as_a_sentence(title: str, made_up: Made
 
 ROWS = ConePenetration().cells_per_radius
 INDEX = r"$I_{\mathrm{r}}$"
-LAW: dict[str, Any] = {"critical_state_shape": "matsuoka_nakai", "material": "modified_cam_clay"}
+LAW = {"law": "modified_cam_clay", "critical_state_shape": "matsuoka_nakai"}
 PROFILE = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.6"
 
 
@@ -137,7 +136,7 @@ PROFILE = "depth [m], strength [kPa], adhesion_factor [1]; 0, 20, 0.3; 9, 20, 0.
         (ConePenetration(cells_per_radius=2.31), ("$R/h$",), ("$R$",)),
         (ConePenetration(cells_per_radius=2.31, cone_radius=1.0), ("$R/h$", "$R$"), ()),
         (ConePenetration(remoulded_strength_ratio=0.3, ductility=15), ("0.3", "15"), ("$R/h$",)),
-        (ConePenetration(**LAW), ("matsuoka nakai",), ("κ",)),  # κ is that of the law
+        (ConePenetration(material=LAW), ("matsuoka nakai",), ("κ",)),  # κ is that of the law
         (Sounding(from_depth=2.0), (INDEX, "$α$"), ()),
         # a profile takes their place
         (

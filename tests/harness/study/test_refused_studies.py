@@ -33,7 +33,7 @@ OF_A_CONE = [
     ("[vary]\ndensity = [[1]]", "[vary] density = [1] is not allowed: must be a number"),
     ("[fixed]\ndensity = 1\n[vary]\ndensity = [1]", "as well"),
     # Ranges.
-    ("[vary]\nmaterial = { from = 1, to = 2 }", "cannot be a range"),
+    ("[vary]\nmaterial = { from = 1, to = 2 }", "unknown parameter 'material.from'"),
     (
         "[vary]\nadhesion_factor = { from = 0, to = 2, count = 3 }",
         "to = 2 is not allowed: must be a number >= 0 and <= 1",

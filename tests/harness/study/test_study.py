@@ -1,20 +1,15 @@
 """Studies: their cases by design, settings from the command line, and what of a base holds."""
 
 import dataclasses
-from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 import pytest
 
-from harness.study import study as studies
 from harness.study.cases import Case
 from harness.study.description import unusual_values
 from harness.study.files import study_names
 from harness.study.study import Study, load_study
 from harness.study.tables import LONGEST_MESSAGE, StudyError
-from mpm_warp.fields import parameter
-from mpm_warp.scenes.material.material_point import MaterialPoint
 from tests.harness.conftest import HEAD, Refusal, study_in, values
 
 
@@ -303,28 +298,37 @@ def test_a_name_that_is_a_file_here_is_told_so(
 POINT = 'title = "t"\nscene = "material_point"\n'
 
 
-@dataclass(frozen=True, kw_only=True)
-class WithLaw(MaterialPoint):
-    """The scene where a package with a law is installed."""
+@pytest.mark.parametrize(
+    "table",
+    [
+        'material = { law = "modified_cam_clay", swelling_slope = 0.03 }',
+        'material.law = "modified_cam_clay"\nmaterial.swelling_slope = 0.03',
+        'material = "modified_cam_clay"\n"material.swelling_slope" = 0.03',
+    ],
+)
+def test_a_law_is_given_with_its_own_parameters_in_each_way_that_toml_has(
+    tmp_path: Path, table: str
+) -> None:
+    (case,) = study_in(tmp_path, f"{POINT}[fixed]\n{table}\n").cases
+    assert case.parameters["material"] == "modified_cam_clay"
+    assert case.parameters["material.swelling_slope"] == 0.03
+    assert case.built().material.own["swelling_slope"] == 0.03
 
-    of_other_laws: ClassVar[tuple[str, ...]] = ("yield_stress",)
 
-    yield_stress: float | None = parameter(None, "yield stress of my_law", unit="Pa", above=0.0)
-
-    def _check_other_laws(self) -> None:
-        """Here the law of the scene has it."""
-
-
-def test_parameters_of_a_law_of_another_package_name_the_cases_that_have_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_only_cases_of_a_law_have_its_parameters_and_another_law_replaces_them(
+    tmp_path: Path,
 ) -> None:
     """And a stress that looks like kilopascals is told."""
-    (before,) = study_in(tmp_path, POINT).cases
-    monkeypatch.setattr(studies, "scene_class", lambda name: WithLaw)
-    (without,) = study_in(tmp_path, POINT).cases
-    assert without.key == before.key
-    study = study_in(tmp_path, POINT + "[vary]\nyield_stress = [2e4, 3e4]\n")
-    assert values(study, "yield_stress") == [(2e4,), (3e4,)]
+    (plain,) = study_in(tmp_path, POINT).cases
+    assert not [name for name in plain.parameters if "." in name]
+    clay = f'{POINT}[fixed]\nmaterial = {{ law = "modified_cam_clay" }}\n'
+    study = study_in(tmp_path, clay + "[vary]\nmaterial.mean_effective_stress = [2e4, 3e4]\n")
+    assert values(study, "material.mean_effective_stress") == [(2e4,), (3e4,)]
     assert len({case.key for case in study.cases}) == 2
-    (line,) = unusual_values(study_in(tmp_path, POINT + "[fixed]\nyield_stress = 20\n"))
-    assert line == "yield_stress = 20 is in Pa; if 20 kPa is meant, give 20000"
+    fixed = clay + '"material.mean_effective_stress" = 20\n'
+    (line,) = unusual_values(study_in(tmp_path, fixed))
+    assert line == ("material.mean_effective_stress = 20 is in Pa; if 20 kPa is meant, give 20000")
+    path = tmp_path / "again.toml"
+    path.write_text(fixed)
+    (again,) = load_study(str(path), ["material=tresca"]).cases
+    assert again.key == plain.key

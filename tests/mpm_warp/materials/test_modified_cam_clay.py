@@ -10,6 +10,7 @@ import scipy
 
 from mpm_warp import ElementTest, ModifiedCamClay, ParameterError, SceneError, Simulation
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials.clay_law import own_parameters
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI
 from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
 from mpm_warp.scenes.material.material_point import TESTS
@@ -20,8 +21,10 @@ from tests.mpm_warp.materials.rates import integrated
 
 
 def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
-    ratio_of = {"isotropic_overconsolidation_ratio": ratio}
-    return ElementTest(material="modified_cam_clay", test=test, **ratio_of, **changed).run()
+    names = own_parameters(ModifiedCamClay).keys()
+    own = {it: changed.pop(it) for it in names & changed.keys()}
+    law = ModifiedCamClay(**{"isotropic_overconsolidation_ratio": ratio} | own)
+    return ElementTest(material=law, test=test, **changed).run()
 
 
 def ends(material: ModifiedCamClay, gradient: Floats, steps: int) -> tuple[Floats, Floats, Floats]:
@@ -153,7 +156,7 @@ def test_a_given_shear_modulus_stays() -> None:
 def test_by_the_lode_angle_every_direction_has_one_friction_angle(M: float, test: str) -> None:
     """Matsuoka & Nakai: I1 I2 / I3 = 9 + 8 tan^2 phi, sin phi = 3 M / (6 + M), at the end."""
     shape: dict[str, Any] = {"critical_state_ratio": M, "critical_state_shape": MATSUOKA_NAKAI}
-    scene = ElementTest(material="modified_cam_clay", test=test, **shape)
+    scene = ElementTest(material={"law": "modified_cam_clay", **shape}, test=test)
     simulation = Simulation(scene.build())
     simulation.advance(scene.step_count)
     rr, zz, rz, tt = simulation.array("particle.stress")[0]
@@ -244,7 +247,8 @@ def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> Non
     ],
 )
 def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> None:
-    refused(partial(ElementTest, material="modified_cam_clay", **changed), ParameterError, message)
+    law = {"law": "modified_cam_clay", **changed}
+    refused(partial(ElementTest, material=law), ParameterError, message)
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,8 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.materials import other_laws
+from mpm_warp.materials import clay_law
 from mpm_warp.materials.tresca import Tresca
-from mpm_warp.scenes import clay
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import BallPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding
@@ -41,9 +40,8 @@ title = "Bonded clay"
 scene = "cone_penetration"
 
 [fixed]
-material = "bonded_clay"
+material = { law = "bonded_clay", isotropic_overconsolidation_ratio = 1.0 }
 undrained_shear_strength = 25e3
-isotropic_overconsolidation_ratio = 1.0
 cells_per_radius = 1.5
 domain_radius = 8
 domain_above = 3
@@ -52,7 +50,7 @@ penetration = 2
 steady_tolerance = 0
 
 [vary]
-bonding = [0, 1]
+material.bonding = [0, 1]
 """
 
 
@@ -82,10 +80,10 @@ def test_a_law_with_the_name_of_another_is_refused(
     names: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It would be taken for the other one without a word."""
-    points = [EntryPoint(name, "their_clay:Clay", other_laws.GROUP) for name in names]
-    monkeypatch.setattr(other_laws, "entry_points", lambda group: points)
+    points = [EntryPoint(name, "their_clay:Clay", clay_law.GROUP) for name in names]
+    monkeypatch.setattr(clay_law, "entry_points", lambda group: points)
     with pytest.raises(ParameterError, match=f"'{names[0]}': the entry point 'their_clay:Clay'"):
-        other_laws.other_laws.__wrapped__()
+        clay_law.laws.__wrapped__()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,28 +93,26 @@ class OfOneStiffness(Tresca):
     shear_modulus: float = field(init=False, default=5e6)
 
 
-def test_the_rigidity_index_is_that_of_a_law_whose_stiffness_alone_is_its_own(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    law = other_laws.OtherLaw(name="modified_cam_clay", kind=OfOneStiffness, parameters={})
-    monkeypatch.setattr(clay, "other_law", lambda name: law)
+def test_the_rigidity_index_is_that_of_a_law_whose_stiffness_alone_is_its_own() -> None:
     for kind in (ConePenetration, Sounding, BallPenetration):
-        test: Any = kind(material="modified_cam_clay", undrained_shear_strength=25e3)
+        test: Any = kind(material=OfOneStiffness(), undrained_shear_strength=25e3)
         assert test.rigidity_index == 200.0
         assert test.clay.ground_shear_modulus == 5e6
         with pytest.raises(ParameterError, match=r"rigidity_index = 50 .* is its own: 250 su"):
-            kind(material="modified_cam_clay", rigidity_index=50.0)
+            kind(material=OfOneStiffness(), rigidity_index=50.0)
 
 
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(offered: Path) -> None:
     run = command(offered, "run", "study.toml", "--out", "results", "--workers", "1")
     assert run.returncode == 0, run.stdout + run.stderr
     with xr.open_dataset(offered / "results" / "study.nc") as study:
-        assert list(study.bonding.values) == [0.0, 1.0]
+        assert list(study["material.bonding"].values) == [0.0, 1.0]
         assert set(study.status.values) == {"completed"}
         assert set(np.atleast_1d(study.built_law.values)) == {"bonded_clay"}
-        assert set(np.atleast_1d(study.compression_slope.values)) == {0.2}  # its default
-        assert study.mean_effective_stress.attrs["units"] == "Pa"
+        assert set(np.atleast_1d(study["material.compression_slope"].values)) == {
+            0.2
+        }  # its default
+        assert study["material.mean_effective_stress"].attrs["units"] == "Pa"
         resistance = study.cone_factor_simulated.values
         assert resistance[1] > resistance[0] > 0.0
         assert np.isnan(study.cone_factor_uncertainty.values).all()
@@ -146,14 +142,15 @@ def test_other_scenes_take_the_law(offered: Path, scene: str, settings: dict[str
 
 
 def test_the_law_is_described_and_its_values_are_checked(offered: Path) -> None:
-    described = command(offered, "describe", "cone_penetration").stdout
-    assert "(of material bonded_clay and modified_cam_clay, default 0.2)" in described
+    described = command(offered, "describe", "bonded_clay").stdout
+    assert "material.bonding " in described
+    assert "bonding" not in command(offered, "describe", "cone_penetration").stdout
     schema = json.loads(command(offered, "schema").stdout)
     assert "swelling_slope" in json.dumps(schema)
     refused = {
-        "compresion_slope=0.1": "did you mean 'compression_slope'",
-        "swelling_slope=true": "must be a number; meaning: slope kappa",
-        "material=tresca": "is no parameter of material = 'tresca'",
+        "compression_slope=0.1": "did you mean 'material.compression_slope'",
+        "material.swelling_slope=true": "must be a number; meaning: slope kappa",
+        "material.yield_stress=1": "unknown parameter 'material.yield_stress'",
         "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
     }
     for setting, message in refused.items():

@@ -1,4 +1,4 @@
-"""Scenes by name, with the parameters of all laws, and the observed order of a scene's error."""
+"""Scenes by name, and the observed order of a scene's error."""
 
 import math
 from typing import Any
@@ -7,9 +7,8 @@ from mpm_warp.scenes import CatalogueScene, scene_class
 
 
 def scene(name: str, **given: object) -> Any:
-    """A scene as the catalogue offers it."""
-    kind: Any = scene_class(name)
-    return kind(**given)
+    """A scene by the values of its parameters in flat form."""
+    return scene_class(name).of(given)
 
 
 def order_and_errors(

@@ -6,9 +6,10 @@ import pytest
 import xarray as xr
 
 from mpm_warp import EinavRandolph, ParameterError, Tresca
+from mpm_warp.materials.anisotropic import Anisotropic
 from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.strength_modes import by_mode, cone_factors_by_mode, rigidity_of_law
-from tests.mpm_warp.conftest import DIRECTED, refused
+from tests.mpm_warp.conftest import DIRECTED, STRENGTHS, refused
 from tests.mpm_warp.scenes.conftest import scene
 
 cone_test = partial(scene, "cone_penetration")
@@ -64,8 +65,8 @@ def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None
 
 
 def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
-    strong = {name: 10.0 * su for name, su in DIRECTED.items() if isinstance(su, float)}
-    test = cone_test(material="anisotropic", **strong, remoulded_strength_ratio=0.5, ductility=10.0)
+    strong = {name: 10.0 * su for name, su in STRENGTHS.items()}
+    test = cone_test(material=Anisotropic(**strong), remoulded_strength_ratio=0.5, ductility=10.0)
     found = by_mode(test, cone_factor=FACTOR)
     assert float(found["cone_factor_by_extension"]) == pytest.approx(18.0)
     assert test.clay.strength == test.undrained_shear_strength == 200e3

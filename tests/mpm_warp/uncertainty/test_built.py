@@ -119,7 +119,7 @@ def test_further_runs_measure_the_error_in_clay_of_laws_that_were_tried(
     clay: dict[str, Any], of_cones: str, of_others: str
 ) -> None:
     """Up to a (1 - delta) / xi_95 of 0.1."""
-    material = ConePenetration.offered()(**clay).build().material
+    material = ConePenetration(**clay).build().material
     for laws, said in ((built.LAWS_OF_CONES, of_cones), (built.MEASURED_LAWS, of_others)):
         reasons = built.why_law_not_measured(material, laws)
         assert bool(reasons) == bool(said)

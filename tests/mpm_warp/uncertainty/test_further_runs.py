@@ -267,7 +267,7 @@ CAM_CLAY = {"material": "modified_cam_clay"}
     ],
 )
 def test_runs_that_are_not_made_are_not_counted(scene: Any, clay: dict[str, Any]) -> None:
-    alone, asked = scene.offered()(**clay), scene.offered()(uncertainty="measured", **clay)
+    alone, asked = scene(**clay), scene(uncertainty="measured", **clay)
     assert asked.run_size() == alone.run_size()
 
 
@@ -294,7 +294,7 @@ def test_factors_by_each_strength_are_corrected_too(monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(further_runs, "with_measured_error", corrected)
     clay: Any = {"material": "modified_cam_clay"}
-    results = ConePenetration.offered()(**MEASURABLE, **clay).run()
+    results = ConePenetration(**MEASURABLE, **clay).run()
     share = float(results.cone_factor_by_compression / results.cone_factor)
     assert share == pytest.approx(2.0 / math.sqrt(3.0))
     assert float(results.Bq * results.cone_factor) == pytest.approx(float(results.N_du))

@@ -53,7 +53,7 @@ def test_cells_too_wide_for_further_runs_are_why_there_is_no_uncertainty() -> No
 
 def test_where_no_further_run_can_tell_the_error_none_is_advised() -> None:
     clay: Any = {"material": "modified_cam_clay"}
-    result = TBarPenetration.offered()(**clay, **SHORT).run()
+    result = TBarPenetration(**clay, **SHORT).run()
     reason = "law: the error is not known in modified_cam_clay: nothing is corrected"
     assert str(result.why_no_uncertainty.values) == reason
 

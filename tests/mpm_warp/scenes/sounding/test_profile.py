@@ -1,7 +1,7 @@
 """The ground by depth: what a table says, and what is wrong with it in one line."""
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -242,8 +242,10 @@ def test_friction_and_slopes_by_depth_are_those_of_their_rows() -> None:
         modulus = float(sounding.ground.shear_modulus_at(np.array(depth)))
         assert modulus == pytest.approx(0.6 * 2.0 * 50e3 / swelling, rel=1e-9)
     at = sounding.build().material.properties_at(np.array([0.0, sounding.start_depth - 4.0]))
-    own = {"critical_state_ratio": 0.8, "compression_slope": 0.2, "swelling_slope": 0.05}
-    of_row = offered(material="modified_cam_clay", mean_effective_stress=50e3, **own).build()
+    own: dict[str, Any] = {"critical_state_ratio": 0.8, "compression_slope": 0.2}
+    own |= {"swelling_slope": 0.05, "mean_effective_stress": 50e3}
+    own = {"material": {"law": "modified_cam_clay", **own}}
+    of_row = offered(**own).build()
     np.testing.assert_allclose(at, of_row.material.properties, rtol=1e-12)
 
 
@@ -254,7 +256,10 @@ P0 = "mean_effective_stress [kPa]"
 
 def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
     """Both effective stresses are linear between the rows; the vertical ratio goes by their K0."""
-    own: dict[str, Any] = {"material": "modified_cam_clay", "vertical_overconsolidation_ratio": 3.0}
+    own: dict[str, Any] = {
+        "material": "modified_cam_clay",
+        "material.vertical_overconsolidation_ratio": 3.0,
+    }
     sounding = offered(profile=K0, from_depth=4.0, to_depth=6.0, **own)
     at = np.array([3.0, 7.0, 11.0])
     vertical = 17e3 * at - 9.81e3 * (at - 1.0)
@@ -265,7 +270,10 @@ def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
     np.testing.assert_allclose(ground.of_law["mean_effective_stress"][rows], mean, rtol=1e-12)
     delta = (vertical - horizontal) / (2.0 * ground.strength[rows])
     np.testing.assert_allclose(ground.stress_anisotropy[rows], delta, rtol=1e-12)
-    clay = {"mean_effective_stress": mean[1], "earth_pressure_at_rest": (horizontal / vertical)[1]}
+    clay = {
+        "material.mean_effective_stress": mean[1],
+        "material.earth_pressure_at_rest": (horizontal / vertical)[1],
+    }
     test = scene("cone_penetration", **own, **clay)
     assert ground.strength[rows[1]] == pytest.approx(test.undrained_shear_strength, rel=1e-12)
     assert ground.stress_anisotropy[rows[1]] == pytest.approx(test.stress_anisotropy, rel=1e-12)
@@ -273,7 +281,10 @@ def test_k0_and_ground_water_give_the_effective_stress_of_cam_clay() -> None:
 
 def test_normally_consolidated_cam_clay_may_change_its_k0() -> None:
     """Its yield surface goes through the stress at rest, wherever the stretch begins and ends."""
-    own: dict[str, Any] = {"material": "modified_cam_clay", "vertical_overconsolidation_ratio": 1.0}
+    own: dict[str, Any] = {
+        "material": "modified_cam_clay",
+        "material.vertical_overconsolidation_ratio": 1.0,
+    }
     sounding = offered(profile=K0.replace("0.8", "0.3"), from_depth=4.03, to_depth=6.0, **own)
     ground = sounding.ground_passed
     at_rest, mean = ground.of_law["earth_pressure_at_rest"], ground.of_law["mean_effective_stress"]
@@ -284,33 +295,33 @@ def test_normally_consolidated_cam_clay_may_change_its_k0() -> None:
 
 
 def test_k0_and_ground_water_give_the_stress_anisotropy_of_strengths_by_direction() -> None:
-    own: dict[str, Any] = {"strength_compression": 50e3, "strength_extension": 30e3}
-    own |= {"strength_simple_shear": 40e3, "from_depth": 3.0}
+    own = {"strength_compression": 50e3, "strength_extension": 30e3, "strength_simple_shear": 40e3}
+    material = {"law": "anisotropic", **own}
     vertical = 11.0 * 17e3 - 10.0 * 9.81e3
-    found = offered(material="anisotropic", profile=K0, **own).ground.stress_anisotropy[-1]
+    found = offered(material=material, profile=K0, from_depth=3.0).ground.stress_anisotropy[-1]
     assert found == pytest.approx(0.4 * vertical / (2.0 * 50e3), rel=1e-12)
 
 
 @pytest.mark.parametrize("ratio", ["isotropic", "vertical"])
 def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
     """To the bit; what the ground says is in the parameters of the sounding too."""
-    given: dict[str, Any] = {f"{ratio}_overconsolidation_ratio": 3.0}
+    given: dict[str, Any] = {f"material.{ratio}_overconsolidation_ratio": 3.0}
     sounding = offered(material="modified_cam_clay", **given)
     test = scene("cone_penetration", material="modified_cam_clay", **given)
     assert sounding.undrained_shear_strength == test.undrained_shear_strength
     assert sounding.stress_anisotropy == test.stress_anisotropy
     built, expected = sounding.build().material, test.clay
     assert (built.properties, built.variation) == (expected.properties, None)
-    values = {it.name: getattr(sounding, it.name) for it in fields(sounding)}
+    values = {name: value for name, (_, value) in flat_values(sounding).items()}
     stored = {name: float(it) if isinstance(it, float) else it for name, it in values.items()}
     assert offered(**stored) == sounding
 
 
 def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it() -> None:
-    by_direction: dict[str, Any] = {"material": "anisotropic", "strength_compression": 40e3}
-    by_direction |= {"strength_extension": 24e3, "strength_simple_shear": 32e3}
+    own = {"strength_compression": 40e3, "strength_extension": 24e3, "strength_simple_shear": 32e3}
+    material = {"law": "anisotropic", **own}
     clays = [
-        scene(name, **by_direction, rigidity_index=250.0).build().material
+        scene(name, material=material, rigidity_index=250.0).build().material
         for name in ("sounding", "cone_penetration")
     ]
     assert clays[0].ground_shear_modulus == clays[1].ground_shear_modulus
@@ -335,14 +346,14 @@ def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it
         ),
         (
             {"material": "modified_cam_clay", "profile": CAM.replace("1.2", "0.8")},
-            "at 9.2 m: isotropic_overconsolidation_ratio = 0.92.* must be a number >= 1",
+            "at 9.2 m: material.isotropic_overconsolidation_ratio = 0.92.* must be a number >= 1",
         ),
         (
             {"material": "modified_cam_clay", "profile": CAM, "stress_anisotropy": 0.9},
             "must be >= .* the stress of the ground is outside the yield surface",
         ),
         (
-            {"material": "modified_cam_clay", "profile": CAM, "swelling_slope": 0.3},
+            {"material": {"law": "modified_cam_clay", "swelling_slope": 0.3}, "profile": CAM},
             "at 0 m: ModifiedCamClay: compression_slope = 0.2 must be > swelling_slope = 0.3",
         ),
         ({"material": "modified_cam_clay", "profile": TEXT}, "column strength: .* leave it out"),
@@ -356,8 +367,11 @@ def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it
         ),
         ({"profile": K0}, "column strength is missing"),
         (
-            {"material": "modified_cam_clay", "profile": CAM, "mean_effective_stress": 99e3},
-            "mean_effective_stress = 99000 is not allowed: the profile has it by depth",
+            {
+                "material": {"law": "modified_cam_clay", "mean_effective_stress": 99e3},
+                "profile": CAM,
+            },
+            "material.mean_effective_stress = 99000 is not allowed: the profile has it by depth",
         ),
         ({"material": "modified_cam_clay", "layer_top": 3.0}, "layer_top: .* in a profile"),
         (
@@ -371,7 +385,7 @@ def test_uniform_clay_with_strengths_by_direction_is_as_stiff_as_the_cone_has_it
         (
             {
                 "material": "modified_cam_clay",
-                "vertical_overconsolidation_ratio": 2.0,
+                "material.vertical_overconsolidation_ratio": 2.0,
                 "stress_anisotropy": 0.0,
             },
             "stress_anisotropy = 0 is not allowed: the law has it by K0",
