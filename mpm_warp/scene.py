@@ -129,7 +129,7 @@ class Scene(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.material.check_complete()
+        self.material.check_complete("Scene: material")
         self.material.check_stress_at_rest(self.stress_at_rest)
         refuse_together(
             "stress_at_rest",

@@ -112,7 +112,7 @@ class Body(Checked):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.material.check_complete()
+        self.material.check_complete("Body: material")
         count = np.size(self.volume)
         check_whole("Body: length of volume", count, FROM_ONE)
         check_array("Body: position", self.position, (count, 2))

@@ -107,11 +107,14 @@ class Material(Checked, ABC):
         for number, row in enumerate(rows or ()):
             check_kind(f"{name}: variation.rows[{number}]", row, type(self))
 
-    def check_complete(self) -> None:
-        """Raise a `SceneError` for a number that only a scene of the catalogue would have given."""
+    def check_complete(self, name: str) -> None:
+        """Raise a `SceneError` for a number that only a scene of the catalogue would have given.
+
+        `name` is that of the owner and its field, for the message.
+        """
         for own in fields(self):
             if own.type is float and getattr(self, own.name) is None:
-                raise SceneError(f"{type(self).__name__}: {own.name} is missing")
+                raise SceneError(f"{name}: {type(self).__name__}: {own.name} is missing")
 
     # The law on the device.
 

@@ -139,14 +139,16 @@ MODES = ("triaxial_compression", "triaxial_extension", "simple_shear", "pressure
 
 @pytest.mark.parametrize(("test", "strength"), list(zip(MODES, MEASURED.values(), strict=True)))
 def test_strengths_come_out_of_element_tests(test: str, strength: float) -> None:
-    result = scene_class("element_test")(test=test, material="anisotropic", **MEASURED).run()
+    result = scene_class("element_test")(
+        test=test, material={"law": "anisotropic", **MEASURED}
+    ).run()
     assert float(result.strength) == pytest.approx(strength, rel=1e-4)
     assert float(result.strength_exact) == pytest.approx(strength, rel=1e-12)
 
 
 def test_plane_strain_is_as_strong_as_the_law_says() -> None:
-    given = {**MEASURED, "strength_horizontal": None}
-    result = scene_class("element_test")(test="plane_strain", material="anisotropic", **given).run()
+    given = {**MEASURED, "law": "anisotropic", "strength_horizontal": None}
+    result = scene_class("element_test")(test="plane_strain", material=given).run()
     assert float(result.error) < 1e-4
     assert float(result.undrained_shear_strength) == 20e3
 
@@ -181,7 +183,7 @@ def test_cylindrical_cavity_has_the_pressure_of_the_horizontal_strength() -> Non
     """Of the integral of the law along the exact strain path, at the finest of its grids."""
     strengths = {name: 10.0 * su for name, su in STRENGTHS.items()} | {"strength_horizontal": 13.0}
     result = scene_class("cavity_cylinder")(
-        material="anisotropic", rigidity_index=50, cells_per_radius=8, **strengths
+        material={"law": "anisotropic", **strengths}, rigidity_index=50, cells_per_radius=8
     ).run()
     clay = Anisotropic(shear_modulus=1000.0, poissons_ratio=0.4999, density=1.0, **strengths)
     strains = np.geomspace(1e-9, 4.0, 4000)
@@ -203,12 +205,11 @@ def test_spherical_cavity_has_the_pressure_of_all_triaxial_paths() -> None:
     strengths = {name: 10.0 * su for name, su in STRENGTHS.items()}
     # At Poisson's ratio 0.495 the compressible soil would bear 0.3 % less than the exact one.
     cavity = scene_class("cavity_sphere")(
-        material="anisotropic",
+        material=Anisotropic(**strengths),
         rigidity_index=50,
         poissons_ratio=0.498,
         cells_per_radius=4,
         expansion=2.5,
-        **strengths,
     )
     built = cavity.build()
     along_rays = replace(built, parts=(RadialMotion(), *built.parts))
@@ -255,5 +256,5 @@ def test_ground_that_yields_before_is_refused() -> None:
 
 
 def test_a_scene_refuses_strengths_in_a_line() -> None:
-    with pytest.raises(ParameterError, match="strength_compression = None must be a finite num"):
-        scene_class("cone_penetration")(material="anisotropic", strength_extension=9e3)
+    with pytest.raises(ParameterError, match="strength_compression = None Pa must be a finite num"):
+        scene_class("cone_penetration")(material={"law": "anisotropic", "strength_extension": 9e3})

@@ -19,10 +19,11 @@ from tests.mpm_warp.conftest import greatest_shear, refused
 from tests.mpm_warp.materials.conftest import KAPPA, LAMBDA, SHARE, STRESS, V, cam_clay, points_on
 from tests.mpm_warp.materials.rates import integrated
 
+OWN = own_parameters(ModifiedCamClay).keys()
+
 
 def element(test: str, ratio: float = 1.0, **changed: Any) -> Any:
-    names = own_parameters(ModifiedCamClay).keys()
-    own = {it: changed.pop(it) for it in names & changed.keys()}
+    own = {it: changed.pop(it) for it in OWN & changed.keys()}
     law = ModifiedCamClay(**{"isotropic_overconsolidation_ratio": ratio} | own)
     return ElementTest(material=law, test=test, **changed).run()
 
@@ -247,8 +248,9 @@ def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> Non
     ],
 )
 def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> None:
-    law = {"law": "modified_cam_clay", **changed}
-    refused(partial(ElementTest, material=law), ParameterError, message)
+    given = {"material": "modified_cam_clay"}
+    given |= {f"material.{it}" if it in OWN else it: value for it, value in changed.items()}
+    refused(partial(ElementTest.of, given), ParameterError, message)
 
 
 @pytest.mark.parametrize(

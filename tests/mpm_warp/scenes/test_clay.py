@@ -89,8 +89,7 @@ def test_pore_pressure_has_factors_by_mode_and_bq_has_none() -> None:
     assert directed["N_du"].attrs["long_name"] == "pore pressure factor N_du, compression"
     for anisotropy in (0.0, 0.4):
         test = cone_test(
-            material="modified_cam_clay",
-            isotropic_overconsolidation_ratio=1.5,
+            material={"law": "modified_cam_clay", "isotropic_overconsolidation_ratio": 1.5},
             stress_anisotropy=anisotropy,
         )
         su = test.undrained_shear_strength
