@@ -132,8 +132,8 @@ def parameter(
     no value, and the type is ``float | None``. `meaning` must say which.
     """
     choices = choices if variants is None else tuple(variants.names())
-    definition = {"unit": unit, "meaning": meaning, "choices": choices, "sane": sane}
-    definition |= {"variants": variants}
+    definition: dict[str, Any] = {"unit": unit, "meaning": meaning, "choices": choices}
+    definition |= {"sane": sane, "variants": variants}
     return dataclasses.field(default=default, metadata={**definition, "bounds": Range(**bounds)})
 
 
@@ -176,10 +176,14 @@ def own_of_variants(variants: Variants) -> Mapping[str, Parameter]:
     return found
 
 
+def _class_of(scene: object) -> Any:
+    return type(scene)
+
+
 def flat_values(scene: object) -> dict[str, tuple[Parameter, Value | None]]:
     """Definitions and values of all parameters of a scene in flat form."""
     values: dict[str, tuple[Parameter, Value | None]] = {}
-    for name, definition in own_parameters_of(type(scene)).items():
+    for name, definition in own_parameters_of(_class_of(scene)).items():
         value = getattr(scene, name)
         values[name] = definition, (value if definition.variants is None else value.name)
         if definition.variants is not None:
@@ -238,7 +242,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
     Then `derived` gives values, by name, for parameters that were not given.
     """
-    for name, definition in own_parameters_of(type(scene)).items():
+    for name, definition in own_parameters_of(_class_of(scene)).items():
         given = getattr(scene, name)
         value = definition.default if isinstance(given, Derived) else given
         if definition.variants is not None:
@@ -251,7 +255,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
     """Check derived values and set the parameters of a scene that were not given."""
-    definitions = own_parameters_of(type(scene))
+    definitions = own_parameters_of(_class_of(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
             checked = definitions[name].checked(value)

@@ -63,20 +63,20 @@ class ClayLaw:
         if isinstance(value, cls):
             return value
         if isinstance(value, Material):
-            for name in GIVEN:
-                if getattr(value, name, None) is not None and name in _given(type(value)):
+            for it in _given(type(value)):
+                if getattr(value, it) is not None:
                     raise _refused(
-                        f"{type(value).__name__}: {name} is given by the scene; leave it out"
+                        f"{type(value).__name__}: {it} is given by the scene; leave it out"
                     )
-            own = {name: getattr(value, name) for name in own_parameters(type(value))}
+            own = {it: getattr(value, it) for it in own_parameters(type(value))}
             return cls(_name_of(type(value)), type(value), own)
         if isinstance(value, Mapping):
             own = dict(value)
-            name = own.pop(LAW, None)
+            name: object = own.pop(LAW, None)
             if name is None:
                 raise _refused(f'has no law; as in {{ {LAW} = "modified_cam_clay" }}')
         else:
-            name, own = value, {}
+            name, own = value, dict[str, object]()
         if not isinstance(name, str) or name not in laws():
             near = nearest_name(name, laws()) if isinstance(name, str) else ""
             raise ParameterError(
@@ -114,7 +114,7 @@ class ClayLaw:
     def material(self, **given: float) -> Material:
         """The material, from values of `GIVEN`; it takes those that it has."""
         values: dict[str, Any] = {name: it for name, it in given.items() if name in self.given}
-        return self.kind(**self.own, **values)
+        return self.kind(**values, **dict[str, Any](self.own))
 
 
 def _refused(problem: str) -> ParameterError:

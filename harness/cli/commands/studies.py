@@ -121,7 +121,7 @@ def describe(options: argparse.Namespace) -> int:
         say(*site_rows(Path(options.subject)))
         return DONE
     if options.subject in laws():
-        print(*law_rows(options.subject), sep="\n")
+        say(*law_rows(options.subject))
         return DONE
     if not is_scene(options.subject):
         study = load_study(options.subject)

@@ -136,8 +136,9 @@ class Sounding(SoundingTest):
             name: float(value) if isinstance(value, Derived) else value
             for name, value in values.items()
         }
-        law = {"material": self.material.changed(of_law)}
-        return ConePenetration(**kept | of_ground | of_start | law)
+        law = self.material.changed(of_law)
+        given: dict[str, Any] = kept | of_ground | of_start | {"material": law}
+        return ConePenetration(**given)
 
     def _in_ground(
         self, strength: Any, shear_modulus: Any, adhesion: Any, anisotropy: Any, vertical: Any

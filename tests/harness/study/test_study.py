@@ -2,6 +2,7 @@
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -312,7 +313,8 @@ def test_a_law_is_given_with_its_own_parameters_in_each_way_that_toml_has(
     (case,) = study_in(tmp_path, f"{POINT}[fixed]\n{table}\n").cases
     assert case.parameters["material"] == "modified_cam_clay"
     assert case.parameters["material.swelling_slope"] == 0.03
-    assert case.built().material.own["swelling_slope"] == 0.03
+    built: Any = case.built()
+    assert built.material.own["swelling_slope"] == 0.03
 
 
 def test_only_cases_of_a_law_have_its_parameters_and_another_law_replaces_them(
