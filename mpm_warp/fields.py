@@ -144,13 +144,19 @@ def redefined(group: type, name: str, **changes: Any) -> Any:
     return parameter(**definition | dataclasses.asdict(definition.pop("bounds")) | changes)
 
 
-@functools.cache
+_DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
+"""Definitions by scene class: resolving type hints is slow, and a study has thousands of cases."""
+
+
 def own_parameters_of(scene: type) -> Mapping[str, Parameter]:
     """The parameters of a scene class, by name, in the order of their declaration."""
-    return {field.name: definition_of(scene, field) for field in dataclasses.fields(scene)}
+    if scene not in _DEFINITIONS:
+        _DEFINITIONS[scene] = {
+            field.name: definition_of(scene, field) for field in dataclasses.fields(scene)
+        }
+    return _DEFINITIONS[scene]
 
 
-@functools.cache
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
     """All parameters of a scene class in flat form: also those that only some variants have."""
     definitions: dict[str, Parameter] = {}
@@ -161,6 +167,7 @@ def parameters_of(scene: type) -> Mapping[str, Parameter]:
     return definitions
 
 
+@functools.cache
 def own_of_variants(variants: Variants) -> Mapping[str, Parameter]:
     """The own parameters of all variants that can be loaded; one of several has no bounds here."""
     found: dict[str, Parameter] = {}
@@ -176,14 +183,10 @@ def own_of_variants(variants: Variants) -> Mapping[str, Parameter]:
     return found
 
 
-def _class_of(scene: object) -> Any:
-    return type(scene)
-
-
 def flat_values(scene: object) -> dict[str, tuple[Parameter, Value | None]]:
     """Definitions and values of all parameters of a scene in flat form."""
     values: dict[str, tuple[Parameter, Value | None]] = {}
-    for name, definition in own_parameters_of(_class_of(scene)).items():
+    for name, definition in own_parameters_of(type(scene)).items():
         value = getattr(scene, name)
         values[name] = definition, (value if definition.variants is None else value.name)
         if definition.variants is not None:
@@ -242,7 +245,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
     Then `derived` gives values, by name, for parameters that were not given.
     """
-    for name, definition in own_parameters_of(_class_of(scene)).items():
+    for name, definition in own_parameters_of(type(scene)).items():
         given = getattr(scene, name)
         value = definition.default if isinstance(given, Derived) else given
         if definition.variants is not None:
@@ -255,7 +258,7 @@ def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
     """Check derived values and set the parameters of a scene that were not given."""
-    definitions = own_parameters_of(_class_of(scene))
+    definitions = own_parameters_of(type(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
             checked = definitions[name].checked(value)

@@ -1,6 +1,6 @@
 """How a scene is shown at the Python prompt and in Jupyter: by what differs from its defaults."""
 
-from mpm_warp.fields import Derived, Parameter, parameters_of
+from mpm_warp.fields import Derived, Parameter, Value, flat_values
 from mpm_warp.jupyter import html_table
 
 
@@ -14,22 +14,23 @@ class ShownByParameters:
             cls.__repr__ = ShownByParameters.__repr__  # type: ignore[method-assign]
 
     def __repr__(self) -> str:
-        """The scene as it can be typed."""
-        given = ", ".join(f"{it.name}={getattr(self, it.name)!r}" for it in self._given())
+        """The scene as it can be typed; a law is a table."""
+        names = dict.fromkeys(it.name.partition(".")[0] for it, _ in self._given())
+        given = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
         return f"{type(self).__name__}({given})"
 
     def _repr_html_(self) -> str:
         """The same as a table, with units and meanings."""
         rows = (
-            (it.name, getattr(self, it.name), "" if it.unit == "1" else it.unit, it.meaning)
-            for it in self._given()
+            (it.name, value, "" if it.unit == "1" else it.unit, it.meaning)
+            for it, value in self._given()
         )
         return html_table(type(self).__name__, [*rows, ("all others", "by default")])
 
-    def _given(self) -> list[Parameter]:
-        """Definitions of the parameters that differ from their defaults and are not derived."""
+    def _given(self) -> list[tuple[Parameter, Value | None]]:
+        """Parameters that differ from their defaults and are not derived, in flat form."""
         return [
-            definition
-            for name, definition in parameters_of(type(self)).items()
-            if not isinstance(value := getattr(self, name), Derived) and value != definition.default
+            (definition, value)
+            for definition, value in flat_values(self).values()
+            if not isinstance(value, Derived) and value != definition.default
         ]
