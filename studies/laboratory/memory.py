@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from harness.archive.conventions import COMPLETED
+from harness.machine import peak_memory
 from harness.run.resources import UPDATE_RATE, predicted_memory
 from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
@@ -73,9 +74,7 @@ def run(connection: Connection, name: str, parameters: dict[str, Any], whole: bo
         simulation.check()
         if scene.loads_solvers:
             importlib.import_module("scipy.integrate")  # as its result would
-    lines = Path("/proc/self/status").read_text().splitlines()
-    (peak,) = (1024.0 * int(it.split()[1]) for it in lines if it.startswith("VmHWM"))
-    connection.send(peak if status == COMPLETED else None)
+    connection.send(float(peak_memory()) if status == COMPLETED else None)
 
 
 def peak_of(name: str, parameters: dict[str, Any], *, whole: bool) -> float | None:
