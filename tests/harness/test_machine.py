@@ -107,7 +107,7 @@ def test_given_a_machine_without_posix_modules_commands_and_a_run_work(tmp_path:
             title = "tiny"
             scene = "material_point"
             [fixed]
-            step_count = 8
+            step_count = 64
         """)
     )
     (tmp_path / "test.csv").write_text(measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH))
