@@ -3,7 +3,8 @@
 The surface of the ground moves up through a window that moves down, and leaves it at the top. Cells
 are partly filled only near the surface. There
 
-- the stress acts in proportion to the filling (`mpm_warp.step.cells`),
+- the stress acts in proportion to the filling (`mpm_warp.step.cells`), and what the least mass of a
+  node keeps does not press on a body there (`mpm_warp.parts.contact`),
 - a material point takes a share a of its velocity from the grid in every step, the PIC fraction of
   Zhu & Bridson (2005, ACM Trans. Graph. 24:965-972): v_p <- v_p + N (v - u) + a (N u - v_p). This
   removes the energy that the transfers add where points enter empty cells. It acts as a shear
@@ -38,7 +39,7 @@ class FreeSurface(Part):
     No cell has a mass-matrix correction, which is derived for full cells.
     """
 
-    cell_bytes = 16.0
+    cell_bytes = 24.0
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the arrays of `_of_cells`; "cell.full_mass" is the mass of full stress [kg]."""

@@ -5,7 +5,7 @@ speed, b coefficient of the bulk viscosity, M mass of a full cell, K bulk modulu
 last step.
 
     sigma_c = sum m sigma / sum m + b rho c h div v            mean stress and bulk viscosity
-    sigma_c <- min(sum m / M, 1) sigma_c                       where a free surface may pass
+    sigma_c <- s sigma_c,  s = min(sum m / M, 1)               where a free surface may pass
     sigma_c <- (tr sigma_c / 3 + K tr e) 1                     an empty cell that soil encloses
 
 Stage 5: the mean velocity gradient of each cell, and the strain and rotation of points in a step.
@@ -54,6 +54,8 @@ def add_cell_stress(plan: Plan, scene: Scene) -> None:
         plan.add_array("cell.viscosity", "real", viscosity * impedance * grid.cell_lengths)
         plan.add_zeros("cell.dilation_rate", "real", grid.cell_count)
     plan.add_zeros("cell.motion", "vec7", grid.cell_count)
+    if "cell.full_mass" in plan.arrays:
+        plan.add_zeros("cell.stress_share", "real", grid.cell_count)
     free_surface, enclosed = (
         f"cell.{name}" in plan.arrays for name in ("full_mass", "enclosed_modulus")
     )
@@ -75,6 +77,7 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclo
         cell_dilation_rate: maybe(real),
         cell_viscosity: maybe(real),
         cell_full_mass: maybe(real),
+        cell_stress_share: maybe(real),
         cell_enclosed_modulus: maybe(real),
         cell_motion: wp.array[vec7],
         cell_stress: wp.array[vec4],
@@ -88,6 +91,8 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclo
                 m += part
                 cell_stress_sum[share, c] = vec4()
                 cell_mass[share, c] = zero
+        if wp.static(free_surface):
+            cell_stress_share[c] = wp.min(m / cell_full_mass[c], one)
         mean = (one / m) * sums
         total = mean[0] + mean[1] + mean[2] + mean[3]
         # A cell that is empty for a moment keeps its last stress, or its pressure follows its
@@ -97,7 +102,7 @@ def _make_cell_stress(share_count: int, viscous: bool, free_surface: bool, enclo
                 q = cell_viscosity[c] * cell_dilation_rate[c]
                 mean += vec4(q, q, zero, q)
             if wp.static(free_surface):
-                mean *= wp.min(m / cell_full_mass[c], one)
+                mean *= cell_stress_share[c]
             cell_stress[c] = mean
         elif wp.static(free_surface):
             cell_stress[c] = vec4()

@@ -43,7 +43,7 @@ class ConeSelfSimilar(CatalogueScene):
     """
 
     summary = "load of a cone against its depth, from first touch"
-    version = 3
+    version = 4
     verifications = compared("cells_per_radius", (12, 16), error=0.05)
     limits: ClassVar[Limits] = {
         "error": Limit(2.0 * LARGEST_ERROR, "more cells_per_radius, or a lower speed_ratio")

@@ -13,10 +13,11 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField
 from mpm_warp.parts.contact import SurfaceContact, contact_law
+from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import AUDIT_INTERVAL
 from mpm_warp.planning import make_plan
-from mpm_warp.scene import Scene
+from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import changing_clay, layers
 
@@ -192,7 +193,7 @@ def test_a_surface_without_friction_has_nothing_of_it(cone: Scene) -> None:
 
 
 def impulses_under_pressure(
-    cone: Scene, share: float, *, friction: float = 0.0, pressure: float = PRESSURE
+    cone: Scene, share: float, *parts: Part, friction: float = 0.0, pressure: float = PRESSURE
 ) -> Floats:
     """Impulses of one step under a uniform pressure, with so much of its mass left to each point.
 
@@ -205,7 +206,7 @@ def impulses_under_pressure(
         in_situ_stress=IN_SITU,
         adhesion_forces=0.0 * cone[SurfaceContact].adhesion_forces,
     )
-    simulation = Simulation(cone.without(Window, FarField).with_parts(contact))
+    simulation = Simulation(cone.without(Window, FarField).with_parts(contact, *parts))
     simulation.assign("particle.mass", share * simulation.array("particle.mass"))
     pressed = np.zeros((len(simulation.array("particle.mass")), 4))
     pressed[:, [0, 1, 3]] = -pressure
@@ -221,6 +222,21 @@ def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene) -> 
     assert full[0] > 0.1 * PRESSURE * cone[SurfaceContact].normal_areas[0]
     for share in (0.5, 0.1):
         np.testing.assert_allclose(impulses_under_pressure(cone, share)[:, 0], full, rtol=1e-9)
+
+
+@pytest.mark.parametrize("filling", [1.0, 0.4, 0.1])
+def test_above_a_free_surface_the_body_bears_what_the_soil_gives(
+    cone: Scene, filling: float
+) -> None:
+    """The stress acts by the filling s, and the soil takes m / M of it; of the rest s is borne."""
+    full = impulses_under_pressure(cone, 1.0)[:, 0]
+    simulation = Simulation(cone)
+    simulation.advance(1)
+    mass, least = (simulation.array(f"node.{name}") for name in ("mass", "least_mass"))
+    taken = np.minimum(filling * mass / least, 1.0)[cone[SurfaceContact].nodes]
+    borne = filling * (taken + filling * (1.0 - taken)) * full
+    cut = impulses_under_pressure(cone, filling, FreeSurface())[:, 0]
+    np.testing.assert_allclose(cut, borne, rtol=1e-9)
 
 
 def test_soil_pulls_no_more_by_what_the_least_mass_keeps(cone: Scene) -> None:
