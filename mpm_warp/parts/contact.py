@@ -33,12 +33,12 @@ before and after the force, the impulse on the body is J_n + K, at least -p A dt
     K   = s (max(m, M) - m) (v - u) . n
 
 s is 1 without a free surface, else the least share of the stress that acts in the cells around the
-node (`mpm_warp.step.cells`). The force of a full cell is real, so the body bears all of it. In a
-cell that a free surface cuts, a node above the surface has a part of the force of an evenly filled
-cell, but hardly any soil that could press. With s = 1 there, a cone that enters the ground bears
-2.6 times its exact load where the soil rises into the second row of cells, and at a depth of 4 to
-16 rows 1 % more than the momentum of the soil tells. With s it is within 0.6 % there. In the first
-two rows the momentum tells more in either case, since the tip pushes a whole cell.
+node (`mpm_warp.step.cells`): the part of the force of a full cell that the cell can bear. A node
+above a surface that cuts its cells has hardly any soil that could press. With s = 1 there, a cone
+that enters the ground bears 2.6 times its exact load where soil rises into the second row of cells,
+and on 16 cells a radius the exponent of the depth in its load is 1.92; with s it is 1.98, exactly
+2. In the first two rows the momentum of the soil changes by more than either, since the tip pushes
+a whole cell.
 
 The adhesion follows the strength of the soil. Symbols: k strength of a particle in the cells beside
 a node, k0 initial strength of the material, without variation, x adhesion ratio of the particle, 1
