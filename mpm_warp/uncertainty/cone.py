@@ -132,7 +132,7 @@ class ConeRun(TestRun):
         """By the laws of Tresca clay, at the nearest place where they hold.
 
         So no effect of clay or contact that they do not know makes a step where it begins. A cone
-        with friction is as rough as the shear stress on its face.
+        with friction is as rough as that makes it under the stress on its face.
         """
         if not self.is_of_catalogue:
             return 0.0

@@ -283,12 +283,10 @@ class ConePenetration(ConeTestByDefault):
 
     def error_of(self, recorded: xr.Dataset) -> cone.ConeRun:
         """What the error of a run of this test depends on."""
-        face, _, friction = self.interface
-        on_face = float(recorded.cone_factor_shear) * math.tan(0.5 * math.radians(self.apex_angle))
         return cone.ConeRun(
             laws=self.laws(penetration=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
-            roughness=min(max(on_face, face), 1.0) if friction > 0.0 else face,
+            roughness=self.interface_in(recorded).face,
             is_of_catalogue=is_of_catalogue(self),
             recorded=recorded,
         )

@@ -8,10 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+import xarray as xr
+
 from mpm_warp.materials.einav_randolph import LARGEST_RATE
 from mpm_warp.scenes.cone.parameters import ConeTest
 from mpm_warp.uncertainty.built import is_of_catalogue
 from mpm_warp.uncertainty.laws import LARGEST_INERTIA, ErrorLaws
+from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR
 from mpm_warp.uncertainty.steadiness import steady_penetration
 
 CELLS_PER_RADIUS = {
@@ -136,6 +140,18 @@ class ConeTestByDefault(ConeTest):
             return Interface(1.0, 1.0, 0.0)
         adhesion = self.adhesion_factor, self.shaft_adhesion_factor
         return Interface(*adhesion, self.friction_coefficient)
+
+    def interface_in(self, recorded: xr.Dataset) -> Interface:
+        """The interface as adhesive as friction makes it, under the normal stress of a run."""
+        face, shaft, friction = self.interface
+        at_rest = self.in_situ_stress / self.undrained_shear_strength
+        on_face = float(recorded.cone_factor_simulated) - float(recorded.cone_factor_shear)
+        on_shaft = np.nan_to_num(float(recorded[RADIAL_FACTOR])) - 2.0 * self.stress_anisotropy
+        face, shaft = (
+            min(1.0, adhesion + friction * max(0.0, at_rest + stress))
+            for adhesion, stress in ((face, on_face), (shaft, on_shaft))
+        )
+        return Interface(face, shaft, friction)
 
     @property
     def inertia(self) -> float:

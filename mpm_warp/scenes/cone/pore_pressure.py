@@ -18,6 +18,7 @@ depends on the mesh: unlike the pressure, it is the same at the shaft and in the
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -160,11 +161,12 @@ def stated_beside_shaft(
         grown = f"mesh: cell_growth is above {LARGEST_GROWTH:g}: {CARRIED_ON}"
         why_none = why_none or grown
     sleeve = stated_sleeve(results, remoulded=shaft * remoulded if has_lower_bound else math.nan)
+    rough = test.interface_in(results)
     pressures = stated_pressures(
         results,
-        laws,
+        replace(laws, adhesion_factor=rough.face),
         strength=strength,
-        shaft_adhesion=shaft,
+        shaft_adhesion=rough.shaft,
         why_none=why_none,
         is_corrected=is_of_catalogue(test),
     )

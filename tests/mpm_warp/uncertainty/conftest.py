@@ -7,7 +7,7 @@ import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.laws import Value
-from mpm_warp.uncertainty.shoulder import shoulder_pressure
+from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, shoulder_pressure
 
 NOTHING_LEFT = (1.0,), (0.0,)
 """A half width over the rigidity index that is none."""
@@ -22,6 +22,7 @@ def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr
             "penetration_resistance": ("penetration", test.undrained_shear_strength * resistance),
             "cone_factor_simulated": factor,
             "cone_factor_shear": 0.0,
+            RADIAL_FACTOR: 4.0,
             "penetration_reached": test.penetration,
         }
     )

@@ -49,7 +49,8 @@ def beside(test: Any, name: str) -> list[Any]:
     near = [value * (1.0 - 1e-7), value * (1.0 + 1e-7)] if value else [1e-9]
     allowed = parameters_of(type(test))[name].bounds
     kept = [it for it in near if allowed.maximum is None or it <= allowed.maximum]
-    changed = [replace(test, **NEEDED.get(name, {}), **{name: it}) for it in kept]
+    given = {key: it for key, it in NEEDED.get(name, {}).items() if getattr(test, key) is None}
+    changed = [replace(test, **given, **{name: it}) for it in kept]
     assert changed
     return [test, *changed]
 
@@ -102,6 +103,8 @@ BASES: dict[str, dict[str, Any]] = {
     "nearest bottom": {"domain_below": 7.4},
     "nearest top": {"domain_above": 0.74 * 13.0},
     "shortest": {"penetration": 14.5},
+    "fast clay": {"rate_factor": 0.1, "reference_strain_rate": 1e-5},
+    "soft clay": {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
     "soil shears": {"friction_coefficient": 0.05, "rate_factor": 0.0, "adhesion_factor": 1.0},
 }
 
