@@ -18,6 +18,7 @@ STUDIES = Path(__file__).parent.parent / "studies"
 HELD_OUT, HELD_OUT_MESHES = 24, 12
 """Cases of the test of the interval, and of that of the law of the mesh."""
 CONFIDENCE = 0.95
+OF_MESH = laws.EFFECTS["mesh"].half_width
 """Share of the cases that the interval is to hold."""
 
 
@@ -56,7 +57,7 @@ def limits_by_meshes(
         the limit N0 of each case; B and Q of smooth and rough cones, shape [2, n].
     """
     clays = sorted({(it["rigidity_index"], it["adhesion_factor"]) for it in cases})
-    count = len(laws.RIGIDITY_INDICES)
+    count = len(laws.TABLE.rigidity_index)
     unknowns = np.arange(len(clays) + 3 * count + 2)
     limit, slope, curvature = np.split(unknowns, [-3 * count - 2, -count - 2])
     system = np.zeros((len(cases), len(unknowns)))
@@ -64,12 +65,12 @@ def limits_by_meshes(
     limit_of = [clays.index((it["rigidity_index"], it["adhesion_factor"])) for it in cases]
     for row, (it, clay) in enumerate(zip(cases, limit_of, strict=True)):
         size, rough = cell_size(it["cells_per_radius"]), it["adhesion_factor"] ** 2
-        index = laws.RIGIDITY_INDICES.index(it["rigidity_index"])
+        index = laws.TABLE.rigidity_index.tolist().index(it["rigidity_index"])
         share = np.array([1.0 - rough, rough])
         system[row, limit[clay]] = 1.0
         system[row, slope[[index, index + count]]] = share * size
         system[row, curvature[[min(index, 1), index + 2]]] = share * size**power
-        of_growth = laws.GROWTH_ERROR * laws.growth_measure(size, laws.GROWTH_OF_MESHES)
+        of_growth = laws.EFFECTS["growth"].size * laws.growth_measure(size, laws.GROWTH_OF_MESHES)
         factors[row] = it["cone_factor_simulated"] - of_growth
     found = np.asarray(np.linalg.lstsq(system, factors, rcond=None)[0], dtype=np.float64)
     softest, smooth, *rough_ones = found[curvature]
@@ -78,9 +79,10 @@ def limits_by_meshes(
 
 
 def test_the_law_of_the_mesh_is_that_of_the_meshes_measured() -> None:
-    """B and Q by least squares as they stand in the code, which has two decimals."""
+    """B and Q by least squares as they stand in the table, which has two decimals."""
     _, *found = limits_by_meshes(laws.CURVATURE_POWER, table("mesh_error"))
-    np.testing.assert_allclose([laws.SLOPES, laws.CURVATURES], found, rtol=0, atol=0.0051)
+    stated = [laws.TABLE.columns[it].T for it in ("slope", "curvature")]
+    np.testing.assert_allclose(stated, found, rtol=0, atol=0.0051)
 
 
 @pytest.mark.parametrize("power", [1.5, laws.CURVATURE_POWER, 2.0])
@@ -91,13 +93,10 @@ def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     ]
     sizes = np.array([cell_size(it["cells_per_radius"]) for it in cases])
     corrected = [it["cone_factor_simulated"] - mesh_error_of(it) for it in cases]
-    of_limit = np.interp(
-        np.log([it["rigidity_index"] for it in cases]),
-        np.log(laws.LIMIT_HALF_WIDTH[0]),
-        laws.LIMIT_HALF_WIDTH[1],
-    )
+    indices = np.array([it["rigidity_index"] for it in cases])
+    of_limit = laws.TABLE.at("limit_half_width", indices)
     limits, *_ = limits_by_meshes(power, cases)
-    inside = np.abs(corrected - limits) <= np.hypot(of_limit, laws.MESH_HALF_WIDTH * sizes)
+    inside = np.abs(corrected - limits) <= np.hypot(of_limit, OF_MESH * sizes)
     assert inside.mean() >= CONFIDENCE
 
 
@@ -128,11 +127,9 @@ def test_the_law_of_the_mesh_holds_between_the_clays_that_it_was_fitted_to() -> 
         clay = {"rigidity_index": index, "adhesion_factor": adhesion}
         errors = [mesh_error_of(clay | {"cells_per_radius": 1.0 / size}) for size in sizes]
         limits = np.array(list(readings.values())) - errors
-        of_limit = float(
-            np.interp(math.log(index), np.log(laws.LIMIT_HALF_WIDTH[0]), laws.LIMIT_HALF_WIDTH[1])
-        )
-        noise = laws.NOISE_HALF_WIDTH * np.hypot(sizes, sizes[-1])
-        left = np.hypot(np.hypot(laws.MESH_HALF_WIDTH * (sizes - sizes[-1]), noise), of_limit)
+        of_limit = float(laws.TABLE.at("limit_half_width", index))
+        noise = laws.EFFECTS["noise"].half_width * np.hypot(sizes, sizes[-1])
+        left = np.hypot(np.hypot(OF_MESH * (sizes - sizes[-1]), noise), of_limit)
         assert np.all(np.abs(limits - limits[-1]) <= left)
 
 
@@ -146,9 +143,7 @@ def test_the_law_of_the_mesh_holds_for_cases_that_were_not_used_for_it() -> None
     inside = []
     for coarse, fine in zip(*by_rows.values(), strict=True):
         limits = [it["cone_factor_simulated"] - mesh_error_of(it) for it in (coarse, fine)]
-        half_widths = [
-            laws.MESH_HALF_WIDTH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)
-        ]
+        half_widths = [OF_MESH * cell_size(it["cells_per_radius"]) for it in (coarse, fine)]
         inside.append(abs(limits[0] - limits[1]) <= math.hypot(*half_widths))
     assert len(inside) == HELD_OUT_MESHES
     assert sum(inside) >= math.floor(CONFIDENCE * len(inside))

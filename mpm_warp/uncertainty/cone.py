@@ -38,6 +38,7 @@ from mpm_warp.uncertainty.built import (
 from mpm_warp.uncertainty.further_runs import ALONE, CARRIED_ON, TestRun, those_that_hold
 from mpm_warp.uncertainty.laws import (
     APEX_ANGLE,
+    EFFECTS,
     LARGEST_CELL,
     LARGEST_MEASURABLE_CELL,
     LARGEST_MEASURED_INERTIA,
@@ -48,13 +49,6 @@ from mpm_warp.uncertainty.laws import (
     window_uncertainty,
 )
 from mpm_warp.uncertainty.steadiness import REMAINING_CHANGE, SETTLING_MARGIN, last_change
-
-POINTS_HALF_WIDTH, NOISE_HALF_WIDTH, LIMIT_HALF_WIDTH = 0.001, 0.015, 0.025
-"""Half widths: of the effect of more material points, over Nc; and, where `laws` has no smaller
-value, of the noise of a run and of the limit of fine cells. This limit is known from at most 14
-rows beside the face."""
-APPROACH_HALF_WIDTH = 0.0015
-"""Half width of the effect of the fast approach, over Nc."""
 
 FINER, GROWING, SLOWER, WIDER = 1.6, 2.0, 0.5, 1.4
 """Cells per radius, growth of the cells, speed and extents of the window in the further runs, over
@@ -115,7 +109,7 @@ class ConeRun(TestRun):
     residual_shares = RESIDUAL_SHARES
     remedies = REMEDIES
     largest_correction = LARGEST_CORRECTION
-    approach = APPROACH_HALF_WIDTH
+    approach = EFFECTS["approach"].half_width
 
     laws: ErrorLaws  # of its error at the end of the run
     strength: float  # undrained shear strength su [Pa]
@@ -169,9 +163,9 @@ class ConeRun(TestRun):
         resistance = self.recorded.penetration_resistance.values / self.strength
         return {
             "steadiness": REMAINING_CHANGE * abs(last_change(resistance)),
-            "limit": LIMIT_HALF_WIDTH,
-            "points": POINTS_HALF_WIDTH * self.factor,
-            "noise": NOISE_HALF_WIDTH * float(np.linalg.norm(weights)),
+            "limit": EFFECTS["limit_of_further_runs"].half_width,
+            "points": EFFECTS["points"].half_width * self.factor,
+            "noise": EFFECTS["noise_of_further_runs"].half_width * float(np.linalg.norm(weights)),
         }
 
     def measures(self, case: Self) -> dict[str, float]:
@@ -221,7 +215,7 @@ def known_error(run: ConeRun, test: Test, built: Scene) -> dict[str, xr.Variable
     """
     laws = run.laws
     by_laws = {name: float(value) for name, value in laws.half_widths().items()}
-    by_laws["speed"] += APPROACH_HALF_WIDTH * run.factor
+    by_laws["speed"] += EFFECTS["approach"].half_width * run.factor
     of_others = why_not_of_catalogue(test, built)
     of_clay = why_law_not_measured(built.material, LAWS_OF_CONES) or _why_not_of_scene(built)
     reasons = [*(of_others or of_clay), *why_laws_do_not_hold(laws)]

@@ -5,10 +5,11 @@
     E_bottom = -D Ir / H^2
     E_bound  = -P b
 
-h is the width of the cells at the cone over its radius, g their growth. B and Q are tables by
-rigidity index and adhesion factor. i = rho V^2 / su = Ir (V / c_s)^2 is the inertia, c_s the speed
-of shear waves. H is the distance of the bottom of the window from the tip, over the radius. b is
-what a bound of Poisson's ratio takes off that of the clay.
+h is the width of the cells at the cone over its radius, g their growth. i = rho V^2 / su =
+Ir (V / c_s)^2 is the inertia, c_s the speed of shear waves. H is the distance of the bottom of the
+window from the tip, over the radius. b is what a bound of Poisson's ratio takes off that of the
+clay. A table has B and Q by rigidity index and adhesion factor, another the other effects and all
+half widths (`measured`).
 
 All four are subtracted from the cone factor. What remains unknown is given as half widths of 95 %.
 `scenes/cone/README.md` says how all of it was measured; `studies/mesh_error.toml` measures B. The
@@ -21,38 +22,29 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.built import LARGEST_BRITTLENESS
+from mpm_warp.uncertainty.tables import Table, Value, effects, read
 
-Value = Floats | float
 Condition = NDArray[np.bool_] | bool
-Row = tuple[float, ...]
+
+TABLE = Table.of("cone_factor")
+"""B, Q and the half width of the limit of fine cells."""
+EFFECTS = effects("cone_factor_effects")
+BY_APEX = np.array([[float(it) for it in row.values()] for row in read("cone_slopes")]).T
+"""Apex angles [degree], and B there over that of `APEX_ANGLE`."""
 
 APEX_ANGLE = 60.0
 """Apex angle of the cones that the laws were measured with [degree]."""
-RIGIDITY_INDICES = (20.0, 30.0, 50.0, 100.0, 300.0, 1000.0)
-"""Rigidity indices at which the error of the mesh was measured."""
-SLOPES = (
-    (-1.71, -1.95, -1.92, -1.89, -1.69, -1.46),
-    (-1.04, -1.02, -1.27, -1.34, -1.31, -1.29),
-)
-CURVATURES = ((1.56, *(1.96,) * 5), (1.01, 1.14, 1.49, 1.55, 1.59, 1.75))
-"""B and Q of E_mesh at `RIGIDITY_INDICES`, dimensionless. The first row is of a smooth cone, the
-second of a rough one; between them B and Q follow the square of the adhesion factor."""
 CURVATURE_POWER = 1.7
 """The power of h in the term of Q."""
-BY_APEX = (40.0, APEX_ANGLE, 90.0, 120.0), (0.63, 1.0, 1.26, 1.66)
-"""Apex angles [degree], and B there over that of `APEX_ANGLE`: at Ir 100, adhesion factor 0.5."""
+GROWTH_OF_MESHES = 0.4
+"""Growth of the cells of the meshes on which B and Q were measured."""
 BY_STRENGTHENING, BY_BRITTLENESS = 0.45, -2.5
 """Change of B over B per relative rise of the strength at the strain rate V / R, and per
 (1 - delta) / xi_95; likewise."""
-GROWTH_ERROR, GROWTH_OF_MESHES = 1.2, 0.4
-"""C of E_mesh, dimensionless; growth of the meshes on which B and Q were measured."""
 LARGEST_MEASURABLE_CELL, LARGEST_CELL = 0.44, 0.58
 """Largest width of the cells at the cone over its radius for which these laws hold: in further runs
 and samples of a sounding, 4 rows of cells beside a face of 60 degrees; in cone tests, 3 rows."""
-SPEED_ERROR = 0.07
-"""S of E_speed, dimensionless."""
 LARGEST_INERTIA, LARGEST_MEASURED_INERTIA = 3.0, 1.0
 """rho V^2 / su up to which E_speed holds, and up to which further runs at half the speed measure
 it. The effect is not linear: at 2.9 the further runs were off by twice their half width."""
@@ -65,36 +57,13 @@ the top is known. At 0.5 Nc was off by 1.3 to 2.5 U, at 0.72 by 1.0; at 0.75 ran
 within U."""
 LARGEST_GROWTH = 1.0
 """Growth of the cells up to which its effect is known."""
-BOTTOM_ERROR = 0.04
-"""D of E_bottom, dimensionless, measured by windows twice as large in all directions. Where only
-the bottom moved, to 0.75 to 2.2 times its default distance, D was 0.04 to 0.07 at Ir 50 and 100
-and -0.03 to 0.01 from Ir 250 on."""
 NEAREST_BOTTOM = 0.74
 """Smallest H / sqrt(Ir) for which the effect of the bottom is known."""
-BOUND_ERROR, BOUND_HALF_WIDTH = 4.5, 0.8
-"""P of E_bound, and its half width. At Ir 25 to 500, smooth and rough, Delta -0.5 to 0.5, a
-Poisson's ratio of 0.45 instead of 0.49 lowers Nc by 3.7 to 5.4 times the difference."""
-LIMIT_HALF_WIDTH = (300.0, 1000.0), (0.015, 0.03)
-"""Half width of the limit of fine cells: rigidity indices, and its values there. Powers of h from
-1.5 to 2 in place of 1.7 give other limits. The corrected factors of all meshes of 5 or more rows
-differ from these limits by at most this half width and that of B together. The finest meshes
-have 28 to 56 rows up to Ir 300, and 14 to 20 at Ir 1000."""
-MESH_HALF_WIDTH, GROWTH_HALF_WIDTH, NOISE_HALF_WIDTH = 0.09, 0.3, 0.045
-"""Half widths: of B; of C; of the noise of a run, over h. Those of B and of the noise include the
-residuals of the fit, whose root mean square is 0.009 on 3 rows, 0.005 on 10, 0.004 on 20 and 28."""
-DOMAIN_HALF_WIDTH, FULL_DOMAIN_INDEX, SMALL_DOMAIN_HALF_WIDTH = 0.02, 50.0, 0.035
-"""Half width of the effect of the default window on Nc; rigidity index below which this half width
-is in proportion to Ir, as softer clay has a smaller plastic zone in a window of the same size; and
-half width of the effect of a smaller window, see `window_uncertainty`."""
-GROWTH_MODEL_HALF_WIDTH, GROWTH_SHARE = 0.02, 1.0 / 3.0
-"""Half width for other powers of h and g in the term of C, and its largest share of that term. Both
-apply to the difference from `GROWTH_OF_MESHES`."""
-BOTTOM_HALF_WIDTH, TOP_HALF_WIDTH = 0.03, 0.2
-"""Half widths: of D; and of the effect of the top, over (-Delta)^1.5 sqrt(Ir) / A. A is the extent
-of the window above the shoulder over the radius. The top acts where the horizontal stress in the
-ground is larger than the vertical one."""
-SPEED_HALF_WIDTH = 0.05
-"""Half width of S."""
+FULL_DOMAIN_INDEX = 50.0
+"""Rigidity index below which the half width of the default window is in proportion to Ir: softer
+clay has a smaller plastic zone in a window of the same size."""
+GROWTH_SHARE = 1.0 / 3.0
+"""Largest share of the term of C that its half width for other powers of h and g has."""
 FELT_BEFORE = {True: 3.0, False: 7.0}
 """Distance above a border of layers, over the radius, at which 5 % of the change of resistance is
 reached; the largest of the study `two_layers`. Key: whether the soil below is the stronger."""
@@ -108,21 +77,11 @@ CLEAR_OF_BORDER = 10.0, 16.0
 CLEAR_OF_LARGE_CHANGE = 16.0, 30.0
 """The same distances where the strength changes by more than a factor of four. At 0.1 and 0.02
 times the strength all of 520 samples beyond them are within the half width."""
-TESTED_INDICES = RIGIDITY_INDICES[0], RIGIDITY_INDICES[-1]
 TESTED_ANISOTROPY, TESTED_POISSONS_RATIO = 0.5, 0.45
-"""Smallest and largest rigidity index, largest |Delta| and smallest Poisson's ratio for which the
-laws were measured and tested."""
+"""Largest |Delta| and smallest Poisson's ratio for which the laws were measured and tested."""
 LARGEST_ANISOTROPY, SMALLEST_POISSONS_RATIO = 0.95, 0.4
 SMALLEST_INDEX, LARGEST_INDEX = 10.0, 2000.0
 """How far the laws are extrapolated; each was checked in a few runs."""
-ANISOTROPY_HALF_WIDTH, POISSON_HALF_WIDTH, SOFTER_HALF_WIDTH, STIFFER_HALF_WIDTH = (
-    0.4,
-    1.0,
-    0.35,
-    0.15,
-)
-"""Half widths of the extrapolation: per |Delta|, per Poisson's ratio, per ln(Ir) below and per
-ln(Ir) above the range in which the laws were measured or tested."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -163,27 +122,26 @@ class ErrorLaws:
             cell_growth=min(self.cell_growth, LARGEST_GROWTH),
             slope_ratio=self.slope_ratio,
         )
-        bottom = BOTTOM_ERROR * np.minimum(self._nearness, 1.0 / NEAREST_BOTTOM**2)
-        rest = bottom - SPEED_ERROR * np.minimum(self.inertia, LARGEST_INERTIA) - mesh
-        return rest + BOUND_ERROR * self.poissons_ratio_reduction
+        bottom = EFFECTS["bottom"].size * np.minimum(self._nearness, 1.0 / NEAREST_BOTTOM**2)
+        speed = EFFECTS["speed"].size * np.minimum(self.inertia, LARGEST_INERTIA)
+        return bottom - speed - mesh + EFFECTS["bound"].size * self.poissons_ratio_reduction
 
     def half_widths(self) -> dict[str, Value]:
         """Half widths of 95 % that remain in the corrected cone factor, by cause."""
         felt = np.minimum(1.0, self.rigidity_index / FULL_DOMAIN_INDEX)
+        left = {name: effect.half_width for name, effect in EFFECTS.items()}
+        root = np.sqrt(self.rigidity_index)
         return {
-            "limit": interpolated(LIMIT_HALF_WIDTH, self.rigidity_index),
-            "noise": NOISE_HALF_WIDTH * self.cell_size,
-            "mesh": MESH_HALF_WIDTH * self.cell_size,
+            "limit": TABLE.at("limit_half_width", self.rigidity_index),
+            "noise": left["noise"] * self.cell_size,
+            "mesh": left["mesh"] * self.cell_size,
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),
-            "domain": DOMAIN_HALF_WIDTH * felt * min(1.0, self.extent_ratio) ** 2
+            "domain": left["domain"] * felt * min(1.0, self.extent_ratio) ** 2
             + window_uncertainty(self.extent_ratio),
-            "bottom": BOTTOM_HALF_WIDTH * self._nearness,
-            "top": TOP_HALF_WIDTH
-            * self._larger_horizontal_stress
-            * np.sqrt(self.rigidity_index)
-            / self.above,
-            "speed": SPEED_HALF_WIDTH * self.inertia,
-            "bound": BOUND_HALF_WIDTH * self.poissons_ratio_reduction,
+            "bottom": left["bottom"] * self._nearness,
+            "top": left["top"] * self._larger_horizontal_stress * root / self.above,
+            "speed": left["speed"] * self.inertia,
+            "bound": left["bound"] * self.poissons_ratio_reduction,
             "range": self._beyond_range,
         }
 
@@ -224,14 +182,16 @@ class ErrorLaws:
     @property
     def _beyond_range(self) -> Value:
         """Half width of the extrapolation beyond the range tested, shape [...]."""
-        below, above = (np.log(index / self.rigidity_index) for index in TESTED_INDICES)
-        anisotropy = np.abs(self.stress_anisotropy) - TESTED_ANISOTROPY
-        return (
-            ANISOTROPY_HALF_WIDTH * np.maximum(0.0, anisotropy)
-            + POISSON_HALF_WIDTH * max(0.0, TESTED_POISSONS_RATIO - self.poissons_ratio)
-            + SOFTER_HALF_WIDTH * np.maximum(0.0, below)
-            + STIFFER_HALF_WIDTH * np.maximum(0.0, -above)
-        )
+        softest, stiffest = TABLE.rigidity_index[[0, -1]]
+        beyond = {
+            "anisotropy": np.abs(self.stress_anisotropy) - TESTED_ANISOTROPY,
+            "compressible": TESTED_POISSONS_RATIO - self.poissons_ratio,
+            "softer": np.log(softest / self.rigidity_index),
+            "stiffer": -np.log(stiffest / self.rigidity_index),
+        }
+        parts = [EFFECTS[it].half_width * np.maximum(0.0, by) for it, by in beyond.items()]
+        whole: Value = sum(parts)
+        return whole
 
     @property
     def _nearness(self) -> Value:
@@ -257,8 +217,8 @@ def mesh_error(
 
     Beyond the rigidity indices measured it is that of the nearest one.
     """
-    of_growth = GROWTH_ERROR * growth_measure(cell_size, cell_growth)
-    slope = _by_clay(SLOPES, rigidity_index, adhesion_factor) * slope_ratio
+    of_growth = EFFECTS["growth"].size * growth_measure(cell_size, cell_growth)
+    slope = TABLE.at("slope", rigidity_index, np.square(adhesion_factor)) * slope_ratio
     curvature = curvature_error(
         rigidity_index=rigidity_index, adhesion_factor=adhesion_factor, cell_size=cell_size
     )
@@ -280,19 +240,8 @@ def slope_ratio(apex_angle: float, strengthening: float, brittleness: float) -> 
 
 def curvature_error(*, rigidity_index: Value, adhesion_factor: Value, cell_size: float) -> Value:
     """Q h^1.7, the part of E_mesh that hardly differs between cones and clays, shape [...]."""
-    curvature = _by_clay(CURVATURES, rigidity_index, adhesion_factor)
+    curvature = TABLE.at("curvature", rigidity_index, np.square(adhesion_factor))
     return curvature * math.pow(cell_size, CURVATURE_POWER)
-
-
-def _by_clay(table: tuple[Row, Row], rigidity_index: Value, adhesion_factor: Value) -> Value:
-    """B or Q of a clay, from its table with a row for smooth and one for rough cones."""
-    smooth, rough = (interpolated((RIGIDITY_INDICES, row), rigidity_index) for row in table)
-    return smooth + adhesion_factor**2 * (rough - smooth)
-
-
-def interpolated(table: tuple[Row, Row], rigidity_index: Value) -> Value:
-    """Linear interpolation over ln(Ir), shape [...]; the table is rigidity indices and values."""
-    return np.interp(np.log(rigidity_index), np.log(table[0]), table[1])
 
 
 def growth_measure(cell_size: float, cell_growth: float) -> float:
@@ -304,9 +253,9 @@ def growth_uncertainty(cell_size: float, cell_growth: float) -> float:
     """Half width for a growth of the cells other than `GROWTH_OF_MESHES`; see `mesh_error`."""
     measured = growth_measure(cell_size, GROWTH_OF_MESHES)
     differs = abs(growth_measure(cell_size, cell_growth) - measured)
-    return GROWTH_HALF_WIDTH * differs + min(
-        GROWTH_MODEL_HALF_WIDTH, GROWTH_SHARE * GROWTH_ERROR * differs
-    )
+    size, half_width = EFFECTS["growth"]
+    of_law = min(EFFECTS["growth_law"].half_width, GROWTH_SHARE * size * differs)
+    return half_width * differs + of_law
 
 
 def window_uncertainty(extent_ratio: float) -> float:
@@ -321,4 +270,4 @@ def window_uncertainty(extent_ratio: float) -> float:
     Args:
         extent_ratio: as in `ErrorLaws`.
     """
-    return SMALL_DOMAIN_HALF_WIDTH * max(0.0, extent_ratio**2 - 1.0)
+    return EFFECTS["small_window"].half_width * max(0.0, extent_ratio**2 - 1.0)

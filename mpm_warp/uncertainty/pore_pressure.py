@@ -31,49 +31,23 @@ import xarray as xr
 from mpm_warp.results import labelled, variable
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import (
-    BOUND_ERROR,
     ErrorLaws,
-    Value,
-    interpolated,
     window_uncertainty,
 )
 from mpm_warp.uncertainty.shoulder import (
+    EFFECTS,
     RADIAL_FACTOR,
     RADIAL_STRESS,
-    beyond_range,
-    interpolated_table,
-    root_sum_square,
     shoulder_pressure,
 )
+from mpm_warp.uncertainty.shoulder import TABLE as SHOULDER_TABLE
 from mpm_warp.uncertainty.steadiness import last_change
+from mpm_warp.uncertainty.tables import Table, Value, root_sum_square
 
-FACE_RIGIDITY_INDICES, FACE_ADHESION_FACTORS = (20.0, 50.0, 100.0, 300.0, 1000.0), (0.0, 0.5, 1.0)
-FACE_MESH_SLOPE = (
-    (-1.2, 0.0, -0.8),
-    (-1.2, -0.2, -0.8),
-    (-1.0, -0.1, -0.8),
-    (-0.5, 0.1, -0.7),
-    (0.0, 0.4, -0.3),
-)
-"""A by rigidity index (rows) and adhesion factor (columns), from 4 to 28 rows beside the face."""
-FACE_MESH_HALF_WIDTH, FACE_MODEL_HALF_WIDTH = 0.7, 0.01
-"""Half widths of u1: of the mesh, over h; of the law, over F."""
+TABLE = Table.of("u1")
 FACE_WIDE_CELL, FACE_STIFFEST_WITH_WIDE_CELLS = 0.45, 500.0
 """Where h is above the first, with three rows or fewer beside the face, the law of u1 holds up to
 the second, a rigidity index. Above it, quick tests had a u1 3 to 7 % too low."""
-REMAINING_CHANGE = {"face": (0.0, 0.3), "shoulder": (0.25, 0.15)}
-"""Change of u1 and u2 expected after the end of the run, and its half width, both over the last
-change of their means."""
-FACE_NOISE = 0.006
-SHOULDER_NOISE = (50.0, 90.0, 300.0, 600.0), (0.01, 0.013, 0.013, 0.018)
-"""Half widths of the noise of these means, over F; that of u2 by rigidity index."""
-BOUND_EFFECT, BOUND_HALF_WIDTH = {"face": BOUND_ERROR, "shoulder": 1.2}, 1.5
-"""P of u1 and of u2, and the half width of both."""
-FACE_INERTIA_EFFECT = ((20.0, 50.0, 100.0, 500.0), (0.1, 0.35, 0.47, 0.55))
-"""E by rigidity index: the largest change of u1 over i on any mesh, at i = 0.1 to 2.4. From Ir 500
-on, u1 rises with i on four and five rows beside the face, most on five; on seven rows it falls."""
-FACE_RANGE_HALF_WIDTH = 0.3
-"""Half width of u1 per ln(Ir) beyond `FACE_RIGIDITY_INDICES`."""
 
 
 def face_error(
@@ -90,14 +64,15 @@ def face_error(
     The factor is u1 over su as simulated; the other arguments are as in
     `shoulder.shoulder_pressure`.
     """
-    clay = rigidity_index, adhesion_factor
-    slope = interpolated_table(FACE_MESH_SLOPE, FACE_RIGIDITY_INDICES, FACE_ADHESION_FACTORS, *clay)
-    beyond = FACE_RANGE_HALF_WIDTH * beyond_range(FACE_RIGIDITY_INDICES, rigidity_index)
-    by_inertia = inertia * interpolated(FACE_INERTIA_EFFECT, rigidity_index)
-    of_grid = math.hypot(FACE_MESH_HALF_WIDTH * cell_size, window_uncertainty(extent_ratio))
-    of_law = FACE_MODEL_HALF_WIDTH * factor
-    half_width = root_sum_square(of_grid, of_law, beyond, by_inertia)
-    return -slope * cell_size, half_width
+    left = {name.removeprefix("u1_"): effect.half_width for name, effect in EFFECTS.items()}
+    half_width = root_sum_square(
+        left["mesh"] * cell_size,
+        left["model"] * factor,
+        left["range"] * TABLE.beyond(rigidity_index),
+        TABLE.at("by_inertia", rigidity_index) * inertia,
+        window_uncertainty(extent_ratio),
+    )
+    return -TABLE.at("slope", rigidity_index, adhesion_factor) * cell_size, half_width
 
 
 def stated_pressures(
@@ -135,13 +110,14 @@ def stated_pressures(
         simulated, spoken = recorded[name].variable, f"pore pressure factor, {place}"
         factor, correction, half_width = float(simulated.values), 0.0, math.nan
         why = why_none or (too_wide if is_too_wide and place == "face" else "")
+        of_place = "u1" if place == "face" else "u2"
         if place == "face":
             read, curve = factor, recorded["excess_pore_pressure_face"]
-            noise = FACE_NOISE
+            noise = EFFECTS["u1_noise"].half_width
             off, of_laws = face_error(read, **of_cone)
         else:
             read, curve = float(recorded[RADIAL_FACTOR]), recorded[RADIAL_STRESS]
-            noise = float(interpolated(SHOULDER_NOISE, laws.rigidity_index))
+            noise = float(SHOULDER_TABLE.at("noise", laws.rigidity_index))
             pressure, of_laws = shoulder_pressure(
                 read,
                 poissons_ratio=laws.poissons_ratio,
@@ -149,16 +125,16 @@ def stated_pressures(
                 **of_cone | {"adhesion_factor": shaft_adhesion},
             )
             off = pressure - factor
-        reduction = laws.poissons_ratio_reduction
-        remaining, remaining_spread = REMAINING_CHANGE[place]
+        reduction, bound = laws.poissons_ratio_reduction, EFFECTS[f"{of_place}_bound"]
+        to_come = EFFECTS[f"{of_place}_to_come"]
         change = last_change(curve.values / strength)
-        found = float(off) + BOUND_EFFECT[place] * reduction + remaining * np.nan_to_num(change)
+        found = float(off) + bound.size * reduction + to_come.size * np.nan_to_num(change)
         # In a window that ends below its place the radial stress is not known.
         if is_corrected and math.isfinite(found):
             correction = float(found)
         if not why:
-            of_mean = math.hypot(remaining_spread * change, noise * read)
-            half_width = math.hypot(float(of_laws), of_mean, BOUND_HALF_WIDTH * reduction)
+            of_mean = math.hypot(to_come.half_width * change, noise * read)
+            half_width = math.hypot(float(of_laws), of_mean, bound.half_width * reduction)
         stated[name] = simulated.copy(data=np.asarray(factor + correction))
         stated[f"{name}_uncertainty"] = variable(
             half_width,

@@ -18,10 +18,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.cone import POINTS_HALF_WIDTH
 from mpm_warp.uncertainty.cone import REMEDIES as REMEDIES_OF_CONE
 from mpm_warp.uncertainty.further_runs import CARRIED_ON, NOT_CORRECTED, REASON, largest_part
-from mpm_warp.uncertainty.laws import LARGEST_MEASURABLE_CELL, Condition, ErrorLaws
+from mpm_warp.uncertainty.laws import EFFECTS, LARGEST_MEASURABLE_CELL, Condition, ErrorLaws
 
 AVERAGING_DISTANCE = 2.0
 """Distance above and below the tip over which the strength is averaged, in cone radii."""
@@ -132,7 +131,7 @@ def sample_error(
     factor = resistance / around
     correction = laws.correction
     if measured is None:
-        parts = laws.half_widths() | {"points": POINTS_HALF_WIDTH * factor}
+        parts = laws.half_widths() | {"points": EFFECTS["points"].half_width * factor}
         of_method = laws.why_none_holds(largest_cell=LARGEST_MEASURABLE_CELL)
     else:
         by_runs, half_widths = measured.at(depth)

@@ -6,11 +6,8 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty.laws import Value
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, shoulder_pressure
-
-NOTHING_LEFT = (1.0,), (0.0,)
-"""A half width over the rigidity index that is none."""
+from mpm_warp.uncertainty.tables import Value
 
 
 def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:
@@ -29,7 +26,7 @@ def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr
 
 
 def radial_error(factor: Value, *, inertia: Value = 0.0, **of_cone: Any) -> tuple[Value, Value]:
-    """What makes a radial stress u2, and its half width: nu 0.45, and slow if nothing is said."""
-    of_cone = {"poissons_ratio": 0.45} | of_cone
+    """What makes a radial stress u2, and its half width: nu 0.47, and slow if nothing is said."""
+    of_cone = {"poissons_ratio": 0.47} | of_cone
     pressure, half_width = shoulder_pressure(factor, inertia=inertia, **of_cone)
     return pressure - factor, half_width

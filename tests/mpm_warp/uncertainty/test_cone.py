@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone, laws
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
@@ -89,42 +88,46 @@ def test_the_noise_of_a_run_goes_with_the_width_of_its_cells() -> None:
     for rows in (5, 10):
         test = dataclasses.replace(TEST, cells_per_radius=rows / math.sqrt(3.0))
         noise = float(known_error(test).cone_factor_uncertainty_noise)
-        assert noise == pytest.approx(laws.NOISE_HALF_WIDTH * math.sqrt(3.0) / rows)
+        assert noise == pytest.approx(laws.EFFECTS["noise"].half_width * math.sqrt(3.0) / rows)
 
 
 def test_what_a_bound_takes_off_is_given_back() -> None:
     bounded = dataclasses.replace(TEST, poissons_ratio_bound=TEST.poissons_ratio - 0.01)
     own, given_back = (known_error(test) for test in (TEST, bounded))
     difference = float(given_back.cone_factor - own.cone_factor)
-    assert difference == pytest.approx(0.01 * laws.BOUND_ERROR, rel=1e-9)
+    assert difference == pytest.approx(0.01 * laws.EFFECTS["bound"].size, rel=1e-9)
 
 
 def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
-    sizes = np.array([0.1, 0.2])
-    powers = np.stack([sizes, sizes**laws.CURVATURE_POWER], axis=1)
-    # Of B and Q, smooth and rough, rigidity index.
-    tables = np.array([laws.SLOPES, laws.CURVATURES])
-    at_50, at_100 = (laws.RIGIDITY_INDICES.index(index) for index in (50.0, 100.0))
+    """Over ln(Ir), and over the square of the adhesion factor."""
+    table = laws.TABLE
+    indices = table.rigidity_index.tolist()
+    at_50, at_100 = (indices.index(index) for index in (50.0, 100.0))
+    for column, power in (("slope", 1.0), ("curvature", laws.CURVATURE_POWER)):
+        smooth, rough = table.columns[column].T
 
-    def found(rigidity_index: float, adhesion_factor: float) -> Floats:
-        """B and Q, by two meshes."""
-        errors = [
-            laws.mesh_error(
-                rigidity_index=rigidity_index,
-                adhesion_factor=adhesion_factor,
-                cell_size=size,
-                cell_growth=1e-9,  # cells that do not grow have the error of the face alone
-            )
-            for size in sizes
-        ]
-        return np.linalg.solve(powers, np.array(errors))
+        def found(
+            index: float, adhesion: float, column: str = column, power: float = power
+        ) -> float:
+            """B or Q, by meshes that do not grow; Q alone is in `curvature_error`."""
+            clay = {"rigidity_index": index, "adhesion_factor": adhesion, "cell_size": 0.2}
+            of_curvature = laws.curvature_error(**clay)
+            whole = laws.mesh_error(**clay, cell_growth=1e-9)
+            of_column = whole - of_curvature if column == "slope" else of_curvature
+            return float(of_column) / 0.2**power
 
-    approx = functools.partial(pytest.approx, rel=1e-6)
-    assert found(100.0, 0.0) == approx(tables[:, 0, at_100])
-    assert found(100.0, 1.0) == approx(tables[:, 1, at_100])
-    assert found(100.0, 0.5) == approx(0.75 * tables[:, 0, at_100] + 0.25 * tables[:, 1, at_100])
-    between = 0.5 * (tables[:, 1, at_50] + tables[:, 1, at_100])
-    assert found(math.sqrt(50.0 * 100.0), 1.0) == approx(between)
+        approx = functools.partial(pytest.approx, rel=1e-6)
+        assert found(100.0, 0.0) == approx(smooth[at_100])
+        assert found(100.0, 0.5) == approx(0.75 * smooth[at_100] + 0.25 * rough[at_100])
+        assert found(math.sqrt(5000.0), 1.0) == approx(0.5 * (rough[at_50] + rough[at_100]))
+
+
+@pytest.mark.parametrize("column", ["slope", "curvature"])
+def test_the_table_of_the_mesh_is_fine_enough(column: str) -> None:
+    """What its interpolation is off by is within the half width of B, on the default mesh."""
+    power = {"slope": 1.0, "curvature": laws.CURVATURE_POWER}[column]
+    off = np.abs(laws.TABLE.left_out(column)) * CELL**power
+    assert off.max() <= laws.EFFECTS["mesh"].half_width * CELL
 
 
 @pytest.mark.parametrize("index", TWICE_THE_WINDOW)
@@ -158,7 +161,7 @@ def test_in_soft_clay_the_window_leaves_less_open() -> None:
 def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, float, float]) -> None:
     growths = (0.14, 0.2, 0.3, 0.4)
     corrected = [
-        simulated - laws.GROWTH_ERROR * laws.growth_measure(CELL, growth)
+        simulated - laws.EFFECTS["growth"].size * laws.growth_measure(CELL, growth)
         for growth, simulated in zip(growths, GROWN[case], strict=True)
     ]
     half_widths = [laws.growth_uncertainty(CELL, growth) for growth in growths]
@@ -216,10 +219,11 @@ def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_mes
 ):
     assert laws.growth_uncertainty(CELL, laws.GROWTH_OF_MESHES) == 0.0
     small = 0.5 * CELL
-    quarter_and_third = laws.GROWTH_HALF_WIDTH / laws.GROWTH_ERROR + laws.GROWTH_SHARE
+    size, half_width = laws.EFFECTS["growth"]
+    quarter_and_third = half_width / size + laws.GROWTH_SHARE
     for growth in (0.2, 0.5):
         measures = (laws.growth_measure(small, it) for it in (growth, laws.GROWTH_OF_MESHES))
-        left = quarter_and_third * laws.GROWTH_ERROR * abs(np.subtract(*measures))
+        left = quarter_and_third * size * abs(np.subtract(*measures))
         assert laws.growth_uncertainty(small, growth) == pytest.approx(left)
 
 

@@ -16,7 +16,7 @@ from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetrati
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone, full_flow, further_runs
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
-from mpm_warp.uncertainty.laws import curvature_error
+from mpm_warp.uncertainty.laws import EFFECTS, curvature_error
 from tests.mpm_warp.conftest import MEASURABLE
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
@@ -167,7 +167,9 @@ def test_the_noise_of_all_runs_counts() -> None:
 
         def noisy(test: ConePenetration, progress: Progress, shifted=shifted) -> xr.Dataset:
             made = run(test, progress)
-            made["cone_factor_simulated"] += cone.NOISE_HALF_WIDTH * (test == shifted)
+            made["cone_factor_simulated"] += EFFECTS["noise_of_further_runs"].half_width * (
+                test == shifted
+            )
             return made
 
         results = measured(CONE, noisy)

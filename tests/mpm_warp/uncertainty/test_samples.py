@@ -10,8 +10,7 @@ from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import (
-    DOMAIN_HALF_WIDTH,
-    MESH_HALF_WIDTH,
+    EFFECTS,
     growth_uncertainty,
     window_uncertainty,
 )
@@ -35,7 +34,8 @@ def test_a_smaller_window_is_less_certain(name: str) -> None:
     default = Sounding()
     extent = default.default_extents[name]
     smaller = Sounding(**{name: 0.75 * extent})
-    expected = (DOMAIN_HALF_WIDTH + window_uncertainty(1.0 / 0.75)) ** 2 - DOMAIN_HALF_WIDTH**2
+    of_default = EFFECTS["domain"].half_width
+    expected = (of_default + window_uncertainty(1.0 / 0.75)) ** 2 - of_default**2
     assert stated(smaller)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.02)
 
 
@@ -43,7 +43,7 @@ def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> Non
     """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
     coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
     sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
-    of_mesh = MESH_HALF_WIDTH**2 * (sizes[0] ** 2 - sizes[1] ** 2)
+    of_mesh = EFFECTS["mesh"].half_width ** 2 * (sizes[0] ** 2 - sizes[1] ** 2)
     of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
     found = coarse**2 - default**2
     assert found == pytest.approx(of_mesh + of_growth, rel=0.01)
