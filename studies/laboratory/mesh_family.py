@@ -20,7 +20,7 @@ import numpy as np
 from mpm_warp import ConePenetration, Grid, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.laws import (
-    GROWTH_ERROR,
+    EFFECTS,
     GROWTH_OF_MESHES,
     curvature_error,
     growth_measure,
@@ -65,7 +65,7 @@ def limit(factors: Floats, **clay: float) -> tuple[float, float, float]:
     known = np.array(
         [
             curvature_error(cell_size=it, **clay)
-            + GROWTH_ERROR * growth_measure(it, GROWTH_OF_MESHES)
+            + EFFECTS["growth"].size * growth_measure(it, GROWTH_OF_MESHES)
             for it in size
         ]
     )
