@@ -144,6 +144,8 @@ class ConeTestByDefault(ConeTest):
     def interface_in(self, recorded: xr.Dataset) -> Interface:
         """The interface as adhesive as friction makes it, under the normal stress of a run."""
         face, shaft, friction = self.interface
+        if friction == 0.0:
+            return self.interface
         at_rest = self.in_situ_stress / self.undrained_shear_strength
         on_face = float(recorded.cone_factor_simulated) - float(recorded.cone_factor_shear)
         on_shaft = np.nan_to_num(float(recorded[RADIAL_FACTOR])) - 2.0 * self.stress_anisotropy
