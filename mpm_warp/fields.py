@@ -88,9 +88,10 @@ class Parameter:
         if converted is None or not self._contains(converted):
             is_near = isinstance(value, str) and self.choices is not None
             nearest = did_you_mean(str(value), map(str, self.choices or ())) if is_near else ""
+            given = " ".join(repr(value).split())  # of an array several lines
             raise ParameterError(
                 self.name,
-                f"{self.name} = {value!r} is not allowed: must be {self.allowed}{nearest}",
+                f"{self.name} = {given} is not allowed: must be {self.allowed}{nearest}",
             )
         return converted
 

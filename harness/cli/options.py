@@ -91,6 +91,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "benchmark action": {"choices": ("run", "score")},
     "benchmark --accuracy": {"choices": ("quick", "standard", "fine")},
     "compare --tolerance": {"type": number("a number >= 0", least=0.0)},
+    "compare --format": {"choices": ("text", "markdown", "latex", "csv"), "default": "text"},
     "plot --format": {"choices": ("png", "pdf", "svg"), "default": ["png"]},
     "report --out": {"type": html_file, "default": Path("report.html")},
     "recommend --error": {"type": share, "required": True},

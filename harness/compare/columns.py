@@ -1,7 +1,9 @@
-"""Columns of a text table, a line for each case of a study."""
+"""Columns of a table with a line for each case of a study, and the forms of tables."""
 
-from collections.abc import Iterable
-from typing import Any
+import csv
+import io
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -16,22 +18,79 @@ from harness.archive.conventions import (
 
 MISSING = "-"
 """Shown instead of a missing number."""
-Column = list[str]
-"""The lines of a column, all of the same width."""
 
 
-def table(columns: Iterable[Column], notes: Iterable[str]) -> str:
-    """Columns side by side, an empty line, and notes."""
-    rows = ["  ".join(row).rstrip() for row in zip(*columns, strict=True)]
-    return "\n".join([*rows, "", *notes])
+class Column(NamedTuple):
+    """A column: its name, which a text table splits at the last "_", and a text for each case."""
+
+    name: str
+    texts: list[str]
+
+
+Rows = Sequence[Sequence[str]]
+
+
+def table(columns: Iterable[Column], notes: Iterable[str], form: str = "text") -> str:
+    """A table in one of `FORMS`, an empty line, and notes; `csv` has no notes."""
+    names, texts = zip(*columns, strict=True)
+    rows = list(zip(*texts, strict=True))
+    if form == "text":
+        return "\n".join([*_text_lines(names, rows), "", *notes])
+    names = [name.replace("_", " ") for name in names]
+    lines = FORMS[form](names, [[" ".join(text.split()) for text in row] for row in rows])
+    mark = {"latex": "%", "markdown": "-"}.get(form)
+    after = ["", *(f"{mark} {note.strip()}" for note in notes)] if mark else []
+    return "\n".join([*lines, *after])
+
+
+def _text_lines(names: Sequence[str], rows: Rows) -> list[str]:
+    """Columns side by side, with headings of two lines and a rule."""
+    cut = [name.rpartition("_") for name in names]
+    heads = [[head for head, _, _ in cut], [tail for *_, tail in cut]]
+    columns = list(zip(*heads, *rows, strict=True))
+    widths = [max(map(len, lines)) for lines in columns]
+    whole = [*heads, ["-" * width for width in widths], *rows]
+    return ["  ".join(map(str.rjust, row, widths)).rstrip() for row in whole]
+
+
+def markdown_lines(names: Sequence[str], rows: Rows) -> list[str]:
+    """A table in Markdown."""
+    rule = ["---"] * len(names)
+    return ["| " + " | ".join(row) + " |" for row in (names, rule, *rows)]
+
+
+def _latex_lines(names: Sequence[str], rows: Rows) -> list[str]:
+    """A table in LaTeX, of its basic commands."""
+    body = [" & ".join(map(_in_latex, row)) + r" \\" for row in (names, *rows)]
+    begin = rf"\begin{{tabular}}{{{'r' * len(names)}}}"
+    return [begin, r"\hline", body[0], r"\hline", *body[1:], r"\hline", r"\end{tabular}"]
+
+
+def _in_latex(text: str) -> str:
+    special = {letter: f"\\{letter}" for letter in "&%$#_{}"}
+    escaped = text.translate(
+        str.maketrans({**special, "\\": r"\textbackslash{}", "~": r"\~{}", "^": r"\^{}"})
+    )
+    return escaped.replace("+-", r"$\pm$")
+
+
+def _csv_lines(names: Sequence[str], rows: Rows) -> list[str]:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([names, *rows])
+    return text.getvalue().splitlines()
+
+
+FORMS: Mapping[str, Callable[[Sequence[str], Rows], list[str]]] = {
+    "markdown": markdown_lines,
+    "latex": _latex_lines,
+    "csv": _csv_lines,
+}
+"""What makes the lines of a table, by form; besides there is "text"."""
 
 
 def column(name: str, texts: Iterable[object]) -> Column:
-    """A column: a heading of two lines, split at the last "_" of `name`, a rule, and the texts."""
-    head, _, tail = name.rpartition("_")
-    lines = [head, tail, *map(str, texts)]
-    width = max(map(len, lines))
-    return [line.rjust(width) for line in (head, tail, "-" * width, *lines[2:])]
+    """A column with the texts of some objects."""
+    return Column(name, [*map(str, texts)])
 
 
 def parameter_columns(dataset: xr.Dataset) -> list[Column]:

@@ -28,6 +28,7 @@ from harness.archive.conventions import (
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
+from harness.compare.columns import markdown_lines
 from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError, counted, tell
@@ -203,7 +204,7 @@ def _by_size(title: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> li
             table.setdefault(others, {})[int(case["size"].item())] = text.format(*values)
     sizes = sorted({size for row in table.values() for size in row})
     rows = [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()]
-    return _markdown([title, *(f"{size:,} points" for size in sizes)], rows) if rows else []
+    return markdown_lines([title, *(f"{size:,} points" for size in sizes)], rows) if rows else []
 
 
 def _stage_rows(cases: xr.Dataset) -> list[str]:
@@ -222,10 +223,5 @@ def _stage_rows(cases: xr.Dataset) -> list[str]:
     return [
         f"A step of {case.particle_count.item():,.0f} points on one thread",
         "",
-        *_markdown(["stage", "ns a point", "share of the step"], [*table, others]),
+        *markdown_lines(["stage", "ns a point", "share of the step"], [*table, others]),
     ]
-
-
-def _markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    rule = ["---"] * len(header)
-    return ["| " + " | ".join(row) + " |" for row in (header, rule, *rows)]

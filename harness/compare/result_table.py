@@ -74,29 +74,31 @@ PRESSURE = "pore_pressure_factor_shoulder"
 """(u2 - u0) / su of a cone; it has an uncertainty of its own."""
 
 
-def result_table(dataset: xr.Dataset) -> str:
-    """A text table with one row per case, and notes on how to read it.
+def result_table(dataset: xr.Dataset, form: str = "text") -> str:
+    """A table with one row per case in a form of `columns.FORMS`, and notes on how to read it.
 
     In a study of several scenes, scenes without a cone factor get a second table. The notes also
     give ratios of two scenes in the same soil, and the spread due to distributions of inputs.
     """
+    if form != "text":
+        return _tables(dataset, form)
     notes = [*ratio_notes(dataset), *change_notes(dataset), *spread_notes(dataset)]
-    return "\n".join([_tables(dataset), *notes])
+    return "\n".join([_tables(dataset, form), *notes])
 
 
-def _tables(dataset: xr.Dataset) -> str:
+def _tables(dataset: xr.Dataset, form: str) -> str:
     if COMPARED not in dataset:
-        return _exact_table(dataset)
+        return _exact_table(dataset, form)
     scenes = np.array(scenes_of(dataset))
     of_cones = np.isin(scenes, scenes[np.isfinite(over_cases(dataset, COMPARED).astype(float))])
     if of_cones.all() or not of_cones.any():
-        return cone_factor_table(dataset)
+        return cone_factor_table(dataset, form)
     others = _cases(dataset, ~of_cones)
     try:
-        of_others = _exact_table(others)
+        of_others = _exact_table(others, form)
     except NothingToCompareError as error:
         of_others = f"{', '.join(dict.fromkeys(scenes_of(others)))}: {error}"
-    return f"{cone_factor_table(_cases(dataset, of_cones))}\n\n{of_others}"
+    return f"{cone_factor_table(_cases(dataset, of_cones), form)}\n\n{of_others}"
 
 
 def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
@@ -107,7 +109,7 @@ def _cases(dataset: xr.Dataset, chosen: np.ndarray) -> xr.Dataset:
     )
 
 
-def cone_factor_table(dataset: xr.Dataset) -> str:
+def cone_factor_table(dataset: xr.Dataset, form: str = "text") -> str:
     """The table of cone factors."""
     cone_factor_of(dataset)  # an error if there are none
     references = stored_references(dataset)
@@ -123,7 +125,7 @@ def cone_factor_table(dataset: xr.Dataset) -> str:
         *_notes(dataset, references),
         *experience_notes(dataset),
     ]
-    return table(with_runs(dataset, columns), notes)
+    return table(with_runs(dataset, columns), notes, form)
 
 
 def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
@@ -263,7 +265,7 @@ def which_strength(dataset: xr.Dataset) -> str:
     return f"{named}: by su in {in_test}, N_ke too; other columns: by other su"
 
 
-def _exact_table(dataset: xr.Dataset) -> str:
+def _exact_table(dataset: xr.Dataset, form: str) -> str:
     """The table of headlines, their exact values, and errors."""
     dims, error = set(dataset["status"].dims), error_name(dataset)
     one_a_case = {
@@ -300,7 +302,7 @@ def _exact_table(dataset: xr.Dataset) -> str:
     if with_role(dataset, Role.UNCERTAINTY):
         notes.append(f"+-: {HALF_WIDTH}")
     notes += [*_largest_part_notes(dataset), *reason_notes(dataset)]
-    return table(with_runs(dataset, columns), notes)
+    return table(with_runs(dataset, columns), notes, form)
 
 
 def _note(dataset: xr.Dataset, name: str) -> str:

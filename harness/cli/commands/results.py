@@ -35,12 +35,14 @@ def compare(options: argparse.Namespace) -> int:
         raise HarnessError(
             "--tolerance: needs a second result OTHER; tolerances of one result are in its study"
         )
+    if options.format != "text" and options.other is not None:
+        raise HarnessError("--format: is for the table of a single result; leave OTHER out")
     dataset = _read(options.file)
     if options.other is not None:
         return _compare_two(dataset, _read(options.other), options.tolerance or 0.0)
     with _result_of(options.file):
         try:
-            say(result_table(dataset))
+            say(result_table(dataset, options.format))
         except NothingToCompareError:
             if TOLERANCES not in dataset.attrs:
                 raise

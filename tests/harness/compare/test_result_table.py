@@ -45,6 +45,25 @@ def test_a_result_without_cone_factor_stands_beside_its_exact_values() -> None:
     assert "bearing_capacity_exact: exact limit load; Shield" in lines
 
 
+FORMS = {
+    "markdown": ["| bearing capacity |", "| 5.75 +- 0.02 |", "- +-: half width of 95 %"],
+    "latex": [
+        "bearing capacity &",
+        r"5.75 $\pm$ 0.02 &",
+        r"1.00\% &",
+        r"completed \\",
+        "% +-: half",
+    ],
+    "csv": ["adhesion factor,bearing capacity,", "0,5.75 +- 0.02,5.69,1.00%,1.0,completed"],
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_table_for_a_paper_has_the_cells_of_the_text(form: str) -> None:
+    text = result_table(with_half_widths(0.02, np.nan), form)
+    assert all(part in text for part in FORMS[form])
+
+
 def with_half_widths(*half_widths: float) -> xr.Dataset:
     """Both footings, with what is stated of their loads."""
     known = {"bearing_capacity_uncertainty": (half_widths, "1", "uncertainty of the limit load")}
