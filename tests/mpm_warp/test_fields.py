@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from mpm_warp import ParameterError, parameter, scene_class, scene_names
 from mpm_warp.fields import Derived, check_parameters, parameters_of
@@ -25,6 +26,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
         ("rigidity_index", float("nan"), "must be a number"),
         ("cone_radius", float("inf"), "must be a number"),
         ("cone_radius", 10**400, "must be a number"),
+        ("cone_radius", xr.DataArray(1.0), "Size: 8B array(1.) is not allowed"),
         ("particles_per_cell", 5, "one of 4, 9, 16, 25"),
         ("particles_per_cell", 4.5, "one of 4, 9, 16, 25"),
         ("material", "tresk", "did you mean 'tresca'"),
