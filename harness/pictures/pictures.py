@@ -17,6 +17,7 @@ from harness.pictures.case_curves import cycles_figure, element_tests_figure, re
 from harness.pictures.cases import cases_figure, scenes_figure, spread_figure
 from harness.pictures.convergence import convergence_figure
 from harness.pictures.curve import curve_figure
+from harness.pictures.drawing.caption import MISSING_NUMBERS
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.map import map_figure
@@ -48,6 +49,8 @@ class NothingToDrawError(HarnessError):
     """No picture fits the dataset."""
 
 
+GREATEST = 1e100
+"""Numbers of this size and more are not drawn: the range of an axis would overflow."""
 Rendered = TypeVar("Rendered")
 Failures = dict[str, Exception]
 """Errors of the program while drawing, by name of the picture."""
@@ -80,6 +83,17 @@ def draw(
     return list(content), failed
 
 
+def _drawable(dataset: xr.Dataset) -> xr.Dataset:
+    """A result without numbers beyond `GREATEST`; captions say that they are missing."""
+    beyond = {
+        name: variable.where(abs(variable) < GREATEST)
+        for name, variable in dataset.data_vars.items()
+        if variable.dtype.kind == "f" and (abs(variable) >= GREATEST).any()
+    }
+    told = f"Numbers of {GREATEST:g} and more are not drawn." if beyond else ""
+    return dataset.assign(beyond).assign_attrs({MISSING_NUMBERS: told})
+
+
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
 ) -> tuple[dict[str, Rendered], Failures]:
@@ -87,7 +101,7 @@ def rendered(
 
     Returned are the rendered pictures by name, main ones first, and the errors of the others.
     """
-    sound = without_incomplete_curves(dataset)
+    sound = _drawable(without_incomplete_curves(dataset))
     made: dict[str, Rendered] = {}
     failed: Failures = {}
     for name, picture in PICTURES.items():

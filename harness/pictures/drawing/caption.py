@@ -49,6 +49,8 @@ MOST_TEXTS = 4
 """Largest number of long texts that a caption explains."""
 LONGEST = 300
 """Number of letters of the longest title, or other text, that a caption gives in full."""
+MISSING_NUMBERS = "missing_numbers"
+"""Attribute of a result that is drawn: a sentence on numbers that are left out."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 """Keeps a symbol and its value on one line."""
 SOIL_AND_CONE = (
@@ -76,7 +78,8 @@ def captioned(
     title = plain(shortened(str(dataset.attrs.get("title", "")), LONGEST)).rstrip(".")
     ended = title if title.endswith(("?", "!")) or not title else f"{title}."
     key = " ".join(_numbered(dataset))
-    parts = [ended, *sentences, key, _derived(dataset), fixed(dataset)]
+    missing = dataset.attrs.get(MISSING_NUMBERS, "")
+    parts = [ended, *sentences, missing, key, _derived(dataset), fixed(dataset)]
     figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
     text = wrapped(" ".join(filter(None, parts)), LETTERS)
     figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)

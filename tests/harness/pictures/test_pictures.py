@@ -304,6 +304,14 @@ def test_a_map_has_the_literature_beside_each_of_its_curves() -> None:
 
 
 @pytest.mark.filterwarnings("error")
+def test_numbers_too_great_for_an_axis_are_left_out_and_said() -> None:
+    made = result({"adhesion_factor": [0.0, 0.5, 1.0]}, [11.0, 1e308, -1e308], uncertainty=1e308)
+    for figure in figures(made).values():
+        assert image(figure)
+        assert "Numbers of 1e+100 and more are not drawn." in caption_of(figure)
+
+
+@pytest.mark.filterwarnings("error")
 def test_a_title_of_a_megabyte_and_long_labels_leave_room_for_the_axes() -> None:
     made = result({"adhesion_factor": [0.0, 1.0]}).assign_attrs(title="A title " * 2**17)
     own = {"label": "L" * 100, "range": "{}", "formula": "10", "validity": "v" * 1000}
