@@ -3,7 +3,6 @@
 Beside the histogram are the shares of the inputs in the variance.
 """
 
-from collections.abc import Sequence
 from statistics import mode
 
 import numpy as np
@@ -33,18 +32,17 @@ from harness.pictures.drawing.plot_parts import (
     INK,
     LIGHT,
     STYLED,
+    labelled_rows,
     mark_failures,
     panels,
     series,
 )
-from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of, wrapped
+from harness.pictures.drawing.quantities import assigned, axis_label, named, spelt, unit_of
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 
-CASE_HEIGHT, SOIL_HEIGHT, MARGIN = 0.32, 0.45, 1.6
-"""Heights [inch] of the row of a case, of the row of a soil, and of axis, legend and caption."""
-LABEL_LETTERS, LABEL_LINE = 36, 0.16
-"""Number of letters in a line of a row's label, and height of the line [inch]."""
+CASE_HEIGHT, SOIL_HEIGHT = 0.32, 0.45
+"""Heights [inch] of the row of a case, and of a soil."""
 
 
 @STYLED
@@ -59,7 +57,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
         studied.label(case, [name for name in varied if varied[name].numbers[case] != usual[name]])
         for case in range(count)
     ]
-    figure, axes = _rows([label or "as most" for label in labels], CASE_HEIGHT)
+    figure, axes = labelled_rows([label or "as most" for label in labels], CASE_HEIGHT)
     x, y, half_width = studied.computed, range(count), studied.half_width
     axes.errorbar(x, y, xerr=half_width, fmt="o", color=INK, ms=4, capsize=3)
     mark_failures(axes, np.flatnonzero(~np.isfinite(x)).astype(float), of_rows=True)
@@ -68,16 +66,6 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
     beside = f"Beside each case: where it differs from {', '.join(most)}."
     failed = not_completed(dataset)
     return captioned(figure, dataset, beside, studied.bars, failed, legend=axes)
-
-
-def _rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
-    """A figure with one labelled row per mark, the first on top."""
-    texts = [wrapped(label, LABEL_LETTERS) for label in labels]
-    of_text = LABEL_LINE * max(text.count("\n") + 1 for text in texts)
-    figure, (axes,) = panels(height=max(height, of_text) * len(labels) + MARGIN)
-    axes.set_yticks(range(len(labels)), texts, fontsize=8)
-    axes.set_ylim(len(labels) - 0.5, -0.5)
-    return figure, axes
 
 
 def _soils(dataset: xr.Dataset) -> tuple[list[str], dict[str, list[int]]]:
@@ -109,7 +97,7 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     units = {unit_of(dataset, name) for name in headlines}
     if len(soils) < 2 or len(units) != 1 or len(labels) > 24:
         return None
-    figure, axes = _rows(labels, SOIL_HEIGHT)
+    figure, axes = labelled_rows(labels, SOIL_HEIGHT)
     completed = over_cases(dataset, "status").astype(str) == COMPLETED
     values = np.where(completed, headline_values(dataset), np.nan)
     half_width = uncertainty_of(dataset)

@@ -1,4 +1,4 @@
-"""The pictures `tornado`, the effect of each parameter alone, and `effects`, from a fit."""
+"""The picture `effects`: the effect of each parameter, from a fit."""
 
 import math
 import textwrap
@@ -9,43 +9,32 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
-from harness.archive.conventions import MISSING, Role, over_cases, spoken
+from harness.archive.conventions import Role, over_cases, spoken
 from harness.compare.compared import stored_references, where_it_applies
 from harness.compare.linear_fit import linear_fit, shared_variance
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
-    INK,
-    LIGHT,
     MOST_LABELS,
     STYLED,
     mark_failures,
-    panels,
 )
 from harness.pictures.drawing.quantities import (
     MOST_LETTERS,
     Floats,
     Values,
     axis_label,
-    named,
-    number,
     plain,
-    quantity,
     shortened,
     spelt,
-    symbol,
-    unit_of,
 )
 from harness.pictures.literature import colours_of
-from harness.pictures.studied import Studied, changing
+from harness.pictures.studied import Studied
 from harness.references.cone_factors import COMPARED
 
 LEAST_PARAMETERS = 3
 COLUMNS = 3
-MOST_BARS = 20
 
 
 def much_varied(dataset: xr.Dataset) -> Studied | None:
@@ -274,112 +263,3 @@ def _draw_effect(
     line, marker = ("", "_") if values.categories else ("-", "")
     effect = found.mean + found.parts[name][order]
     axes.plot(values.numbers[order], effect, color=colour, ls=line, marker=marker, label=label)
-
-
-class _Bar(NamedTuple):
-    """The effect of one parameter: the cases that change it, and their changes of the headline."""
-
-    values: Values
-    cases: np.ndarray
-    change: Floats
-
-    def text(self, studied: Studied, case: int) -> str:
-        return quantity(self.values.of_case(case), unit_of(studied.dataset, self.values.name))
-
-    @property
-    def reach(self) -> float:
-        """Range of the headline in these cases and the first one."""
-        return float(np.ptp(np.nan_to_num([0.0, *self.change])))
-
-    def extreme(self, side: int) -> int | None:
-        """The completed case of greatest change with a value below (-1) or above (1) the start."""
-        numbers = self.values.numbers
-        beyond = side * (numbers[self.cases] - numbers[0]) > 0.0
-        places = np.flatnonzero(beyond & np.isfinite(self.change))
-        return int(places[np.argmax(np.abs(self.change[places]))]) if places.size else None
-
-
-def _bars(studied: Studied) -> list[_Bar]:
-    ran = over_cases(studied.dataset, "status") != MISSING
-    varied = list(studied.varied.values())
-    found = []
-    for values, changed in zip(varied, changing(studied.dataset, varied), strict=True):
-        own = np.flatnonzero(ran & changed)
-        found.append(_Bar(values, own, studied.computed[own] - studied.computed[0]))
-    return sorted(found, key=lambda bar: bar.reach, reverse=True)
-
-
-@STYLED
-def tornado_figure(dataset: xr.Dataset) -> Figure | None:
-    """A bar for each parameter: its largest changes of the headline from the first case."""
-    studied = Studied.of(dataset)
-    if studied is None or not studied.is_one_at_a_time or not np.isfinite(studied.computed[0]):
-        return None
-    bars = _bars(studied)
-    if not any(bar.reach > 0.0 for bar in bars):
-        return None
-    shown = bars[:MOST_BARS]
-    figure, (axes,) = panels(height=0.3 * len(shown) + 1.6)
-    start = float(studied.computed[0])
-    axes.axvline(start, color=INK, lw=1)
-    for place, bar in enumerate(shown):
-        _draw_bar(axes, studied, bar, place)
-    names = [f"{named(dataset, bar.values.name)} ({bar.text(studied, 0)})" for bar in shown]
-    axes.set_yticks(range(len(shown)), names, fontsize=7)
-    axes.set_ylim(len(shown) - 0.4, -0.6)
-    axes.spines["left"].set_visible(False)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(visible=False, axis="y")
-    axes.margins(x=0.12)
-    label = axis_label(dataset, studied.headline)  # long names of parameters leave little room
-    axes.set_xlabel(textwrap.fill(label, 40, break_long_words=False))
-    handles = [
-        Patch(color=LIGHT, label="value below the start"),
-        Patch(color=ACCENT, label="value above it, or another choice"),
-        Line2D([], [], color=INK, lw=1, label=f"start: {number(start)}"),
-    ]
-    figure.legend(handles=handles, loc="outside upper left", ncols=3)
-    rest = len(bars) - len(shown)
-    return captioned(
-        figure,
-        dataset,
-        "Each case differs from the start in one parameter. In brackets: the parameter's value at "
-        "the start; at the ends of bars: its value in the case with this result.",
-        f"{rest} more parameters change the result less." if rest else "",
-        _failures(bars),
-        studied.bars,
-    )
-
-
-def _draw_bar(axes: Axes, studied: Studied, bar: _Bar, place: int) -> None:
-    """Draw values below the start in the upper half of the row, others in the lower half."""
-    start = float(studied.computed[0])
-    for side, colour in ((-1, LIGHT), (1, ACCENT)):
-        extreme = bar.extreme(side)
-        if extreme is None:
-            continue
-        case, change, height = int(bar.cases[extreme]), bar.change[extreme], place + 0.2 * side
-        width = studied.widths(case)
-        axes.barh(height, change, 0.36, left=start, color=colour, xerr=width, ecolor="0.3")
-        outward = -1.0 if change < 0.0 else 1.0
-        beyond = 0.0 if width is None else np.nan_to_num(width)
-        axes.annotate(
-            bar.text(studied, case),
-            (start + change + outward * beyond, height),
-            xytext=(3 * outward, 0),
-            textcoords="offset points",
-            ha="right" if outward < 0.0 else "left",
-            va="center",
-            fontsize=6,
-        )
-
-
-def _failures(bars: Sequence[_Bar]) -> str:
-    """A sentence on the values with which cases did not complete."""
-    failures = []
-    for values, cases, change in bars:
-        failed = values.numbers[cases[~np.isfinite(change)]]
-        if failed.size:
-            texts = ", ".join(plain(values.text(float(number))) for number in failed)
-            failures.append(f"{symbol(values.name) or plain(values.label)} = {texts}")
-    return f"Not completed: {'; '.join(failures)}." if failures else ""

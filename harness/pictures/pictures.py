@@ -19,10 +19,11 @@ from harness.pictures.convergence import convergence_figure
 from harness.pictures.curve import curve_figure
 from harness.pictures.drawing.caption import MISSING_NUMBERS
 from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
-from harness.pictures.effects import effects_figure, tornado_figure
+from harness.pictures.effects import effects_figure
 from harness.pictures.map import map_figure
 from harness.pictures.sounding import sounding_figure
 from harness.pictures.stability import stability_figure
+from harness.pictures.tornado import tornado_figure
 from harness.pictures.work_precision import study_figure
 
 PICTURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {

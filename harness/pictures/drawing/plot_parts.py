@@ -76,6 +76,8 @@ FAILED = "#B00020"
 """Colour of cases that failed."""
 LABEL_LETTERS = 30
 """Number of letters in a line of the label of a curve."""
+ROW_LETTERS, ROW_LINE, ROWS_MARGIN = 36, 0.16, 1.6
+"""Number of letters in a line of a row's label, its height, and that around rows [inch]."""
 LEGEND_LINE = 0.25
 """Height of a legend of one line [inch]."""
 SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
@@ -109,6 +111,16 @@ def panels(count: int = 1, height: float | None = None, **layout: Any) -> tuple[
     figure = Figure()
     figure.set_figheight(height or figure.get_figheight())
     return figure, list(figure.subplots(1, count, squeeze=False, **layout)[0])
+
+
+def labelled_rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
+    """A figure with one labelled row for each label, `height` [inch] or more; the first on top."""
+    texts = [wrapped(label, ROW_LETTERS) for label in labels]
+    of_text = ROW_LINE * max(text.count("\n") + 1 for text in texts)
+    figure, (axes,) = panels(height=max(height, of_text) * len(labels) + ROWS_MARGIN)
+    axes.set_yticks(range(len(labels)), texts, fontsize=8)
+    axes.set_ylim(len(labels) - 0.5, -0.5)
+    return figure, axes
 
 
 def series_colour(index: int, count: int) -> str:

@@ -28,9 +28,10 @@ from harness.pictures.drawing.plot_parts import (
     legend_above,
     panels,
 )
-from harness.pictures.effects import effects_figure, tornado_figure
+from harness.pictures.effects import effects_figure
 from harness.pictures.map import map_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
+from harness.pictures.tornado import tornado_figure
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from tests.conftest import finished

@@ -14,9 +14,8 @@ from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.quantities import Values
-from harness.pictures.effects import tornado_figure
-from harness.pictures.stability import stability_figure, stability_rows
-from harness.pictures.stability_strips import short_reason
+from harness.pictures.stability import STATUSES, short_reason, stability_figure, stability_rows
+from harness.pictures.tornado import tornado_figure
 from tests.harness.conftest import as_collected
 from tests.harness.pictures.conftest import caption_of, collected, figures, legend, texts
 
@@ -180,7 +179,7 @@ def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
 
 def marks(figure: Figure, row: int) -> list[tuple[float, str]]:
     """Place and status of each mark of a strip."""
-    lines = [line for line in figure.axes[row].lines if line.get_marker() != "None"]
+    lines = [line for line in figure.axes[row].lines if line.get_gid() in STATUSES]
     return [(float(line.get_xdata()[0]), str(line.get_gid())) for line in lines]
 
 
