@@ -134,7 +134,9 @@ def _commit() -> str:
 
 def _processor() -> str:
     """Name of the processor model, which :mod:`platform` does not give on Linux."""
-    models = Path("/proc/cpuinfo")
-    text = models.read_text() if models.exists() else ""
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        text = ""  # no Linux
     named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)
     return named[1].strip() if named else platform.processor() or platform.machine()
