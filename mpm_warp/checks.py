@@ -151,3 +151,12 @@ def in_words(value: object) -> str:
     if isinstance(value, float):
         return f"{value:g}"
     return " ".join(reprlib.repr(value).split())
+
+
+def shown(value: object) -> str:
+    """A value in one line for a message. Huge integers and deeply nested tables cannot be shown."""
+    try:
+        text = repr(value)
+        return " ".join(text.split()) if "\n" in text else text
+    except (ValueError, RecursionError):
+        return "(too long to show)"

@@ -1,7 +1,8 @@
-"""The definition of a parameter: meaning, unit, default and allowed range.
+"""The declaration of a field: meaning, unit, allowed values and default, each said once.
 
-A scene is a frozen dataclass whose fields are made by :func:`parameter`. Validation, error
-messages, help, documentation and the metadata of result files all use this definition.
+The fields of a frozen dataclass are made by :func:`parameter`: parameters of a scene or a law,
+numbers and arrays of a part, keys of a file. Conversion, the error of one line, help, the JSON
+schema and the lines of a new file all follow from the declaration.
 
 Parameters that several scenes share are in a dataclass, a group, that the scenes inherit;
 :func:`redefined` changes a parameter in one scene.
@@ -9,20 +10,25 @@ Parameters that several scenes share are in a dataclass, a group, that the scene
 
 import dataclasses
 import functools
-import types
-import typing
+import math
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
-from types import UnionType
-from typing import Any, ClassVar, get_args, get_origin
+from dataclasses import MISSING, Field, dataclass
+from types import NoneType, UnionType
+from typing import Any, ClassVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from mpm_warp.checks import FINITE, Range, check_array, check_kind, check_number, check_whole
-from mpm_warp.errors import ParameterError
+from mpm_warp.checks import FINITE, Range, check_array, check_kind, shown
+from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.names import did_you_mean, nearest_parameter
 
 Value = float | int | str | bool
+Schema = dict[str, Any]
+TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
+WORDS = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
+LARGEST = 1e300
+LARGEST_INTEGER = 2**63
+"""Sizes that no number may reach; files of results hold integers of 64 bits."""
 
 
 class Derived(float):
@@ -32,6 +38,19 @@ class Derived(float):
     changed. To keep the value, give it as a plain number: ``float(value)``. As the default of a
     parameter it is the value if neither the user nor another parameter gives one.
     """
+
+
+class Refused(ValueError):
+    """A value is not allowed; the message says what it must be."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """How a file writes a value that is neither a number nor a word, such as an uncertain input."""
+
+    words: str  # what is allowed; the bounds of its numbers follow
+    read: Callable[[Any, "Parameter"], Any]  # the value from what is written; may raise `Refused`
+    schemas: Callable[["Parameter"], list[Schema]]  # JSON schemas, of which one must hold
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,112 +69,158 @@ class Variants:
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """Definition of one parameter."""
+    """The declaration of one field."""
 
-    name: str  # field name in the scene
-    kind: type  # ``float``, ``int``, ``bool`` or ``str``
-    # None: the scene derives the value from others, or there may be none; `meaning` says which
-    default: Value | None
-    unit: str  # SI unit, "1" for a dimensionless number
+    name: str  # of the field, or its key in a file
+    kind: type  # ``float``, ``int``, ``bool`` or ``str``; another one if it has a `form`
+    # None: there may be no value, or it is derived from others; `meaning` says which.
+    # MISSING: it must be given
+    default: Any
+    unit: str = "1"  # SI unit, "1" for a dimensionless number
     meaning: str  # one phrase for help, documentation and the long names of datasets
-    bounds: Range = FINITE  # allowed range of a number
+    bounds: Range = FINITE  # allowed range of a number, or of all numbers of an array
     choices: tuple[Value, ...] | None = None  # all allowed values; None: any value within `bounds`
     # range in which nearly all random cases of the scene complete (studies/stability.md); None: the
     # allowed range
     sane: tuple[float, float] | None = None
+    # of an array: its lengths; a name stands for the length of that field, None for any length
+    shape: tuple[int | str | None, ...] | None = None
+    form: Form | None = None  # None: a plain value
     optional: bool = False  # whether there may be no value: the type is ``float | None``
     variants: Variants | None = None  # of a parameter whose value has own parameters
 
     @property
+    def is_required(self) -> bool:
+        """Whether it must be given."""
+        return self.default is MISSING
+
+    @property
     def allowed(self) -> str:
         """The allowed values as a text."""
-        if self.choices is not None:
-            return "one of " + ", ".join(repr(choice) for choice in self.choices)
-        kind = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
-        return f"{kind[self.kind]} {self.bounds.allowed}".strip()
+        words = ", ".join(map(repr, self.choices or ()))
+        if self.form is None and words:
+            return f"one of {words}"
+        what = WORDS[self.kind] if self.form is None else self.form.words
+        return f"{what} {self.bounds.allowed}".strip() + (words and f", or {words}")
 
     @property
     def explanation(self) -> str:
         """Meaning, unit and allowed values."""
-        unit = "" if self.unit == "1" else f" [{self.unit}]"
-        return f"{self.meaning}{unit}; {self.allowed}"
+        return f"{self.meaning}{self.in_unit}; {self.allowed}"
 
-    def checked(self, value: object) -> Value | None:
-        """`value` in the parameter's own type; `ParameterError` if it is not allowed."""
+    @property
+    def in_unit(self) -> str:
+        """The unit in brackets after a blank; "" if it has none."""
+        return "" if self.unit == "1" else f" [{self.unit}]"
+
+    @property
+    def schema(self) -> Schema:
+        """The JSON schema of a value."""
+        choices = None if self.choices is None else {"enum": list(self.choices)}
+        if self.form is None:
+            forms = {"type": TYPES[self.kind], **bounds_schema(self.bounds), **(choices or {})}
+        else:
+            forms = {"anyOf": [*self.form.schemas(self), *([choices] if choices else [])]}
+        default = None if self.is_required else self.default
+        schema = {"description": self.explanation, **forms, "default": default}
+        return {key: value for key, value in schema.items() if value is not None}
+
+    def checked(self, value: object) -> Any:
+        """`value` in the field's own type; `ParameterError` if it is not allowed."""
         if value is None and self.default is None:
             return None
-        converted = self._converted(value)
-        if converted is None or not self._contains(converted):
-            is_near = isinstance(value, str) and self.choices is not None
-            nearest = did_you_mean(str(value), map(str, self.choices or ())) if is_near else ""
-            given = " ".join(repr(value).split())  # of an array several lines
+        try:
+            return self._read(value)
+        except Refused as refusal:
+            unit = "" if self.unit == "1" else f", in {self.unit}"
+            meaning = "" if self.choices else f"; meaning: {self.meaning}{unit}"
             raise ParameterError(
-                self.name,
-                f"{self.name} = {given} is not allowed: must be {self.allowed}{nearest}",
-            )
-        return converted
+                self.name, f"{self.name} = {shown(value)} is not allowed: {refusal}{meaning}"
+            ) from None
 
-    def _converted(self, value: object) -> Value | None:
-        if isinstance(value, bool):
-            return value if self.kind is bool else None
-        if isinstance(value, np.generic):
-            value = value.item()
-        if self.kind is float and isinstance(value, (int, float)):
-            return float(value) if abs(value) < 1e300 else None
-        if self.kind is int and isinstance(value, float) and value.is_integer():
-            return int(value)
-        if self.kind in (int, str) and isinstance(value, self.kind):
-            return typing.cast(Value, value)
-        return None
+    def _read(self, value: object) -> Any:
+        if self.form is not None:
+            return self.form.read(value, self)
+        converted = _converted(value, self.kind)
+        if converted is None or not self._contains(converted):
+            near = (
+                did_you_mean(value, map(str, self.choices or ())) if isinstance(value, str) else ""
+            )
+            raise Refused(f"must be {self.allowed}{near}")
+        return converted
 
     def _contains(self, value: Value) -> bool:
         if self.choices is not None:
             return value in self.choices
-        if isinstance(value, str):
-            return True
-        return self.bounds.holds(value, value)
+        return isinstance(value, str) or self.bounds.holds(value, value)
+
+
+def _converted(value: object, kind: type) -> Value | None:
+    """A value in one of the plain types; None if it has another."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool):
+        return value if kind is bool else None
+    if isinstance(value, int) and abs(value) >= LARGEST_INTEGER:
+        return None
+    if kind is float and isinstance(value, float | int):
+        return float(value) if abs(value) < LARGEST else None
+    if kind is int and isinstance(value, float) and value.is_integer():
+        return int(value)
+    return value if kind in (int, str) and isinstance(value, kind) else None
 
 
 def parameter(
-    default: Value | None,
-    meaning: str,
+    default: Any = MISSING,
+    meaning: str = "",
     *,
     unit: str = "1",
     choices: tuple[Value, ...] | None = None,
     sane: tuple[float, float] | None = None,
     variants: Variants | None = None,
+    shape: tuple[int | str | None, ...] | None = None,
+    form: Form | None = None,
+    key: str = "",
     **bounds: float,
 ) -> Any:
-    """Declare a parameter as a field of a dataclass; the arguments are those of `Parameter`.
+    """Declare a field of a dataclass; the arguments are those of `Parameter`.
 
-    The `bounds` are those of `Range`: minimum, maximum, above, below. The default is None if the
-    scene derives the value from others, and the type is ``float``. It is None also if there may be
-    no value, and the type is ``float | None``. `meaning` must say which.
+    Without a default it must be given. The `bounds` are those of `Range`: minimum, maximum, above,
+    below. The default is None if the scene derives the value from others, and the type is
+    ``float``. It is None also if there may be no value, and the type is ``float | None``. `meaning`
+    must say which. `key` is the name in files, if it differs from that of the field.
     """
     choices = choices if variants is None else tuple(variants.names())
-    definition: dict[str, Any] = {"unit": unit, "meaning": meaning, "choices": choices}
-    definition |= {"sane": sane, "variants": variants}
-    return dataclasses.field(default=default, metadata={**definition, "bounds": Range(**bounds)})
+    definition = {"default": default, "unit": unit, "meaning": meaning, "choices": choices}
+    definition |= {"sane": sane, "variants": variants, "shape": shape, "form": form, "key": key}
+    definition["bounds"] = Range(**bounds)
+    if isinstance(default, list | dict | np.ndarray):
+        return dataclasses.field(default_factory=default.copy, metadata=definition)
+    return dataclasses.field(default=default, metadata=definition)
 
 
 def redefined(group: type, name: str, **changes: Any) -> Any:
     """Declare a parameter of a group again with changed arguments of :func:`parameter`."""
-    field = {field.name: field for field in dataclasses.fields(group)}[name]
-    definition = {"default": field.default, **field.metadata}
-    return parameter(**definition | dataclasses.asdict(definition.pop("bounds")) | changes)
+    declared = dict({field.name: field for field in dataclasses.fields(group)}[name].metadata)
+    return parameter(**declared | dataclasses.asdict(declared.pop("bounds")) | changes)
 
 
-_DEFINITIONS: dict[type, Mapping[str, Parameter]] = {}
-"""Definitions by scene class: resolving type hints is slow, and a study has thousands of cases."""
+_type_hints = functools.cache(get_type_hints)
 
 
-def own_parameters_of(scene: type) -> Mapping[str, Parameter]:
-    """The parameters of a scene class, by name, in the order of their declaration."""
-    if scene not in _DEFINITIONS:
-        _DEFINITIONS[scene] = {
-            field.name: definition_of(scene, field) for field in dataclasses.fields(scene)
+_DECLARED: dict[type, Mapping[str, Parameter]] = {}
+"""Declared fields by class: resolving types is slow, and a study has thousands of cases."""
+
+
+def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
+    """The declared fields of a dataclass, by name, in their order."""
+    if owner not in _DECLARED:
+        _DECLARED[owner] = {
+            field.name: definition_of(owner, field)
+            for field in dataclasses.fields(owner)
+            if "meaning" in field.metadata
         }
-    return _DEFINITIONS[scene]
+    return _DECLARED[owner]
 
 
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
@@ -216,45 +281,76 @@ def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
-def definition_of(owner: type, field: dataclasses.Field[Any]) -> Parameter:
-    """The definition of a dataclass field made by :func:`parameter`."""
-    hint = _type_hints(owner)[field.name]
-    kinds = typing.get_args(hint) or (hint,)  # of ``float | None``, the two
+def definition_of(owner: type, field: Field[Any]) -> Parameter:
+    """The declaration of a field made by :func:`parameter`."""
+    hint = _type_hints(owner)[field.name] if isinstance(field.type, str) else field.type
+    kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    declared = dict(field.metadata)
     return Parameter(
-        name=field.name,
-        kind=str
-        if field.metadata["variants"] is not None
-        else next(kind for kind in kinds if kind is not types.NoneType),
-        default=typing.cast(Value | None, field.default),
-        optional=isinstance(hint, types.UnionType),
-        **field.metadata,
+        name=declared.pop("key") or field.name,
+        kind=str if declared["variants"] else next(it for it in kinds if it is not NoneType),
+        optional=NoneType in kinds,
+        **declared,
     )
 
 
-def check_own(owner: Any) -> None:
-    """Check all fields made by :func:`parameter`; raises `ParameterError`."""
-    for own in fields(owner):
-        if "meaning" in own.metadata:
-            definition_of(type(owner), own).checked(getattr(owner, own.name))
+class Checked:
+    """The base of dataclasses of a scene that check their fields.
 
+    Declared fields are checked and converted. Another field of the type `bool`, of a `Checked`, or
+    of a tuple of these must have this type. A field whose default is None may be None. A subclass
+    with further checks calls `super().__post_init__()` first.
 
-_type_hints = functools.cache(typing.get_type_hints)
-
-
-def check_parameters(scene: object, derived: Callable[[], Mapping[str, float]]) -> None:
-    """Check and convert every field of a scene in its ``__post_init__``; raises `ParameterError`.
-
-    Then `derived` gives values, by name, for parameters that were not given.
+    Raises:
+        SceneError: a value is not allowed; the message names class, field, value and range.
     """
-    for name, definition in own_parameters_of(type(scene)).items():
-        given = getattr(scene, name)
-        value = definition.default if isinstance(given, Derived) else given
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def __post_init__(self) -> None:
+        try:
+            check_fields(self)
+        except (ParameterError, SceneError) as refusal:
+            raise SceneError(f"{type(self).__name__}: {refusal}") from None
+
+
+def check_fields(owner: Any, derived: Callable[[], Mapping[str, float]] | None = None) -> None:
+    """Check and convert all fields of a dataclass, in its ``__post_init__``.
+
+    With `derived` a value that was not given, or is `Derived`, becomes the default, and then
+    `derived` gives values, by name, for those that have none.
+
+    Raises:
+        ParameterError: the value of a declared field is not allowed.
+        SceneError: another field has a wrong type.
+    """
+    declared = own_parameters_of(type(owner))
+    for field in dataclasses.fields(owner):
+        name, value = field.name, getattr(owner, field.name)
+        if name not in declared:
+            if derived is not None:
+                raise TypeError(f"{type(owner).__name__}.{name} is not made by `parameter`")
+            if value is not None or field.default is not None:
+                _check_type(name, value, field.type)
+            continue
+        definition = declared[name]
+        if derived is not None and isinstance(value, Derived):
+            value = definition.default
         if definition.variants is not None:
             value = definition.variants.value(value)
-        elif not isinstance(value, Derived):
+        elif definition.shape is not None:
+            _check_shape(owner, definition, value)
+        elif derived is None or not isinstance(value, Derived):
             value = definition.checked(value)
-        object.__setattr__(scene, name, value)
-    fill_in(scene, derived())
+        complete(owner, **{name: value})
+    if derived is not None:
+        fill_in(owner, derived())
+
+
+def complete(owner: object, **values: object) -> None:
+    """Set fields of a frozen dataclass in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(owner, name, value)
 
 
 def fill_in(scene: object, derived: Mapping[str, float]) -> None:
@@ -262,9 +358,30 @@ def fill_in(scene: object, derived: Mapping[str, float]) -> None:
     definitions = own_parameters_of(type(scene))
     for name, value in derived.items():
         if isinstance(getattr(scene, name), Derived | None):
-            checked = definitions[name].checked(value)
-            assert isinstance(checked, float | int)
-            object.__setattr__(scene, name, Derived(checked))
+            complete(scene, **{name: Derived(definitions[name].checked(value))})
+
+
+def _check_shape(owner: object, definition: Parameter, values: object) -> None:
+    if values is None and definition.default is None:
+        return
+    lengths = [
+        np.size(getattr(owner, it)) if isinstance(it, str) else it for it in definition.shape or ()
+    ]
+    try:
+        check_array(definition.name, values, lengths, definition.bounds, error=Refused)
+    except Refused as refusal:
+        raise ParameterError(definition.name, str(refusal)) from None
+
+
+def _check_type(name: str, value: Any, declared: Any) -> None:
+    """Check a field that is not declared by :func:`parameter`."""
+    if get_origin(declared) is tuple:
+        check_kind(name, value, tuple)
+        for number, item in enumerate(value):
+            _check_type(f"{name}[{number}]", item, get_args(declared)[0])
+    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
+    if all(isinstance(kind, type) and issubclass(kind, Checked | bool | None) for kind in kinds):
+        check_kind(name, value, kinds)
 
 
 def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter]) -> None:
@@ -275,63 +392,12 @@ def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter
             raise ParameterError(name, f"unknown parameter {name!r}{nearest}")
 
 
-def checked(allowed: Range = FINITE, *, unit: str = "", default: Any = MISSING) -> Any:
-    """Declare a number as a field of a `Checked`; with the type `int` an integer."""
-    return field(default=default, metadata={"allowed": allowed, "unit": unit})
-
-
-def by_scene(allowed: Range, *, unit: str = "") -> Any:
-    """Declare a number of a material that a scene of the catalogue gives; None until it does."""
-    return checked(allowed, unit=unit, default=None)
-
-
-def array_of(*shape: int | str | None, allowed: Range = FINITE) -> dict[str, Any]:
-    """Metadata of an array field of a `Checked`.
-
-    A name in the shape stands for the length of that field, None for any length.
-    """
-    return {"allowed": allowed, "shape": shape}
-
-
-class Checked:
-    """The base of dataclasses that check their fields.
-
-    Numbers and arrays must be as `checked` and `array_of` declare them. A field of the type `bool`,
-    of a `Checked`, or of a tuple of these must have this type. A field whose default is None may be
-    None. A subclass with further checks calls `super().__post_init__()` first.
-
-    Raises:
-        SceneError: a value is not allowed; the message names class, field, value and range.
-    """
-
-    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-
-    def __post_init__(self) -> None:
-        for own in fields(self):
-            name, value = f"{type(self).__name__}: {own.name}", getattr(self, own.name)
-            if value is None and own.default is None:
-                continue
-            if "shape" in own.metadata:
-                lengths = [
-                    np.size(getattr(self, it)) if isinstance(it, str) else it
-                    for it in own.metadata["shape"]
-                ]
-                check_array(name, value, lengths, own.metadata["allowed"])
-            elif "allowed" in own.metadata and own.type is int:
-                check_whole(name, value, own.metadata["allowed"])
-            elif "allowed" in own.metadata:
-                check_number(name, value, **own.metadata)
-            elif not own.metadata:
-                _check_declared(name, value, own.type)
-
-
-def _check_declared(name: str, value: Any, declared: Any) -> None:
-    if get_origin(declared) is tuple:
-        check_kind(name, value, tuple)
-        for number, item in enumerate(value):
-            _check_declared(f"{name}[{number}]", item, get_args(declared)[0])
-    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
-    if all(
-        isinstance(kind, type) and issubclass(kind, (Checked, bool, type(None))) for kind in kinds
-    ):
-        check_kind(name, value, kinds)
+def bounds_schema(allowed: Range) -> Schema:
+    """The JSON schema keywords for the bounds of a number."""
+    bounds = {
+        "minimum": allowed.minimum,
+        "maximum": allowed.maximum,
+        "exclusiveMinimum": allowed.above,
+        "exclusiveMaximum": allowed.below,
+    }
+    return {name: bound for name, bound in bounds.items() if math.isfinite(bound)}

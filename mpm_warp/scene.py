@@ -17,14 +17,13 @@ act in the order of the tuple. A part that is not in the tuple has no kernel, no
     between steps, by the host      between_steps       soil enters: `enter`, then `follow`
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
-from mpm_warp.checks import FROM_ONE, POSITIVE
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, array_of, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run
@@ -106,13 +105,6 @@ class Scene(Checked):
     Attributes:
         grid: the background grid; all cells below its ground level are full of soil.
         material: the law of the soil.
-        particles_per_side: particles along each side of a cell, >= 1.
-        time_step_fraction: time step over the critical one, > 0.
-        bulk_viscosity: coefficient of the viscous pressure, > 0; None: there is none.
-        stress_at_rest: initial stress (rr, zz, rz, tt) of the soil [Pa], shape [4]; 0 by default.
-            It is in equilibrium if it has no shear, if its radial and hoop parts are equal, and if
-            fixed nodes or the surrounding ground hold it. Where the material varies it must be 0:
-            the variation has the horizontal stress.
         parts: all that acts on the soil, moves the grid or is recorded.
 
     Raises:
@@ -121,10 +113,16 @@ class Scene(Checked):
 
     grid: Grid
     material: Material
-    particles_per_side: int = checked(FROM_ONE, default=2)
-    time_step_fraction: float = checked(POSITIVE, default=0.85)
-    bulk_viscosity: float | None = checked(POSITIVE, default=None)
-    stress_at_rest: Floats = field(default_factory=lambda: np.zeros(4), metadata=array_of(4))
+    particles_per_side: int = parameter(2, "particles along each side of a cell", minimum=1)
+    time_step_fraction: float = parameter(0.85, "time step over the critical one", above=0)
+    bulk_viscosity: float | None = parameter(
+        None, "coefficient of the viscous pressure; None: there is none", above=0
+    )
+    # in equilibrium if it has no shear, if its radial and hoop parts are equal, and if fixed nodes
+    # or the surrounding ground hold it; 0 where the material varies: the variation has the stress
+    stress_at_rest: Floats = parameter(
+        np.zeros(4), "initial stress (rr, zz, rz, tt) of the soil", unit="Pa", shape=(4,)
+    )
     parts: tuple[Part, ...] = ()
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import Role, with_role
 from harness.errors import in_one_line, say, tell
 from harness.study.files import read_text, read_toml, studies_folder
-from harness.study.tables import StudyError, Table, parse_setting
+from harness.study.tables import StudyError, Table, parse_setting, text_key
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
 from mpm_warp.names import nearest_name
 from mpm_warp.plain_numbers import number_of, plain_number
@@ -121,7 +121,7 @@ def read_submission(folder: Path) -> Submission:
     """Read a submission."""
     table = Table(f"{folder / 'meta.toml'}:", read_toml(folder / "meta.toml"))
     table.allow(*META_KEYS)
-    meta = {key: table.text(key, f"; {meaning}") for key, meaning in META_KEYS.items()}
+    meta = {key: table.read(text_key(key, meaning)) for key, meaning in META_KEYS.items()}
     return Submission(folder.name, meta, read_results(folder / "results.csv"))
 
 

@@ -17,6 +17,7 @@ from harness.cli.help import HELP, Option, epilog
 from harness.cli.process import BAD_INPUT
 from harness.errors import say, shortened
 from mpm_warp.execution import THREAD_COUNTS
+from mpm_warp.names import did_you_mean
 from mpm_warp.plain_numbers import plain_number
 
 BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
@@ -195,8 +196,6 @@ def options_of(command: str) -> list[str]:
 
 def unrecognised(words: Sequence[str], command: str) -> str:
     """The error for words that the parser does not know, with what was probably meant."""
-    from mpm_warp.names import did_you_mean  # imported here so that help appears at once
-
     first, *_ = words
     problem = f"unrecognized arguments: {' '.join(words)}"
     if first.startswith("-"):
@@ -210,7 +209,6 @@ def _unknown_command(arguments: Sequence[str]) -> str | None:
     if not arguments or arguments[0].startswith("-") or arguments[0] in HELP:
         return None
     from harness.study.files import study_names  # imported here so that help appears at once
-    from mpm_warp.names import did_you_mean
 
     word = arguments[0]
     shown = word if len(word) <= SHOWN_LENGTH else f"{word[:SHOWN_LENGTH]}..."

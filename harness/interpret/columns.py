@@ -20,11 +20,12 @@ from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.files import read_file
 from harness.interpret.formats import TestFile, cell_number
+from harness.interpret.forms import AXES, ByDepth
 from harness.interpret.headings import columns_in, is_of_rods
-from harness.interpret.keys import AXES, LARGEST_DEPTH, TEST_KEYS
-from harness.interpret.site import ByDepth, MeasuredTest
+from harness.interpret.site import LARGEST_DEPTH, MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.checks import Range
+from mpm_warp.fields import parameters_of
 from mpm_warp.grid.fitted import Floats
 
 MOST_INCLINED = math.radians(45.0)
@@ -155,7 +156,7 @@ def _refuse_impossible(
 
 def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, float, list[str]]:
     """Area ratio, pre-drilled depth and radius by the site file or the test file, and notes."""
-    values, notes = [], list(file.notes)
+    values, notes, declared = [], list(file.notes), parameters_of(MeasuredTest)
     for key in ("area_ratio", "pre_drilled", "cone_area"):
         value, stated = getattr(test, key), file.stated.get(key)
         if value is None and stated is not None:
@@ -166,9 +167,9 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
                     f"{test.file}: states {key} by a text that is no number; the site file may "
                     "state it"
                 )
-            if not TEST_KEYS[key].allowed.holds(value, value):
+            if not declared[key].bounds.holds(value, value):
                 raise StudyError(
-                    f"{test.file}: {key} = {value:g}: must be {TEST_KEYS[key].allowed.allowed}; "
+                    f"{test.file}: {key} = {value:g}: must be {declared[key].bounds.allowed}; "
                     "the site file may state another"
                 )
         elif stated is not None and stated != value:

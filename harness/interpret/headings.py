@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from harness.interpret.formats import LENGTHS, Heading, NotNamedError, plain_unit
-from harness.interpret.keys import AXES
+from harness.interpret.forms import AXES
 from harness.study.tables import StudyError
 from mpm_warp.names import nearest_name
 

@@ -12,8 +12,8 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.columns import read_columns
-from harness.interpret.keys import COLUMNS
-from harness.interpret.site import ByDepth, MeasuredTest
+from harness.interpret.forms import COLUMNS, ByDepth
+from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves

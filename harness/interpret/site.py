@@ -1,77 +1,239 @@
 """Site files: the measured test, and what is known of each layer.
 
-The keys are explained in keys.py; README.md has an example.
+The keys are the declared fields of `Site`, `MeasuredTest` and `Layer`; README.md has an example.
 """
 
 import itertools
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from harness.interpret import keys
-from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS, Form, Key
-from harness.study.distributions import Input, read_input
+from harness.interpret import forms
+from harness.interpret.factors import TABLE_RATE
+from harness.interpret.forms import ByDepth
+from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
-from harness.study.tables import StudyError, Table, is_number
+from harness.study.tables import LINE, StudyError, Table, keys_of
+from mpm_warp.errors import ParameterError
+from mpm_warp.fields import check_fields, parameter, parameters_of
 from mpm_warp.grid.fitted import Floats, Integers
 
-
-@dataclass(frozen=True, eq=False)
-class ByDepth:
-    """Values by depth, linear in between; both in SI units."""
-
-    depth: tuple[float, ...]
-    value: tuple[float, ...]
+BY_SLEEVE = "sleeve"
+"""Value of the adhesion factor by which it follows from the sleeve friction at each depth."""
+MODES = ("isotropic", "simple_shear", "triaxial_compression", "triaxial_extension", "average")
+"""Modes of the strength to be found; isotropic is the strength of the simulation."""
+LARGEST_DEPTH = 1000.0
+RATIOS = ("simple_shear_ratio", "extension_ratio")
+"""Inputs that another mode than the first needs."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTest:
-    """Values of the table [test] in SI units, see `TEST_KEYS`; None if they are not given."""
+    """The table [test]; optional values are None if they are not given."""
 
     where: str  # the site file and its table, for messages
-    file: Path
-    sounding: str | None
-    columns: Mapping[str, str]
-    units: Mapping[str, str]
-    missing: tuple[float, ...] | None  # codes besides those in the test file; (): there are none
-    ground_level: float | None
-    pre_drilled: float | None
-    area_ratio: float | None
-    cone_area: float | None  # [cm2]
-    water: float | ByDepth
-    unit_weight: Input | ByDepth  # an input is the same at all depths
-    accuracy: Mapping[str, tuple[float, float]]
+    folder: Path  # of the site file
+    name: str = parameter(
+        meaning="the measured test, CSV, GEF (.gef), BRO (.xml), AGS 4 (.ags) or SGF",
+        key="file",
+        form=LINE,
+    )
+    sounding: str | None = parameter(None, "name of the test, in a file of several", form=LINE)
+    columns: Mapping[str, str] = parameter(
+        {}, "names of the columns in the file, if they are not the usual ones", form=forms.TEXTS
+    )
+    units: Mapping[str, str] = parameter(
+        {}, "units of the columns, in place of those in the file", form=forms.TEXTS
+    )
+    missing: tuple[float, ...] | None = parameter(
+        None,
+        "codes for a missing value, besides those in the file; [] if values like -999 are measured",
+        form=forms.NUMBERS,
+    )
+    ground_level: float | None = parameter(
+        None, "level of the ground, if the file has levels, positive upward, not depths", unit="m"
+    )
+    pre_drilled: float | None = parameter(
+        None, "pre-drilled depth, by default that in the test file, or 0", unit="m", minimum=0
+    )
+    area_ratio: float | None = parameter(
+        None,
+        "net area ratio of the cone on its calibration sheet, 1 if qc is corrected; a CSV does not "
+        "have it, other files may",
+        above=0,
+        maximum=1,
+    )
+    cone_area: float | None = parameter(
+        None,
+        "cross-section of the cone, by default that in the test file, or 10",
+        unit="cm2",
+        minimum=1,
+        maximum=100,
+    )
+    water_level: float | None = parameter(
+        None,
+        "depth of the ground water, with hydrostatic pressure below; negative if water stands on "
+        "the ground, with its pressure in qc and u2",
+        unit="m",
+    )
+    u0: ByDepth | None = parameter(
+        None,
+        "water pressure by depth [m], in place of water_level",
+        unit="kPa",
+        form=forms.BY_DEPTH,
+    )
+    # in N/m3; an input is the same at all depths
+    unit_weight: Input | ByDepth = parameter(
+        meaning="total unit weight of the ground, not the buoyant one",
+        unit="kN/m3",
+        minimum=10,
+        maximum=30,
+        form=forms.WEIGHT,
+    )
+    # half widths of 95 %: the larger of a value [Pa] and a share
+    accuracy: Mapping[str, tuple[float, float]] = parameter(
+        "class 2",
+        "class of EN ISO 22476-1, or the errors of the test",
+        choices=tuple(forms.ACCURACY),
+        form=forms.ERRORS,
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    @property
+    def file(self) -> Path:
+        """The file of the test."""
+        return self.folder / self.name
+
+    @property
+    def water(self) -> float | ByDepth:
+        """Depth of the ground water [m], or its pressure by depth [Pa]."""
+        water = self.water_level if self.u0 is None else self.u0
+        assert water is not None  # one of them is given
+        return water
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layer:
-    """Values of a table [[layer]] in SI units; see `LAYER_KEYS`."""
+    """A table [[layer]] in SI units."""
 
-    title: str
-    top: float
-    bottom: float
-    # K0 or stress_anisotropy is among them; the adhesion factor is not if it is by the sleeve
-    inputs: Mapping[str, Input]
-    laboratory_rate: float  # shear strain rate of the strength to be found [1/s]
-    strength: str  # its mode, one of `MODES`
-    model_error: float
-    assumed: tuple[str, ...] = ()  # keys that have their defaults
+    given: frozenset[str] = frozenset()  # keys that the file has
+    name: str | None = parameter(
+        None, "title of the layer, by default its depths", key="title", form=LINE
+    )
+    top: float = parameter(meaning="depth of its top", unit="m", minimum=0, key="from")
+    bottom: float = parameter(
+        meaning="depth of its bottom", unit="m", above=0, maximum=LARGEST_DEPTH, key="to"
+    )
+    rigidity_index: Input = an_input(meaning="Ir = G / su", minimum=15, maximum=1000)
+    adhesion_factor: Input | str = an_input(
+        {"low": 0.2, "high": 0.8},
+        "adhesion factor alpha; sleeve: by fs at each depth",
+        minimum=0,
+        maximum=1,
+        choices=(BY_SLEEVE,),
+    )
+    K0: Input = an_input(
+        {"low": 0.5, "high": 0.8}, "effective horizontal over vertical stress", above=0, maximum=5
+    )
+    stress_anisotropy: Input | None = an_input(
+        None, "Delta = (sigma_v0 - sigma_h0) / (2 su), in place of K0", minimum=-0.6, maximum=0.9
+    )
+    rate_factor: Input = an_input(
+        {"mean": 0.1, "deviation": 0.03},
+        "increase of su per log cycle of strain rate, over su",
+        minimum=0,
+        maximum=0.25,
+    )
+    laboratory_rate: float = parameter(
+        "1 %/h",
+        "shear strain rate of the su to be found",
+        unit="1/s",
+        minimum=TABLE_RATE,
+        maximum=1e-2,
+        form=forms.RATE,
+    )
+    sensitivity: Input = an_input(
+        {"low": 1.5, "high": 6.0}, "intact over remoulded strength", minimum=1, maximum=25
+    )
+    ductility: Input = an_input(
+        {"low": 10, "high": 50},
+        "plastic shear strain at which 95 % of the loss of strength is reached",
+        minimum=5,
+        maximum=60,
+    )
+    strength: str = parameter(
+        MODES[0], "mode of the su to be found; isotropic: as in the simulation", choices=MODES
+    )
+    simple_shear_ratio: Input = an_input(
+        {"low": 0.6, "high": 0.9}, "su in simple shear over compression", above=0, maximum=1.2
+    )
+    extension_ratio: Input = an_input(
+        {"low": 0.35, "high": 0.7}, "su in extension over compression", above=0, maximum=1.2
+    )
+    model_error: float = parameter(
+        0.1,
+        "standard deviation of the error by what the simulation leaves out, over Nkt",
+        minimum=0,
+        maximum=1,
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.top < self.bottom:
+            raise ParameterError(
+                "to",
+                f"to = {self.bottom:g} is not allowed: must be > {self.top:g}, where it begins, "
+                f"and <= {LARGEST_DEPTH:g}",
+            )
+
+    @property
+    def title(self) -> str:
+        """Its title, or else its depths."""
+        return self.name or f"{self.top:g} to {self.bottom:g} m"
+
+    @property
+    def inputs(self) -> Mapping[str, Input]:
+        """The inputs that are used, by key; without the adhesion factor if it is by the sleeve."""
+        used = {name: getattr(self, name) for name in self._used}
+        return {name: value for name, value in used.items() if value != BY_SLEEVE}
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Keys that have their defaults."""
+        used = (*self._used, "laboratory_rate", "strength", "model_error")
+        return tuple(name for name in used if name not in self.given)
+
+    @property
+    def _used(self) -> tuple[str, ...]:
+        inputs = ("rigidity_index", "rate_factor", "sensitivity", "ductility", "adhesion_factor")
+        anisotropy = "K0" if self.stress_anisotropy is None else "stress_anisotropy"
+        return (*inputs, anisotropy, *(RATIOS if self.strength != MODES[0] else ()))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Site:
-    """A site file; see `SITE_KEYS`."""
+    """A site file."""
 
     name: str  # of the file without its ending, and of the results
-    title: str
     test: MeasuredTest
     layers: tuple[Layer, ...]
-    use: tuple[str, ...]
-    samples: int
-    seed: int
+    title: str = parameter(meaning="title of the test", form=LINE)
+    use: tuple[str, ...] = parameter(
+        [forms.MEASURES[0]],
+        "measurements by which strength is found, the tip first",
+        form=forms.WORDS,
+    )
+    samples: int = parameter(
+        2048, "number of random combinations of the inputs", minimum=512, maximum=65536
+    )
+    seed: int = parameter(1, "seed of the random numbers", minimum=0, maximum=1e9)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     def layer_at(self, depth: Floats) -> Integers:
         """Index of the layer at depths [m], the lower one on a border; -1 if none, shape [n]."""
@@ -93,10 +255,8 @@ def load_site(path: Path) -> Site:
     values = read_toml(path)
     if "scene" in values and "test" not in values:
         raise StudyError(f"{path}: is a study; `harness run {path}` runs it")
-    whole = _filled(Table(f"{path}:", values), SITE_KEYS, "test", "layer")
-    use = whole.list("use")
-    if use[:1] != [keys.MEASURES[0]] or any(measure not in keys.MEASURES for measure in use):
-        raise whole.refuse("use", f"must be a list of {', '.join(keys.MEASURES)}, the tip first")
+    whole = Table(f"{path}:", values)
+    whole.allow(*keys_of(Site), "test", "layer")
     layers = whole.list("layer")
     if not layers or not all(isinstance(layer, dict) for layer in layers):
         raise StudyError(f"{path}: [[layer]] is missing: from, to and rigidity_index of the clay")
@@ -113,161 +273,25 @@ def load_site(path: Path) -> Site:
                 f"{path}: [[layer]] from = {below.top:g}: lies above {above.bottom:g}, the bottom "
                 "of the layer before"
             )
-    return Site(
-        name=path.stem,
-        title=whole.text("title"),
-        test=_test(whole.table("test"), path.parent),
-        layers=tuple(read),
-        use=tuple(use),
-        samples=_integer(whole, "samples"),
-        seed=_integer(whole, "seed"),
-    )
+    test = _test(whole.table("test"), path.parent)
+    return whole.made(Site, name=path.stem, test=test, layers=tuple(read))
 
 
-def _filled(table: Table, known: Mapping[str, Key], *others: str) -> Table:
-    """A table with the defaults of its keys; missing and unknown keys are refused."""
-    table.allow(*known, *others)
-    for name, key in known.items():
-        if key.required and name not in table.values:
-            raise StudyError(f"{table.where} {name}: is missing; {key.description}")
-    defaults = {name: key.default for name, key in known.items() if key.default is not None}
-    return Table(table.where, {**defaults, **table.values})
+def _test(table: Table, folder: Path) -> MeasuredTest:
+    table.allow(*keys_of(MeasuredTest))
+    _refuse_both(table, "water_level", "u0")
+    if not table.values.keys() & {"water_level", "u0"}:
+        raise table.missing(parameters_of(MeasuredTest)["water_level"])
+    return table.made(MeasuredTest, where=table.where, folder=folder)
 
 
-def _test(given: Table, folder: Path) -> MeasuredTest:
-    _refuse_both(given, "water_level", "u0")
-    in_place = {"water_level": 0.0} if "u0" in given.values else {}
-    table = _filled(Table(given.where, {**in_place, **given.values}), TEST_KEYS)
-    weight = table.values["unit_weight"]
-    return MeasuredTest(
-        where=table.where,
-        file=folder / table.text("file"),
-        sounding=table.text("sounding") if "sounding" in table.values else None,
-        columns=_texts(table, "columns"),
-        units=_texts(table, "units"),
-        missing=tuple(_finite(table, "missing", code) for code in table.list("missing"))
-        if "missing" in table.values
-        else None,
-        ground_level=_optional(table, "ground_level"),
-        pre_drilled=_optional(table, "pre_drilled"),
-        area_ratio=_optional(table, "area_ratio"),
-        cone_area=_optional(table, "cone_area"),
-        water=_by_depth(table, "u0")
-        if "u0" in table.values
-        else _number(table, "water_level", TEST_KEYS),
-        unit_weight=_by_depth(table, "unit_weight")
-        if isinstance(weight, dict) and "depth" in weight
-        else _in_kilo(read_input(table, "unit_weight", TEST_KEYS["unit_weight"].allowed)),
-        accuracy=_accuracy(table),
-    )
-
-
-def _layer(given: Table) -> Layer:
-    _refuse_both(given, "K0", "stress_anisotropy")
-    table = _filled(given, LAYER_KEYS)
-    top, bottom = (_number(table, key, LAYER_KEYS) for key in ("from", "to"))
-    if not top < bottom:
-        raise table.refuse(
-            "to", f"must be > {top:g}, where it begins, and <= {keys.LARGEST_DEPTH:g}"
-        )
-    # Values that are not used are checked too.
-    inputs = {
-        name: read_input(table, name, key.allowed, key.choices)
-        for name, key in LAYER_KEYS.items()
-        if Form.INPUT in key.forms and table.values.get(name) not in (None, *key.choices)
-    }
-    strength = table.word("strength", keys.MODES)
-    anisotropy = "stress_anisotropy" if "stress_anisotropy" in table.values else "K0"
-    names = [*keys.INPUTS, "adhesion_factor", anisotropy]
-    if strength != keys.MODES[0]:
-        names += ["simple_shear_ratio", "extension_ratio"]
-    return Layer(
-        title=table.text("title") if "title" in table.values else f"{top:g} to {bottom:g} m",
-        top=top,
-        bottom=bottom,
-        inputs={name: inputs[name] for name in names if name in inputs},
-        laboratory_rate=_rate(table),
-        strength=strength,
-        model_error=_number(table, "model_error", LAYER_KEYS),
-        assumed=tuple(
-            key
-            for key in (*names, "laboratory_rate", "strength", "model_error")
-            if key not in given.values
-        ),
-    )
+def _layer(table: Table) -> Layer:
+    table.allow(*keys_of(Layer))
+    _refuse_both(table, "K0", "stress_anisotropy")
+    return table.made(Layer, given=frozenset(table.values))
 
 
 def _refuse_both(table: Table, one: str, other: str) -> None:
     """Refuse a table that has both of two alternative keys."""
     if one in table.values and other in table.values:
         raise StudyError(f"{table.where} {one}: {other} says the same; give one of them")
-
-
-def _finite(table: Table, key: str, value: object) -> float:
-    if not is_number(value):
-        raise table.refuse(key, "must be a number")
-    return float(value)
-
-
-def _number(table: Table, key: str, known: Mapping[str, Key]) -> float:
-    value, allowed = _finite(table, key, table.values[key]), known[key].allowed
-    if not allowed.holds(value, value):
-        told = f"{known[key].meaning}{known[key].in_unit}"
-        raise table.refuse(key, f"must be {allowed.allowed}; {told}")
-    return value
-
-
-def _optional(table: Table, key: str) -> float | None:
-    return _number(table, key, TEST_KEYS) if key in table.values else None
-
-
-def _integer(table: Table, key: str) -> int:
-    allowed = SITE_KEYS[key].allowed
-    return table.integer(key, int(allowed.minimum), int(allowed.maximum))
-
-
-def _texts(table: Table, key: str) -> dict[str, str]:
-    own = table.table(key)
-    own.allow(*keys.COLUMNS, *keys.AXES)
-    return {name: own.text(name, "") for name in own.values}
-
-
-def _by_depth(table: Table, key: str) -> ByDepth:
-    """Values of a key in kN/m3 or kPa, in SI units."""
-    own = table.table(key)
-    own.allow("depth", "value")
-    depth, value = (
-        [_finite(own, column, x) for x in own.list(column)] for column in ("depth", "value")
-    )
-    if not depth or len(depth) != len(value) or depth != sorted(depth):
-        raise table.refuse(key, "must be { depth = [..], value = [..] }, as many of each, downward")
-    if not TEST_KEYS[key].allowed.holds(min(value), max(value)):
-        raise table.refuse(key, f"must be {TEST_KEYS[key].allowed.allowed} at all depths")
-    return ByDepth(tuple(depth), tuple(1e3 * number for number in value))
-
-
-def _in_kilo(given: Input) -> Input:
-    return Input(given.text, lambda share: 1e3 * given.quantiles(share))
-
-
-def _accuracy(table: Table) -> Mapping[str, tuple[float, float]]:
-    if isinstance(table.values["accuracy"], str):
-        return keys.ACCURACY[table.word("accuracy", tuple(keys.ACCURACY))]
-    own = table.table("accuracy")
-    own.allow(*keys.COLUMNS[1:])
-    numbers = {name: _finite(own, name, value) for name, value in own.values.items()}
-    if len(numbers) < 3 or min(numbers.values()) < 0.0:
-        raise table.refuse("accuracy", "must have qc, fs and u2, each a number >= 0 [kPa]")
-    return {name: (1e3 * number, 0.0) for name, number in numbers.items()}
-
-
-def _rate(table: Table) -> float:
-    value, allowed = table.values["laboratory_rate"], LAYER_KEYS["laboratory_rate"].allowed
-    found = re.fullmatch(keys.RATE, value, re.ASCII) if isinstance(value, str) else None
-    if found:
-        value = 0.01 * float(found[1]) / {"s": 1.0, "min": 60.0, "h": 3600.0}[found[2]]
-    if not is_number(value):
-        raise table.refuse("laboratory_rate", 'must be a text as "5 %/h", or a number in 1/s')
-    if not allowed.holds(value, value):
-        raise table.refuse("laboratory_rate", f"is {value:.2g} 1/s, must be {allowed.allowed}")
-    return float(value)

@@ -23,10 +23,11 @@ import xarray as xr
 from harness.interpret.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.columns import GAP
 from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
+from harness.interpret.forms import ByDepth
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
-from harness.interpret.site import ByDepth, Layer, Site
+from harness.interpret.site import Layer, Site
 from harness.interpret.weights import HALF_WIDTH, Measure, chosen_draws, measures_of
 from harness.machine import memory_of_machine
 from harness.study.distributions import normal, sampled

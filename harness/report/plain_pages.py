@@ -16,10 +16,9 @@ from matplotlib.figure import Figure
 from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
-from harness.interpret.keys import BY_SLEEVE
 from harness.interpret.measured import REASONS
 from harness.interpret.result import in_digits, in_words, rate_in_words
-from harness.interpret.site import Layer, Site
+from harness.interpret.site import BY_SLEEVE, Layer, Site
 from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, runs, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 from mpm_warp.provenance import provenance

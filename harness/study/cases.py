@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from harness.errors import tell
 from harness.study.designs import (
+    LARGEST_STUDY,
     LATIN_HYPERCUBE,
     Design,
     combination_count,
@@ -15,7 +16,7 @@ from harness.study.designs import (
     rounded,
 )
 from harness.study.expressions import Expression, ExpressionError
-from harness.study.scene_part import LARGEST_STUDY, Scene, ScenePart
+from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields import Value, flat_values, own_parameters_of

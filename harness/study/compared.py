@@ -10,7 +10,7 @@ import json
 import math
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,12 @@ import xarray as xr
 
 from harness.references.cone_factors import COMPARED, Conditions, ConeFactor, Quantity
 from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS, cone_factor_reference
-from harness.study.expressions import Expression, ExpressionError
+from harness.study.expressions import Expression, ExpressionError, expression_schema
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
-from harness.study.tables import StudyError, Table, is_number, shown
-from mpm_warp.fields import Value
+from harness.study.tables import LINE, StudyError, Table, is_number, text_key
+from mpm_warp.checks import POSITIVE, shown
+from mpm_warp.fields import Form, Parameter, Value
 from mpm_warp.names import did_you_mean, nearest_name
 
 ERROR = "error"
@@ -43,12 +44,27 @@ SYMBOLS = {
     "Delta": "stress_anisotropy",
 }
 """Symbols that a formula may use, and the field of `Conditions` that each stands for."""
-DEFAULT_TEXTS = {
-    "how_known": "as the study's own file says",
-    "criterion": "not stated here",
-    "method": "not stated here",
-}
-"""Optional texts of a reference, with their defaults."""
+FORMULA = replace(
+    text_key("formula", f"formula of parameters, or of {', '.join(SYMBOLS)}"),
+    form=Form("an expression", LINE.read, lambda declared: [expression_schema()]),
+)
+TEXTS = (
+    FORMULA,
+    text_key(OWN_LABEL, "name in pictures, such as authors and year"),
+    text_key("source", "where it is published"),
+    text_key("how_known", "how the formula is known", "as the study's own file says"),
+    text_key("criterion", "yield criterion", "not stated here"),
+    text_key("method", "method by which it was found", "not stated here"),
+)
+"""Texts of a reference of the user's own."""
+RESULT = text_key(REFERENCE_STUDY, "study; errors are differences from its stored result", None)
+TOLERANCE = Parameter(
+    name="tolerance",
+    kind=float,
+    default=MISSING,
+    meaning="largest deviation from a reference, or size of a result",
+    bounds=POSITIVE,
+)
 MISSPELLING_LIKENESS = 0.85
 """A name at least this similar to a known one is a misspelling; names of two results are not."""
 
@@ -109,7 +125,7 @@ def _reference_result(table: Table, parts: Sequence[ScenePart], folder: Path) ->
     if len(parts) > 1 or not takes_references(parts[0].scene):
         raise table.refuse(REFERENCE_STUDY, f"needs a single scene that computes a {COMPARED}")
     try:
-        result = find_study(table.text(REFERENCE_STUDY), folder).with_suffix(".nc")
+        result = find_study(table.read(RESULT), folder).with_suffix(".nc")
     except StudyError as error:
         raise table.refuse(REFERENCE_STUDY, str(error)) from None
     if not result.is_file():
@@ -156,7 +172,7 @@ def _tolerances(
             raise table.refuse(name, "is not among the references of [compare]")
         if name not in known and (near := did_you_mean(name, known, MISSPELLING_LIKENESS)):
             raise table.refuse(name, f"is neither a reference nor a result{near}")
-    return {name: table.positive(name) for name in table.values}
+    return {name: table.read(replace(TOLERANCE, name=name)) for name in table.values}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,8 +195,7 @@ class OwnReference(ConeFactor):
 
 def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReference:
     """A reference of the user's own, read from the attributes that the file of a result keeps."""
-    keys = ("formula", OWN_LABEL, "source", *DEFAULT_TEXTS)
-    said = {key: attributes[key] for key in keys if key in attributes}
+    said = {it.name: attributes[it.name] for it in TEXTS if it.name in attributes}
     try:
         ranges = json.loads(attributes.get("range", "{}"))
     except (TypeError, ValueError):
@@ -196,16 +211,16 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
         table: the table.
         known: parameters that the formula may use beside `SYMBOLS`; None allows any name.
     """
-    table.allow("formula", "label", "source", *DEFAULT_TEXTS, "range")
+    table.allow(*(it.name for it in TEXTS), "range")
     if not re.fullmatch(REFERENCE_NAME, name):
         raise StudyError(
             f"{table.where}: a name has lower-case letters, digits and '_', with a letter first"
         )
     if name in REFERENCE_IDS or name in EXPERIENCE_IDS:
         raise StudyError(f"{table.where}: a reference that ships has this name; choose another")
-    text = table.text("formula", "; an expression of parameters of the scene")
+    texts = {it.name: table.read(it) for it in TEXTS}
     try:
-        formula = Expression.parsed(text)
+        formula = Expression.parsed(texts["formula"])
     except ExpressionError as error:
         raise table.refuse("formula", str(error)) from None
     every = None if known is None else (*known, *SYMBOLS)
@@ -218,20 +233,12 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
                 problem = f"unknown parameter or symbol {symbol!r}{nearest_name(symbol, every)}"
                 raise table.refuse(key, problem)
     bounds = {name: _span(ranges, name) for name in ranges.values}
-    optional = DEFAULT_TEXTS | {
-        key: table.text(key) for key in DEFAULT_TEXTS if key in table.values
-    }
     return OwnReference(
         id=name,
-        label=table.text("label", "; its name in pictures, as authors and year"),
-        formula=text,
         evaluate=functools.partial(_evaluated, formula, bounds),
-        source=table.text("source", "; where it is published"),
         names=formula.names,
         ranges=bounds,
-        how_known=optional["how_known"],
-        criterion=optional["criterion"],
-        method=optional["method"],
+        **texts,
     )
 
 

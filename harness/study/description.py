@@ -74,8 +74,7 @@ def _sane_range(definition: Parameter) -> str:
 def _default(definition: Parameter) -> str:
     """The default of a parameter with its unit, in words."""
     if definition.default is None:
-        default = "none" if definition.optional else "derived"
-        return default if definition.unit == "1" else f"{default} [{definition.unit}]"
+        return ("none" if definition.optional else "derived") + definition.in_unit
     return f"{definition.default}{_unit(definition)}"
 
 
@@ -187,16 +186,15 @@ def study_text(name: str, scene_name: str) -> str:
         "# What varies: a list of values. Of several lists every combination is a case.",
         "# A range of values: { from = 1, to = 100, count = 5 }.",
         "[vary]",
-        comment(parameters[varied].explanation),
-        assignment(varied, values),
+        *template([parameters[varied]], {varied: values}),
         "",
         "# What is the same in all cases. A parameter stands here or under [vary], not in both.",
         "[fixed]",
-        *_commented(definition for key, definition in others.items() if key not in method),
+        *template((it for key, it in others.items() if key not in method), {}),
     ]
     if others.keys() & set(method):
         parts += ["", "# Mesh, steps and extent: a good result does not depend on them."]
-        parts += _commented(definition for key, definition in others.items() if key in method)
+        parts += template((it for key, it in others.items() if key in method), {})
     if PROFILE in parameters:
         parts += ["", *OWN_GROUND.splitlines()]
     if takes_references(scene):
@@ -239,12 +237,14 @@ def _candidates(definition: Parameter) -> list[Value]:
     return [default, *([float(greatest)] if math.isfinite(greatest) else [])]
 
 
-def _commented(parameters: Iterable[Parameter]) -> list[str]:
-    """Meaning and default of parameters, as comments."""
+def template(declared: Iterable[Parameter], given: Mapping[str, object]) -> list[str]:
+    """A comment on each key, and its value; if none is given, its default or dots as a comment."""
     lines = []
-    for parameter in parameters:
-        value = "..." if parameter.default is None else toml(parameter.default)
-        lines += [comment(parameter.explanation), f"#{parameter.name} = {value}"]
+    for it in declared:
+        is_open = it.is_required or it.default in (None, {})
+        value = "..." if is_open else toml(it.default)
+        own = f"{it.name} = {toml(given[it.name])}" if it.name in given else f"#{it.name} = {value}"
+        lines += [comment(it.explanation), own]
     return lines
 
 
@@ -262,7 +262,7 @@ def toml(value: object) -> str:
     """A value in TOML. JSON writes texts, numbers, true and false in the same way."""
     if isinstance(value, dict):
         return "{ " + ", ".join(itertools.starmap(assignment, value.items())) + " }"
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return "[" + ", ".join(map(toml, value)) + "]"
     return json.dumps(value, ensure_ascii=False)
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from harness.study.distributions import Input
-from mpm_warp.fields import Parameter, Value
+from mpm_warp.fields import Parameter, Value, check_fields, parameter
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
 DESIGNS = {
@@ -26,6 +26,9 @@ DESIGNS = {
 VARY_REPLACES_FIXED = (FULL, LATIN_HYPERCUBE)
 """Designs in which a varied parameter needs no fixed value; one at a time most cases have it."""
 SPACINGS = ("linear", "logarithmic")
+LARGEST_STUDY = 100_000
+"""Cases that a study may have; more are a mistake in a list or range."""
+LARGEST_SEED = 2**32 - 1
 
 Combination = Mapping[str, Value]
 """The values that the design gives to one case, by parameter name."""
@@ -63,9 +66,16 @@ class Range:
 class Design:
     """How the values of a study are combined."""
 
-    kind: str  # one of `DESIGNS`
-    samples: int = 0  # number of cases of a Latin hypercube
-    seed: int = 0  # of its random numbers
+    kind: str = parameter(
+        FULL, "how varied values are combined", choices=tuple(DESIGNS), key="design"
+    )
+    samples: int = parameter(None, "cases of a Latin hypercube", minimum=1, maximum=LARGEST_STUDY)
+    seed: int = parameter(
+        None, "seed of a Latin hypercube's random numbers", minimum=0, maximum=LARGEST_SEED
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
 
 Variation = tuple[Value, ...] | Range | Input

@@ -7,15 +7,16 @@ to 0 and 100 %.
 SciPy is imported inside functions because it takes half a second to load.
 """
 
+import functools
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from harness.study.tables import Table, is_number
-from mpm_warp.checks import Range
+from harness.study.tables import is_number, table_schema
+from mpm_warp.fields import Form, Parameter, Refused, Schema, bounds_schema, parameter
 from mpm_warp.grid.fitted import Floats
 
 Quantiles = Callable[[Floats], Floats]
@@ -72,35 +73,30 @@ def is_distribution(value: Mapping[str, Any]) -> bool:
     return any(word in names or re.fullmatch(PERCENTILE, word) for word in value)
 
 
-def read_input(table: Table, key: str, allowed: Range, words: Sequence[str] = ()) -> Input:
-    """Read an uncertain input.
+def _read(value: Any, field: Parameter) -> "Input | str":
+    """An uncertain input, or one of the words that its field may be.
 
-    Args:
-        table: the table that it stands in.
-        key: its key.
-        allowed: range of allowed values. Samples outside are moved to the nearest bound. A
-            distribution whose median is outside is refused.
-        words: other values that the key may have, for the error message.
-
-    Raises:
-        StudyError: it has none of the allowed forms, or is out of range.
+    Samples outside the bounds of the field are moved to the nearest. A distribution whose median is
+    outside is refused.
     """
-    value = table.values[key]
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
+    allowed, words = field.bounds, field.choices or ()
+    if isinstance(value, str) and value in words:
+        return value
+    if isinstance(value, int | float) and not isinstance(value, bool):
         if not allowed.holds(value, value):
-            raise table.refuse(key, f"must be a number {allowed.allowed}")
+            raise Refused(f"must be a number {allowed.allowed}")
         return known(float(value))
     if not isinstance(value, dict):
-        raise table.refuse(key, f"must be {' or '.join([*words, HOW])}")
+        raise Refused(f"must be {' or '.join([*map(str, words), HOW])}")
     for name, entry in value.items():
         if name != "shape" and not is_number(entry):
-            raise table.refuse(key, f"{name} must be a number")
-    quantiles = _distribution(table, key, value)
+            raise Refused(f"{name} must be a number")
+    quantiles = _distribution(value)
     middle, ends = quantiles(np.array(0.5)), quantiles(np.array([TAIL_SHARE, 1.0 - TAIL_SHARE]))
     if not (np.isfinite(ends).all() and allowed.holds(middle, middle)):
-        raise table.refuse(key, f"its median {middle:g} must be {allowed.allowed}")
+        raise Refused(f"its median {middle:g} must be {allowed.allowed}")
     if "mean" not in value and not allowed.holds(*ends):
-        raise table.refuse(key, f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
+        raise Refused(f"goes from {ends[0]:g} to {ends[1]:g}, must be {allowed.allowed}")
     low = max(allowed.minimum, allowed.above + BOUND_MARGIN)
     high = min(allowed.maximum, allowed.below - BOUND_MARGIN)
     text = ", ".join(f"{name} {entry}" for name, entry in value.items())
@@ -110,49 +106,71 @@ def read_input(table: Table, key: str, allowed: Range, words: Sequence[str] = ()
     )
 
 
-def _distribution(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
+def _distribution(value: dict[str, float | str]) -> Quantiles:
     """The quantiles of a distribution that is given as a table of the file."""
     from scipy import stats
 
     if len(value) > 1 and all(re.fullmatch(PERCENTILE, name) for name in value):
-        return _of_percentiles(table, key, value)
+        return _of_percentiles(value)
     if not any(value.keys() == set(form) for form in FORMS):
-        raise table.refuse(key, f"must be {HOW}")
+        raise Refused(f"must be {HOW}")
     shape = value.get("shape", "normal")
     chosen: Any
     match {name: float(entry) for name, entry in value.items() if name != "shape"}:
         case {"low": low, "high": high} if not low < high:
-            raise table.refuse(key, "low must be below high")
+            raise Refused("low must be below high")
         case {"low": low, "mode": mode, "high": high}:
             if not low <= mode <= high:
-                raise table.refuse(key, "mode must be from low to high")
+                raise Refused("mode must be from low to high")
             chosen = stats.triang((mode - low) / (high - low), low, high - low)
         case {"low": low, "high": high} if low > 0.0 and high / low > WIDE_RANGE:
             chosen = stats.loguniform(low, high)
         case {"low": low, "high": high}:
             chosen = stats.uniform(low, high - low)
         case {"deviation": deviation} if not deviation > 0.0:
-            raise table.refuse(key, "deviation must be > 0; give an exact value as a number")
+            raise Refused("deviation must be > 0; give an exact value as a number")
         case {"mean": mean, "deviation": deviation} if shape == "lognormal" and mean > 0.0:
             width = np.sqrt(np.log1p((deviation / mean) ** 2))
             chosen = stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2))
         case {"mean": mean, "deviation": deviation} if shape == "normal":
             chosen = stats.norm(mean, deviation)
         case _:
-            raise table.refuse(key, "shape must be normal, or lognormal with a mean > 0")
+            raise Refused("shape must be normal, or lognormal with a mean > 0")
     quantiles: Quantiles = chosen.ppf
     return quantiles
 
 
-def _of_percentiles(table: Table, key: str, value: dict[str, float | str]) -> Quantiles:
+def _of_percentiles(value: dict[str, float | str]) -> Quantiles:
     pairs = sorted((int(name[1:]) / 100.0, float(entry)) for name, entry in value.items())
     shares, values = np.array(pairs).T
     if not (np.diff(values) > 0.0).all():
-        raise table.refuse(key, "percentiles must rise")
+        raise Refused("percentiles must rise")
     slopes = np.diff(values) / np.diff(shares)
     ends = values[0] - shares[0] * slopes[0], values[-1] + (1.0 - shares[-1]) * slopes[-1]
     x, y = np.array([0.0, *shares, 1.0]), np.array([ends[0], *values, ends[1]])
     return lambda share: np.interp(share, x, y)
+
+
+def distributions() -> list[Schema]:
+    """Schemas of all forms of an uncertain input that is not a single number."""
+    kinds: Schema = {"shape": {"enum": ["normal", "lognormal"]}}
+    number = {"type": "number"}
+    tables = [
+        table_schema({name: kinds.get(name, number) for name in form}, required=list(form))
+        for form in FORMS
+    ]
+    percentiles = {"patternProperties": {f"^{PERCENTILE}$": number}, "minProperties": 2}
+    return [*tables, table_schema({}, **percentiles)]
+
+
+def _schemas(field: Parameter) -> list[Schema]:
+    return [{"type": "number"} | bounds_schema(field.bounds), *distributions()]
+
+
+INPUT = Form("an input", _read, _schemas)
+"""The form of an uncertain input."""
+an_input = functools.partial(parameter, form=INPUT)
+"""Declares a field that is an uncertain input."""
 
 
 def sampled(inputs: dict[str, Input], count: int, seed: int) -> dict[str, Floats]:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
-from mpm_warp.fields import Value
+from mpm_warp.fields import Schema, Value
 from mpm_warp.names import nearest_name
 
 LONGEST_EXPRESSION = 200
@@ -193,3 +193,8 @@ def _operand(name: str, value: Value | None) -> Value:
     if value is None:
         raise ExpressionError(f"{name} has no value, because the scene derives it; give it one")
     return value if isinstance(value, (str, bool)) else float(value)
+
+
+def expression_schema() -> Schema:
+    """The JSON schema of an expression; what it means is checked by the harness."""
+    return {"type": "string", "minLength": 1, "maxLength": LONGEST_EXPRESSION}

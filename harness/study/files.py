@@ -15,7 +15,8 @@ from typing import Any
 
 from harness.study.designs import VARY_REPLACES_FIXED
 from harness.study.scene_part import SCENE_KEYS
-from harness.study.tables import StudyError, Table, is_number, shown
+from harness.study.tables import StudyError, Table, is_number, text_key
+from mpm_warp.checks import shown
 from mpm_warp.errors import ParameterError
 from mpm_warp.materials.clay_law import LAW, PARAMETER
 from mpm_warp.names import nearest_name
@@ -23,6 +24,8 @@ from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, text_of
 
+BASE = text_key("base", "study from which keys are taken that this one lacks", None)
+FILE = text_key("file", "a CSV file with the ground")
 STUDY_NAME = r"\w[\w.-]*"
 """Pattern of the name of a study."""
 LARGEST_FILE = 1_000_000
@@ -153,7 +156,7 @@ def lineage(path: Path) -> list[tuple[Path, dict[str, Any]]]:
     while here is not None:
         values = read_toml(here)
         line.insert(0, (here, values))
-        base = Table(f"{here}:", values).text("base") if "base" in values else None
+        base = Table(f"{here}:", values).read(BASE)
         if base is not None and len(line) == LONGEST_LINEAGE:
             raise StudyError(
                 f"{here}: base = {base!r}: more than {LONGEST_LINEAGE} studies are chained by "
@@ -274,7 +277,7 @@ def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:
 def _profile_from_file(folder: Path, table: Table) -> str:
     """The text of the CSV file of a profile, which must be in the study's folder or below it."""
     table.allow("file")
-    path = folder / table.text("file")
+    path = folder / table.read(FILE)
     try:
         if path.resolve().is_relative_to(folder.resolve()):
             return read_text(path, "a profile")

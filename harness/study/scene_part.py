@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, replace
 
 from harness.errors import tell
 from harness.study.designs import (
     FULL,
+    LARGEST_STUDY,
     LATIN_HYPERCUBE,
     LIST,
     SPACINGS,
@@ -17,18 +18,33 @@ from harness.study.designs import (
     Variation,
     Variations,
 )
-from harness.study.distributions import is_distribution, read_input
+from harness.study.distributions import INPUT, Input, is_distribution
 from harness.study.expressions import Expression, ExpressionError
-from harness.study.tables import StudyError, Table, shown
+from harness.study.tables import StudyError, Table
+from mpm_warp.checks import Range as Within
+from mpm_warp.checks import shown
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.fields import Parameter, Value, parameters_of
 from mpm_warp.names import nearest_parameter
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
-LARGEST_STUDY = 100_000
-"""Cases that a study may have; more are a mistake in a list or range."""
 MOST_EXCLUSIONS = 100
 """Conditions that `exclude` may have; each is evaluated for every case."""
+
+COUNT = Parameter(
+    name="count",
+    kind=int,
+    default=MISSING,
+    meaning="numbers from one end of a range to the other",
+    bounds=Within(minimum=2, maximum=LARGEST_STUDY),
+)
+SPACING = Parameter(
+    name="spacing",
+    kind=str,
+    default=SPACINGS[0],
+    meaning="how the numbers of a range are spaced",
+    choices=SPACINGS,
+)
 
 SNAPSHOTS = "snapshots"
 """Key of the moments at which the soil is kept."""
@@ -177,7 +193,8 @@ def _variation(table: Table, key: str, design: Design) -> Variation:
             raise table.refuse(key, f"cannot be a distribution; must be {definition.allowed}")
         if design.kind != LATIN_HYPERCUBE:
             raise table.refuse(key, f'a distribution needs design = "{LATIN_HYPERCUBE}"')
-        return read_input(table, key, definition.bounds)
+        drawn: Input = table.read(replace(definition, form=INPUT))
+        return drawn
     if definition.kind not in (int, float) or definition.choices is not None:
         raise table.refuse(
             key, f"cannot be a range; must be a list of values, each {definition.allowed}"
@@ -187,9 +204,10 @@ def _variation(table: Table, key: str, design: Design) -> Variation:
     ends = Table(f"{table.where} {key}:", value, of_end)
     ends.allow(*of_end, "spacing", *([] if sampled else ["count"]))
     for end in of_end:
-        ends.given(end, "; a range has from and to")
-    start, stop = (float(ends.value(end)) for end in of_end)
-    logarithmic = ends.word("spacing", SPACINGS) == "logarithmic"
+        if end not in value:
+            raise StudyError(f"{ends.where} {end}: is missing; a range has from and to")
+    start, stop = (float(ends.read(end)) for end in of_end.values())
+    logarithmic = ends.read(SPACING) == "logarithmic"
     if logarithmic and min(start, stop) <= 0:
         raise ends.refuse("spacing", "from and to must be > 0")
     span = Range(start=start, stop=stop, logarithmic=logarithmic)
@@ -197,7 +215,7 @@ def _variation(table: Table, key: str, design: Design) -> Variation:
         if start >= stop:
             raise ends.refuse("to", f"must be > {start:g}")
         return span
-    numbers = span.values(ends.integer("count", 2, LARGEST_STUDY))
+    numbers = span.values(ends.read(COUNT))
     return replace(table, values={key: list(numbers)}).several(key)
 
 

@@ -4,39 +4,36 @@ It is made from the definitions of the parameters, scene by scene. It does not c
 on several values together, such as the number of cases; the harness does when it reads a study.
 """
 
-import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS
 from harness.study.compared import (
-    DEFAULT_TEXTS,
     OWN_REFERENCES,
     REFERENCE_NAME,
     REFERENCE_STUDY,
-    SYMBOLS,
+    RESULT,
+    TEXTS,
+    TOLERANCE,
 )
-from harness.study.designs import DESIGNS, LATIN_HYPERCUBE, LIST, SPACINGS
-from harness.study.distributions import FORMS, PERCENTILE
-from harness.study.expressions import LONGEST_EXPRESSION
+from harness.study.designs import LATIN_HYPERCUBE, LIST, Design
+from harness.study.distributions import distributions
+from harness.study.expressions import expression_schema
+from harness.study.files import BASE
 from harness.study.scene_part import (
-    LARGEST_STUDY,
+    COUNT,
     SCENE_KEYS,
     SNAPSHOTS,
+    SPACING,
     Scene,
     loaded_scenes,
     moment_of,
 )
-from harness.study.study import LARGEST_SEED, MOST_REPEATS, STABILITY_MAP
-from mpm_warp.checks import Range
-from mpm_warp.fields import Parameter, parameters_of
+from harness.study.study import KEYS, STABILITY_MAP
+from harness.study.tables import schema_of, table_schema
+from mpm_warp.fields import Parameter, Schema, parameters_of
 from mpm_warp.scenes.sounding.table import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
-Schema = dict[str, Any]
-LINE: Schema = {"type": "string", "pattern": "\\S"}
-"""A text that is not empty."""
 
 
 def study_schema() -> Schema:
@@ -48,22 +45,16 @@ def study_schema() -> Schema:
     own = references | {"items": {"anyOf": [references["items"], {"pattern": REFERENCE_NAME}]}}
     shipped = {"properties": {"compare": {"properties": {"references": references}}}}
     experience = _ids(EXPERIENCE_IDS, "bands of factors measured in the field")
-    tolerance = {
-        "type": "object",
-        "description": "largest deviation from a reference, or size of a result",
-        "additionalProperties": {"type": "number", "exclusiveMinimum": 0},
-    }
+    tolerance = {"type": "object", "additionalProperties": TOLERANCE.schema}
     scene_name = {"enum": list(scenes)}
     properties: Schema = {
-        "title": LINE | {"description": "one line on what the study shows"},
-        "base": LINE | {"description": "study from which keys are taken that this one lacks"},
+        "title": KEYS["title"].schema,
+        "base": BASE.schema,
         "scene": {
             "description": "what is simulated, or a list of several",
             "anyOf": [scene_name, {"type": "array", "items": scene_name, "minItems": 1}],
         },
-        "design": {"enum": list(DESIGNS), "description": "how varied values are combined"},
-        "samples": _integer("cases of a Latin hypercube", 1, LARGEST_STUDY),
-        "seed": _integer("seed of a Latin hypercube's random numbers", 0, LARGEST_SEED),
+        **{field.name: field.schema for field in parameters_of(Design).values()},
         **{key: {} for key in SCENE_KEYS},  # their content depends on the scene; see allOf below
         PROFILE: {
             "type": "object",
@@ -73,8 +64,7 @@ def study_schema() -> Schema:
         "compare": table_schema(
             {
                 "references": own,
-                REFERENCE_STUDY: LINE
-                | {"description": "study; errors are differences from its stored result"},
+                REFERENCE_STUDY: RESULT.schema,
                 "experience": experience,
                 "tolerance": tolerance,
             }
@@ -85,8 +75,8 @@ def study_schema() -> Schema:
             "propertyNames": {"pattern": f"^{REFERENCE_NAME}$"},
             "additionalProperties": _own_reference(),
         },
-        STABILITY_MAP: {"type": "boolean", "description": "draw where the cases complete"},
-        "timing": table_schema({"repeats": _integer("timed runs of each case", 1, MOST_REPEATS)}),
+        STABILITY_MAP: KEYS[STABILITY_MAP].schema,
+        "timing": schema_of([KEYS["timing_repeats"]]) | {"required": []},
     }
     return {
         "$schema": DIALECT,
@@ -109,19 +99,12 @@ def study_schema() -> Schema:
 def _own_reference() -> Schema:
     """The schema of a table [references.NAME]."""
     span = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
-    texts = {
-        "label": LINE | {"description": "name in pictures, such as authors and year"},
-        "source": LINE | {"description": "where it is published"},
-        **dict.fromkeys(DEFAULT_TEXTS, LINE),
-    }
     ranges = {
         "type": "object",
         "description": "least and greatest value for which it is valid, by parameter or symbol",
         "additionalProperties": span,
     }
-    formula = _expression(f"formula of parameters, or of {', '.join(SYMBOLS)}")
-    required = ["formula", "label", "source"]
-    return table_schema({"formula": formula, **texts, "range": ranges}, required=required)
+    return schema_of(TEXTS, range=ranges)
 
 
 def _of_scene(scene: Scene) -> Schema:
@@ -138,7 +121,7 @@ def _of_scene(scene: Scene) -> Schema:
                 properties[name] = {"anyOf": [properties[name], table]}
         return table_schema(properties)
 
-    fixed = of_each(value_schema)
+    fixed = of_each(lambda parameter: parameter.schema)
     return table_schema(
         {
             "fixed": fixed,
@@ -151,55 +134,15 @@ def _of_scene(scene: Scene) -> Schema:
     )
 
 
-def bounds_schema(allowed: Range) -> Schema:
-    """The schema keywords for the bounds of a number."""
-    bounds = {
-        "minimum": allowed.minimum,
-        "maximum": allowed.maximum,
-        "exclusiveMinimum": allowed.above,
-        "exclusiveMaximum": allowed.below,
-    }
-    return {name: bound for name, bound in bounds.items() if math.isfinite(bound)}
-
-
-def value_schema(parameter: Parameter) -> Schema:
-    """The schema of a parameter's value."""
-    schema: Schema = {
-        "type": TYPES[parameter.kind],
-        "description": parameter.explanation,
-        **bounds_schema(parameter.bounds),
-        "enum": None if parameter.choices is None else list(parameter.choices),
-        "default": parameter.default,
-    }
-    return {key: value for key, value in schema.items() if value is not None}
-
-
 def _variation(parameter: Parameter) -> Schema:
-    value = value_schema(parameter)
+    value = parameter.schema
     several = {"type": "array", "items": value, "minItems": 1, "uniqueItems": True}
     if parameter.kind not in (int, float) or parameter.choices is not None:
         return several
-    count = _integer("numbers from one end to the other", 2, LARGEST_STUDY)
-    ends = {"from": value, "to": value, "count": count, "spacing": {"enum": list(SPACINGS)}}
+    ends = {"from": value, "to": value, "count": COUNT.schema, "spacing": SPACING.schema}
     span = table_schema(ends, required=["from", "to"])
     drawn = distributions() if parameter.kind is float else []
     return {"description": value["description"], "anyOf": [several, span, *drawn]}
-
-
-def distributions() -> list[Schema]:
-    """Schemas of all forms of an uncertain input that is not a single number."""
-    kinds: dict[str, Schema] = {"shape": {"enum": ["normal", "lognormal"]}}
-    number = {"type": "number"}
-    tables = [
-        table_schema({name: kinds.get(name, number) for name in form}, required=list(form))
-        for form in FORMS
-    ]
-    percentiles = {"patternProperties": {f"^{PERCENTILE}$": number}, "minProperties": 2}
-    return [*tables, table_schema({}, **percentiles)]
-
-
-def _integer(meaning: str, least: int, most: int) -> Schema:
-    return {"type": "integer", "description": meaning, "minimum": least, "maximum": most}
 
 
 def _ids(known: Sequence[str], meaning: str) -> Schema:
@@ -208,17 +151,7 @@ def _ids(known: Sequence[str], meaning: str) -> Schema:
 
 
 def _expression(meaning: str) -> Schema:
-    return {
-        "type": "string",
-        "description": meaning,
-        "minLength": 1,
-        "maxLength": LONGEST_EXPRESSION,
-    }
-
-
-def table_schema(properties: Schema, **more: object) -> Schema:
-    """The schema of a table that may have these keys and no others."""
-    return {"type": "object", "properties": properties, "additionalProperties": False, **more}
+    return {"description": meaning, **expression_schema()}
 
 
 def _if(key: str, value: str, then: Schema) -> Schema:

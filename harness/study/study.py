@@ -13,7 +13,7 @@ from typing import Any
 
 from harness.study.cases import Case, cases_of
 from harness.study.compared import OWN_REFERENCES, Compared, read_compared
-from harness.study.designs import DESIGNS, FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
+from harness.study.designs import FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
 from harness.study.files import (
     find_study,
     flat_material,
@@ -24,7 +24,6 @@ from harness.study.files import (
     with_profile,
 )
 from harness.study.scene_part import (
-    LARGEST_STUDY,
     SCENE_KEYS,
     SNAPSHOTS,
     Scene,
@@ -32,18 +31,19 @@ from harness.study.scene_part import (
     read_part,
     read_snapshots,
 )
-from harness.study.tables import StudyError, Table, parse_setting, parse_value, shown
+from harness.study.tables import LINE, StudyError, Table, parse_setting, parse_value, text_key
+from mpm_warp.checks import shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields import parameter, parameters_of
 from mpm_warp.names import known_names, nearest_name
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000
 """Timed runs of a case that a study may ask for; a larger number is taken for a mistake."""
-LARGEST_SEED = 2**32 - 1
 STABILITY_MAP = "stability_map"
 """Key of a study that asks for a map of where its cases complete; an attribute of its result."""
 
+SCENE = text_key("scene", "what is simulated")
 STUDY_KEYS = (
     *("title", "base", "scene", "scenes", "design", "samples", "seed"),
     *("compare", OWN_REFERENCES, "timing", STABILITY_MAP),
@@ -55,13 +55,16 @@ class Study:
     """The cases to run and what to compare them with. Every name and value has been checked."""
 
     name: str  # name of the study file without .toml; the results are named by it
-    title: str
+    title: str = parameter(meaning="one line on what the study shows", form=LINE)
     parts: tuple[ScenePart, ...]  # one for each scene
     design: Design
     compared: Compared
-    timing_repeats: int  # timed runs of each case, alone on the machine; 0: cases are not timed
+    # each alone on the machine; 0: cases are not timed
+    timing_repeats: int = parameter(
+        meaning="timed runs of each case", minimum=1, maximum=MOST_REPEATS, key="repeats"
+    )
     source: Path  # the study file
-    stability_map: bool = False  # whether to draw a map of where the cases complete
+    stability_map: bool = parameter(False, "draw a map of where the cases complete")
 
     @functools.cached_property
     def cases(self) -> tuple[Case, ...]:
@@ -72,6 +75,10 @@ class Study:
     def is_grid(self) -> bool:
         """Whether the dimensions of the result are the varied parameters, not the single `case`."""
         return self.design.kind == FULL and len(self.parts) == 1 and not self.parts[0].excluded
+
+
+KEYS = parameters_of(Study)
+"""Declared keys, by attribute of a study."""
 
 
 def load_study(study: str, settings: Iterable[str] = ()) -> Study:
@@ -171,11 +178,11 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     timing.allow("repeats")
     return Study(
         name=path.stem,
-        title=document.text("title", "; one line on what the study shows"),
+        title=document.read(KEYS["title"]),
         parts=tuple(parts),
         design=design,
         compared=read_compared(document, parts, path.parent),
-        timing_repeats=timing.integer("repeats", 1, MOST_REPEATS) if timing.values else 0,
+        timing_repeats=timing.read(KEYS["timing_repeats"]) if timing.values else 0,
         source=path,
         stability_map=_asks_for_map(document, design, len(scenes)),
     )
@@ -212,7 +219,9 @@ def _scenes(document: Table) -> dict[str, Scene]:
     if isinstance(given, list) and given:
         names = given
     else:
-        names = [document.text("scene", known_names(scene_names()))]
+        if given is None:
+            raise StudyError(f"{document.where} scene: is missing{known_names(scene_names())}")
+        names = [document.read(SCENE)]
     scenes = {}
     for name in names:
         try:
@@ -226,17 +235,16 @@ def _scenes(document: Table) -> dict[str, Scene]:
 
 
 def _design(document: Table) -> Design:
-    kind = document.word("design", DESIGNS)
-    if kind != LATIN_HYPERCUBE:
+    design = document.made(Design)
+    if design.kind != LATIN_HYPERCUBE:
         for key in ("samples", "seed"):
             if key in document.values:
                 raise document.refuse(key, f'is allowed only with design = "{LATIN_HYPERCUBE}"')
-        return Design(kind=kind)
-    return Design(
-        kind=kind,
-        samples=document.integer("samples", 1, LARGEST_STUDY),
-        seed=document.integer("seed", 0, LARGEST_SEED),
-    )
+        return design
+    for name in ("samples", "seed"):
+        if name not in document.values:
+            raise document.missing(parameters_of(Design)[name])
+    return design
 
 
 def _check_derived(*tables: Table) -> None:
@@ -249,9 +257,7 @@ def _check_derived(*tables: Table) -> None:
 
 
 def _asks_for_map(document: Table, design: Design, scene_count: int) -> bool:
-    asked = document.values.get(STABILITY_MAP, False)
-    if not isinstance(asked, bool):
-        raise document.refuse(STABILITY_MAP, "must be true or false")
+    asked: bool = document.read(KEYS[STABILITY_MAP])
     if asked and (design.kind not in (ONE_AT_A_TIME, LATIN_HYPERCUBE) or scene_count > 1):
         designs = f'design = "{ONE_AT_A_TIME}" or "{LATIN_HYPERCUBE}"'
         raise document.refuse(STABILITY_MAP, f"needs one scene and {designs}")

@@ -7,13 +7,14 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from typing import Any, TypeGuard
+from dataclasses import MISSING, dataclass, field
+from typing import Any, TypeGuard, TypeVar
 
 from harness.errors import HarnessError, shortened
+from mpm_warp.checks import shown
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Parameter, Value
-from mpm_warp.names import did_you_mean, nearest_name, nearest_parameter
+from mpm_warp.fields import Form, Parameter, Refused, Schema, Value, parameters_of
+from mpm_warp.names import nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
 QUOTED = r"\"[^\"]*\"|'[^']*'"
@@ -21,6 +22,8 @@ NOT_PLAIN = re.compile(r"[0-9]_[0-9]|\b0[xob]")
 """Numbers that TOML allows, and that are taken for a slip on a command line."""
 LONGEST_TEXT = 1000
 """Characters that a text, such as a title, may have; longer ones are mistakes."""
+
+Made = TypeVar("Made")
 
 
 class StudyError(HarnessError):
@@ -63,43 +66,29 @@ class Table:
             raise self.refuse(key, f"must be a table [{key}]")
         return Table(f"{self.where} [{key}]", value, self.known)
 
-    def given(self, key: str, remedy: str) -> Any:
-        """The value of a required key; if it is missing, `remedy` ends the error message."""
-        if key not in self.values:
-            raise StudyError(f"{self.where} {key}: is missing{remedy}")
-        return self.values[key]
+    def missing(self, declared: Parameter) -> StudyError:
+        """The error to raise for a key that must be given."""
+        return StudyError(f"{self.where} {declared.name}: is missing; {declared.explanation}")
 
-    def text(self, key: str, remedy: str = "") -> str:
-        """A required text of one line; `remedy` as in :meth:`given`."""
-        value = self.given(key, remedy)
-        if not (isinstance(value, str) and value.strip() and value.isprintable()):
-            raise self.refuse(key, "must be a text of one line")
-        if len(value) > LONGEST_TEXT:
-            problem = f"has {len(value)} characters; a text has at most {LONGEST_TEXT}"
-            raise self.refuse(key, problem)
-        return value
+    def read(self, declared: Parameter) -> Any:
+        """The value of a declared key; its default if it is missing."""
+        if declared.name in self.values:
+            return self._checked(self.values[declared.name], declared)
+        if declared.is_required:
+            raise self.missing(declared)
+        return declared.default
 
-    def word(self, key: str, choices: Collection[str]) -> str:
-        """One of `choices`; the first of them if the key is missing."""
-        value = self.values.get(key, next(iter(choices)))
-        if not isinstance(value, str) or value not in choices:
-            near = did_you_mean(value, choices) if isinstance(value, str) else ""
-            raise self.refuse(key, f"must be one of {', '.join(choices)}{near}")
-        return value
-
-    def integer(self, key: str, least: int, most: int) -> int:
-        """A required integer from `least` to `most`."""
-        value = self.given(key, f"; an integer, {least} to {most}")
-        if type(value) is not int or not least <= value <= most:
-            raise self.refuse(key, f"must be an integer, {least} to {most}")
-        return value
-
-    def positive(self, key: str) -> float:
-        """A finite number above 0 under a key that is known to be there."""
-        value = self.values[key]
-        if not (is_number(value) and value > 0):
-            raise self.refuse(key, "must be a number > 0")
-        return float(value)
+    def made(self, owner: type[Made], **others: Any) -> Made:
+        """A dataclass whose declared fields are keys of this table, with `others`."""
+        declared = parameters_of(owner)
+        for key in declared.values():
+            if key.is_required and key.name not in self.values:
+                raise self.missing(key)
+        given = {name: key.name for name, key in declared.items() if key.name in self.values}
+        try:
+            return owner(**{name: self.values[key] for name, key in given.items()}, **others)
+        except ParameterError as refusal:
+            raise StudyError(f"{self.where} {refusal}") from None
 
     def list(self, key: str) -> list[Any]:
         """A list; an empty one if the key is missing."""
@@ -117,7 +106,8 @@ class Table:
 
     def value(self, key: str) -> Value:
         """The checked value of a parameter, converted to the parameter's type."""
-        return self._checked(key, self.values[key])
+        value: Value = self.read(self.definition(key))
+        return value
 
     def all_values(self) -> dict[str, Value]:
         """The checked values of all parameters in the table."""
@@ -125,31 +115,21 @@ class Table:
 
     def several(self, key: str) -> tuple[Value, ...]:
         """The checked values of a parameter that is given as a list; all must differ."""
-        self.definition(key)
-        values = self.values[key]
+        definition, values = self.definition(key), self.values[key]
         if not isinstance(values, list) or not values:
             remedy = "; a single value belongs under [fixed]" if isinstance(values, Value) else ""
             raise self.refuse(key, f"must be a list of values, or a range{remedy}")
-        checked = tuple(self._checked(key, value) for value in values)
+        checked = tuple(self._checked(value, definition) for value in values)
         if len(set(checked)) < len(checked):
             (twice, _), *_ = Counter(checked).most_common(1)
             raise self.refuse(key, f"{twice!r} is listed twice")
         return checked
 
-    def _checked(self, key: str, value: object) -> Value:
-        definition = self.definition(key)
-        if not isinstance(value, Value) or (isinstance(value, int) and abs(value) >= 2**63):
-            raise StudyError(
-                f"{self.where} {key} = {shown(value)} is not allowed: must be {definition.allowed}"
-            )
+    def _checked(self, value: object, declared: Parameter) -> Any:
         try:
-            checked = definition.checked(value)
-        except ParameterError as error:
-            unit = "" if definition.unit == "1" else f", in {definition.unit}"
-            what = "" if definition.choices else f"; meaning: {definition.meaning}{unit}"
-            raise StudyError(f"{self.where} {error}{what}") from None
-        assert checked is not None  # only None itself is checked to None
-        return checked
+            return declared.checked(value)
+        except ParameterError as refusal:
+            raise StudyError(f"{self.where} {refusal}") from None
 
 
 def parse_setting(setting: str) -> tuple[str, Any]:
@@ -193,9 +173,34 @@ def is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and type(value) is not bool and abs(value) < 1e300
 
 
-def shown(value: object) -> str:
-    """A value as text for a message. Huge integers and deeply nested tables cannot be shown."""
-    try:
-        return repr(value)
-    except (ValueError, RecursionError):
-        return "(too long to show)"
+def _line(value: object, declared: Parameter) -> str:
+    if not (isinstance(value, str) and value.strip() and value.isprintable()):
+        raise Refused("must be a text of one line")
+    if len(value) > LONGEST_TEXT:
+        raise Refused(f"has {len(value)} characters; a text has at most {LONGEST_TEXT}")
+    return value
+
+
+LINE = Form("a text of one line", _line, lambda declared: [{"type": "string", "pattern": "\\S"}])
+"""The form of titles and names."""
+
+
+def text_key(name: str, meaning: str, default: object = MISSING) -> Parameter:
+    """The declaration of a key whose value is a text of one line."""
+    return Parameter(name=name, kind=str, default=default, meaning=meaning, form=LINE)
+
+
+def keys_of(owner: type) -> list[str]:
+    """The keys of the declared fields of a dataclass."""
+    return [declared.name for declared in parameters_of(owner).values()]
+
+
+def table_schema(properties: Schema, **more: object) -> Schema:
+    """The schema of a table that may have these keys and no others."""
+    return {"type": "object", "properties": properties, "additionalProperties": False, **more}
+
+
+def schema_of(declared: Collection[Parameter], **more: Schema) -> Schema:
+    """The schema of a table whose keys are declared fields, and of `more` keys."""
+    properties = {it.name: it.schema for it in declared} | more
+    return table_schema(properties, required=[it.name for it in declared if it.is_required])

@@ -15,7 +15,7 @@ lowest of the three nodes along an axis, f = (x - X_0) / h, between 0.5 and 1.5.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,14 +26,13 @@ from mpm_warp.checks import (
     FINITE,
     FROM_ONE,
     NOT_NEGATIVE,
-    POSITIVE,
     Range,
     check_array,
     check_number,
     check_whole,
 )
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, array_of, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.materials.elasticity import LinearElastic
@@ -44,10 +43,9 @@ from mpm_warp.plan.plan import Plan
 class Load(Checked):
     """Forces of constant direction on the particles of a body; they rise linearly, then stay."""
 
-    # final force on each particle [N], shape [particle_count, 2]
-    forces: Floats = field(metadata=array_of(None, 2))
-    start: float = checked(NOT_NEGATIVE, unit="s")  # time t_0 at which the rise begins [s], >= 0
-    rise_time: float = checked(POSITIVE, unit="s")  # duration T of the rise [s], > 0
+    forces: Floats = parameter(meaning="final force on each particle", unit="N", shape=(None, 2))
+    start: float = parameter(meaning="time t_0 at which the rise begins", unit="s", minimum=0)
+    rise_time: float = parameter(meaning="duration T of the rise", unit="s", above=0)
 
     def impulse_time(self, time: Floats) -> Floats:
         """Impulse until each time since the start of the run [s], over the final force [s]."""
@@ -98,16 +96,19 @@ class Body(Checked):
     """A linear elastic body, or a rigid one, as a square lattice of particles."""
 
     position: Floats  # positions of the particles [m], shape [particle_count, 2]
-    # volumes of the particles per radian or thickness, shape [particle_count]
-    volume: Floats = field(metadata=array_of(None, allowed=POSITIVE))
-    spacing: float = checked(POSITIVE, unit="m")  # side of a particle's square [m], > 0
+    volume: Floats = parameter(
+        meaning="volumes of the particles per radian or thickness", shape=(None,), above=0
+    )
+    spacing: float = parameter(meaning="side of a particle's square", unit="m", above=0)
     material: LinearElastic  # elastic constants and density
     # particles at rest, shape [particle_count]; the body is fixed at every node that one of them
     # reaches. None: there are none
     held: NDArray[np.bool_] | None = None
-    # tau of a Kelvin-Voigt solid, whose stress is that of the strain plus tau times its rate [s],
-    # > 0; it damps a frequency omega by omega tau / 2 of the critical damping. None: no damping
-    retardation_time: float | None = checked(POSITIVE, unit="s", default=None)
+    # the stress is that of the strain plus tau times its rate, which damps a frequency omega by
+    # omega tau / 2 of the critical damping
+    retardation_time: float | None = parameter(
+        None, "tau of a Kelvin-Voigt solid; None: no damping", unit="s", above=0
+    )
     loads: tuple[Load, ...] = ()
 
     def __post_init__(self) -> None:
@@ -153,7 +154,7 @@ class UniformGrid(Checked):
     """A grid of square cells."""
 
     lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
-    cell_size: float = checked(POSITIVE, unit="m")  # side of a cell [m], > 0
+    cell_size: float = parameter(meaning="side of a cell", unit="m", above=0)
     cell_counts: tuple[int, int]  # cells along both axes, >= 3 each
     axisymmetric: bool = False  # axes (r, z); else (x, y) in plane strain
 

@@ -32,8 +32,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.bodies.body import Body, UniformGrid, first_node
-from mpm_warp.checks import NOT_NEGATIVE
-from mpm_warp.fields import Checked, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan
@@ -57,9 +56,10 @@ class BodyContact(Checked):
     should extend beyond the body. The area is that of the body along this normal.
     """
 
-    friction: float = checked(NOT_NEGATIVE, default=0.0)  # Coulomb coefficient, >= 0
-    # shear strength of the interface without normal stress [Pa], >= 0
-    adhesion: float = checked(NOT_NEGATIVE, unit="Pa", default=0.0)
+    friction: float = parameter(0.0, "Coulomb coefficient", minimum=0)
+    adhesion: float = parameter(
+        0.0, "shear strength of the interface without normal stress", unit="Pa", minimum=0
+    )
 
 
 def add_contact(

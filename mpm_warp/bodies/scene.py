@@ -13,9 +13,8 @@ import numpy as np
 
 from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
-from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats
 
 TOUCHING = 0.9
@@ -32,8 +31,9 @@ class BodyScene(Checked):
 
     grid: UniformGrid
     bodies: tuple[Body, ...]  # one or more
-    # time step over the critical one, the least `critical_time_step` of all bodies; > 0
-    time_step_fraction: float = checked(POSITIVE, default=0.6)
+    time_step_fraction: float = parameter(
+        0.6, "time step over the critical one, the least of all bodies", above=0
+    )
     contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
 
     def __post_init__(self) -> None:

@@ -16,7 +16,7 @@ plane strain per unit thickness.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -34,7 +34,7 @@ from mpm_warp.checks import (
     check_whole,
 )
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, array_of, checked
+from mpm_warp.fields import Checked, parameter
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
@@ -51,12 +51,8 @@ class Grid(Checked):
     """A structured grid of bilinear cells, axisymmetric or in plane strain of unit thickness.
 
     Attributes:
-        columns: coordinates of the columns of nodes, rising from 0 on the surface; 1, the fitted
-            radius, is one of them; beyond it radius over fitted radius; shape [column_count + 1].
-        rows: heights z of the rows of nodes, rising [m], shape [row_count + 1].
         surface_radius: radius of the inner surface on each row of nodes [m], shape
             [row_count + 1]; 0 on the axis.
-        fitted_radius: radius from which on columns of nodes are upright [m].
         planar: whether strain is plane; r is then a Cartesian coordinate.
         ground_level: height of the initial surface of the soil, above the lowest row [m];
             default: the grid is full.
@@ -65,10 +61,17 @@ class Grid(Checked):
         SceneError: a value is not allowed.
     """
 
-    columns: Floats = field(metadata=array_of(None))
-    rows: Floats = field(metadata=array_of(None))
+    # 1, the fitted radius, is one of them; beyond it they are radius over fitted radius
+    columns: Floats = parameter(
+        meaning="coordinates of the columns of nodes, rising from 0 on the surface", shape=(None,)
+    )
+    rows: Floats = parameter(
+        meaning="heights z of the rows of nodes, rising", unit="m", shape=(None,)
+    )
     surface_radius: Floats
-    fitted_radius: float = checked(POSITIVE, unit="m")
+    fitted_radius: float = parameter(
+        meaning="radius from which on columns of nodes are upright", unit="m", above=0
+    )
     planar: bool = False
     ground_level: float = math.inf
     polar = False

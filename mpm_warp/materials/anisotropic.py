@@ -41,7 +41,7 @@ import warp as wp
 
 from mpm_warp.checks import POSITIVE, check_number
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields import complete, parameter
 from mpm_warp.kernel_types import half, one, real, third, two, vec3, vec4, vec7, vector, zero
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, limit_pressure
 from mpm_warp.materials.von_mises import root_of_j2
@@ -240,7 +240,7 @@ class Anisotropic(PerfectlyPlastic):
         for name in STRENGTHS:
             if name == "strength_horizontal" and self.strength_horizontal is None:
                 across = (self.strength_compression + self.strength_extension) / math.sqrt(3.0)
-                object.__setattr__(self, name, across)
+                complete(self, strength_horizontal=across)
             check_number(f"Anisotropic: {name}", getattr(self, name), POSITIVE, unit="Pa")
         compression, extension = self.strength_compression, self.strength_extension
         room = 2.0 * self.strength_simple_shear
@@ -251,7 +251,7 @@ class Anisotropic(PerfectlyPlastic):
                 "strength_simple_shear must be more than half the difference of compression and "
                 "extension"
             )
-        object.__setattr__(self, "strength", compression)
+        complete(self, strength=compression)
         super().__post_init__()
 
     @property

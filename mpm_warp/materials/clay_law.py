@@ -20,7 +20,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Self
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Parameter, Value, Variants, definition_of
+from mpm_warp.fields import Parameter, Value, Variants, own_parameters_of
 from mpm_warp.materials.material import Material, built_name, register_name
 from mpm_warp.names import nearest_name
 
@@ -194,8 +194,12 @@ def law_class(name: str) -> type[Material]:
 @functools.cache
 def own_parameters(kind: type[Material]) -> Mapping[str, Parameter]:
     """The own parameters of a law by name; messages name them "material.critical_state_ratio"."""
-    own = (it for it in fields(kind) if "meaning" in it.metadata)
-    return {it.name: replace(definition_of(kind, it), name=f"{PARAMETER}.{it.name}") for it in own}
+    declared = own_parameters_of(kind).items()
+    return {
+        name: replace(definition, name=f"{PARAMETER}.{name}")
+        for name, definition in declared
+        if name not in GIVEN
+    }
 
 
 LAWS = Variants(

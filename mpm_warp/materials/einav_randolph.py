@@ -24,9 +24,8 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.checks import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import checked
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
 from mpm_warp.materials.elasticity import elastic_increment
@@ -51,10 +50,6 @@ class EinavRandolph(UndrainedClay):
     Attributes:
         strength: su of intact clay at the reference strain rate [Pa], > 0.
         criterion: class of the yield criterion, as Tresca or VonMises.
-        rate_factor: mu, increase of the strength per log cycle of strain rate, over su; >= 0.
-        reference_strain_rate: gd_ref, in the time of the run [1/s], > 0.
-        remoulded_strength_ratio: delta, remoulded over intact strength, > 0, <= 1.
-        ductility: xi_95, plastic shear strain at 95 % of the loss of strength, > 0.
         shape: `shape` of the criterion.
 
     Raises:
@@ -62,10 +57,18 @@ class EinavRandolph(UndrainedClay):
     """
 
     criterion: type[PerfectlyPlastic]
-    rate_factor: float = checked(NOT_NEGATIVE)
-    reference_strain_rate: float = checked(POSITIVE, unit="1/s")
-    remoulded_strength_ratio: float = checked(Range(above=0.0, maximum=1.0))
-    ductility: float = checked(POSITIVE)
+    rate_factor: float = parameter(
+        meaning="mu, gain of strength per log cycle of strain rate, over su", minimum=0
+    )
+    reference_strain_rate: float = parameter(
+        meaning="gd_ref, in the time of the run", unit="1/s", above=0
+    )
+    remoulded_strength_ratio: float = parameter(
+        meaning="delta, remoulded over intact strength", above=0, maximum=1
+    )
+    ductility: float = parameter(
+        meaning="xi_95, plastic shear strain at 95 % of the loss of strength", above=0
+    )
     shape: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import POSITIVE, Range
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import by_scene
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, vec2, vec4, vec5, vec7
 from mpm_warp.materials.material import Law, Material
@@ -27,15 +26,10 @@ SHEAR_MODULUS, BULK_MODULUS = 0, 1
 
 @dataclass(frozen=True, kw_only=True)
 class Isotropic(Material):
-    """The base of laws with constant elastic moduli whose plastic strain keeps the volume.
+    """The base of laws with constant elastic moduli whose plastic strain keeps the volume."""
 
-    Attributes:
-        shear_modulus: G [Pa], > 0.
-        poissons_ratio: nu, dimensionless, 0 <= nu < 0.5.
-    """
-
-    shear_modulus: float = by_scene(POSITIVE, unit="Pa")
-    poissons_ratio: float = by_scene(Range(minimum=0, below=0.5))
+    shear_modulus: float = parameter(None, "shear modulus G", unit="Pa", above=0)
+    poissons_ratio: float = parameter(None, "Poisson's ratio nu", minimum=0, below=0.5)
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -18,8 +18,8 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.checks import POSITIVE, as_array, check_array, check_kind, check_number
-from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields import Checked, by_scene, check_own
+from mpm_warp.errors import SceneError
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation
@@ -83,11 +83,10 @@ class Material(Checked, ABC):
     """A law with its parameters. A new law is a subclass, here or in a package of one's own.
 
     Attributes:
-        density: rho [kg/m3], > 0.
         variation: how strength, stiffness and adhesion vary by place; None: they are uniform.
     """
 
-    density: float = by_scene(POSITIVE, unit="kg/m3")
+    density: float = parameter(None, "density rho", unit="kg/m3", above=0)
     variation: Variation | None = None
 
     reference_test: ClassVar[str] = "simple_shear"
@@ -95,10 +94,6 @@ class Material(Checked, ABC):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        try:
-            check_own(self)
-        except ParameterError as refusal:
-            raise SceneError(f"{type(self).__name__}: {refusal}") from None
         if self.variation is None:
             return
         name, rows = type(self).__name__, self.variation.rows

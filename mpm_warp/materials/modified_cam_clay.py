@@ -31,9 +31,8 @@ from typing import Any
 
 import numpy as np
 
-from mpm_warp.checks import Range
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import by_scene, parameter
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.cam_clay_return import (
     WATER,
@@ -54,10 +53,6 @@ CIRCLE, MATSUOKA_NAKAI = "circle", "matsuoka_nakai"
 @dataclass(frozen=True, kw_only=True)
 class ModifiedCamClay(Material):
     """Clay with effective stress; the stress of the points is total, in excess of in-situ stress.
-
-    Attributes:
-        poissons_ratio: of the undrained clay where it is stiffest, 0 to below 0.5; it gives the
-            stiffness of the water.
 
     Raises:
         SceneError: a value is not allowed, or two contradict each other.
@@ -105,7 +100,12 @@ class ModifiedCamClay(Material):
         "M by direction: the same in all, or by the Lode angle as one friction angle has it",
         choices=(CIRCLE, MATSUOKA_NAKAI),
     )
-    poissons_ratio: float = by_scene(Range(minimum=0, below=0.5))
+    poissons_ratio: float = parameter(
+        None,
+        "that of the undrained clay where it is stiffest, by the stiffness of the water",
+        minimum=0,
+        below=0.5,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -15,9 +15,8 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import by_scene
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
@@ -30,14 +29,10 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class UndrainedClay(Isotropic):
-    """The base of clays with an undrained strength whose plastic strain keeps the volume.
+    """The base of clays with an undrained strength whose plastic strain keeps the volume."""
 
-    Attributes:
-        strength: undrained shear strength su [Pa], > 0, in pure shear; in triaxial compression
-            where it depends on direction.
-    """
-
-    strength: float = by_scene(POSITIVE, unit="Pa")
+    # in pure shear; in triaxial compression where it depends on direction
+    strength: float = parameter(None, "undrained shear strength su", unit="Pa", above=0)
 
     @property
     def properties(self) -> tuple[float, ...]:

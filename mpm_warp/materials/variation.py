@@ -7,14 +7,14 @@ the grid at the start. After the grid has travelled down by T, soil at rest at x
 place x - T e_z. Soil keeps the properties of its place wherever it moves.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from mpm_warp.checks import POSITIVE, SHARE, Range, check_rising
+from mpm_warp.checks import check_rising
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, array_of, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats
 
 
@@ -26,28 +26,36 @@ class Variation(Checked):
     first depth and below the last the values are constant.
 
     Attributes:
-        depth: below the surface of the ground [m], not falling, shape [n].
-        strength_ratio: strength over that of the material, > 0, shape [n].
-        stiffness_ratio: shear modulus over that of the material, > 0 and at most 1, shape [n]. The
-            material is as stiff as the stiffest soil: its waves are the fastest.
-        adhesion_ratio: adhesion factor of a surface beside the soil over that of the surface,
-            0 to 1, shape [n]; None: 1 everywhere.
         rows: the `Material` at each depth, n of one law. Between depths properties and initial
             state are linear; of a law with constant moduli only `shape`. None: only ratios vary.
-        horizontal_stress: horizontal less vertical in-situ stress [Pa], tension positive, shape
-            [n]; None: as the scene has it.
-        origin_depth: depth of z = 0 [m].
     """
 
-    depth: Floats = field(metadata=array_of("depth"))
-    strength_ratio: Floats = field(metadata=array_of("depth", allowed=POSITIVE))
-    stiffness_ratio: Floats = field(
-        metadata=array_of("depth", allowed=Range(above=0.0, maximum=1.0))
+    depth: Floats = parameter(
+        meaning="depth below the surface of the ground, not falling", unit="m", shape=("depth",)
     )
-    adhesion_ratio: Floats | None = field(default=None, metadata=array_of("depth", allowed=SHARE))
+    strength_ratio: Floats = parameter(
+        meaning="strength over that of the material", shape=("depth",), above=0
+    )
+    # the material is as stiff as the stiffest soil: its waves are the fastest
+    stiffness_ratio: Floats = parameter(
+        meaning="shear modulus over that of the material", shape=("depth",), above=0, maximum=1
+    )
+    adhesion_ratio: Floats | None = parameter(
+        None,
+        "adhesion factor beside the soil over that of the surface; None: 1 everywhere",
+        shape=("depth",),
+        minimum=0,
+        maximum=1,
+    )
     rows: tuple[Any, ...] | None = None
-    horizontal_stress: Floats | None = field(default=None, metadata=array_of("depth"))
-    origin_depth: float = checked(unit="m", default=0.0)
+    # tension positive
+    horizontal_stress: Floats | None = parameter(
+        None,
+        "horizontal less vertical in-situ stress; None: as the scene has it",
+        unit="Pa",
+        shape=("depth",),
+    )
+    origin_depth: float = parameter(0.0, "depth of z = 0", unit="m")
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -12,16 +12,16 @@ a node. The dashpots are implicit:
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import NOT_NEGATIVE, SHARE, check_known, check_nodes
+from mpm_warp.checks import check_known, check_nodes
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import array_of
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats, Grid, Integers, nodal_areas
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material
@@ -37,11 +37,15 @@ class Fixed(Part):
 
     Attributes:
         nodes: flat indices, each once, shape [node_count].
-        free: 1 where the velocity component is free, 0 where it is held, shape [node_count, 2].
     """
 
     nodes: Integers
-    free: Floats = field(metadata=array_of("nodes", 2, allowed=SHARE))
+    free: Floats = parameter(
+        meaning="1 where the velocity component is free, 0 where it is held",
+        shape=("nodes", 2),
+        minimum=0,
+        maximum=1,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -144,14 +148,18 @@ class FarField(Part):
 
     Attributes:
         nodes: flat indices of the nodes on the side, upward, shape [node_count].
-        spring: stiffness of each node per radian [N/m], >= 0, shape [node_count].
-        dashpot: viscosity of each node along r and z per radian [N s/m], >= 0,
-            shape [node_count, 2].
     """
 
     nodes: Integers
-    spring: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
-    dashpot: Floats = field(metadata=array_of("nodes", 2, allowed=NOT_NEGATIVE))
+    spring: Floats = parameter(
+        meaning="stiffness of each node per radian", unit="N/m", shape=("nodes",), minimum=0
+    )
+    dashpot: Floats = parameter(
+        meaning="viscosity of each node along r and z per radian",
+        unit="N s/m",
+        shape=("nodes", 2),
+        minimum=0,
+    )
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, and that the soil is uniform."""

@@ -51,15 +51,15 @@ step updates the adhesion; in 16 steps soil moves by a small part of a cell.
 """
 
 import functools
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import FROM_ONE, NOT_NEGATIVE, check_nodes, check_whole
+from mpm_warp.checks import FROM_ONE, check_nodes, check_whole
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import array_of, checked
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material
@@ -92,29 +92,37 @@ class SurfaceContact(Part):
 
     Attributes:
         nodes: flat indices of the nodes in contact, each once, shape [node_count].
-        normals: unit normals, outward from the soil, shape [node_count, 2].
-        normal_areas: areas on which the normal traction acts [m2], shape [node_count].
-        adhesion_forces: greatest adhesive force, adhesion times area [N], shape [node_count]; where
-            the strength varies or changes, that beside soil of the material's initial strength.
-        friction: Coulomb coefficient, >= 0.
-        strength_forces: greatest shear force of the soil, strength times area [N], shape
-            [node_count], for the same strength as `adhesion_forces`; None: no such limit.
-        in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0; soil and surface
-            part where the simulated traction pulls by more.
-        speed: at which the body sinks into a grid that rests [m/s]; a travelling grid has the
-            speed of its window.
     """
 
     nodes: Integers
-    normals: Floats = field(metadata=array_of("nodes", 2))
-    normal_areas: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
-    adhesion_forces: Floats = field(metadata=array_of("nodes", allowed=NOT_NEGATIVE))
-    friction: float = checked(NOT_NEGATIVE, default=0.0)
-    strength_forces: Floats | None = field(
-        default=None, metadata=array_of("nodes", allowed=NOT_NEGATIVE)
+    normals: Floats = parameter(meaning="unit normals, outward from the soil", shape=("nodes", 2))
+    normal_areas: Floats = parameter(
+        meaning="areas on which the normal traction acts", unit="m2", shape=("nodes",), minimum=0
     )
-    in_situ_stress: float = checked(NOT_NEGATIVE, unit="Pa")
-    speed: float = checked(unit="m/s", default=0.0)
+    # where the strength varies or changes, that beside soil of the material's initial strength
+    adhesion_forces: Floats = parameter(
+        meaning="greatest adhesive force, adhesion times area",
+        unit="N",
+        shape=("nodes",),
+        minimum=0,
+    )
+    friction: float = parameter(0.0, "Coulomb coefficient", minimum=0)
+    # for the same strength as `adhesion_forces`
+    strength_forces: Floats | None = parameter(
+        None,
+        "greatest shear force of the soil, strength times area; None: no such limit",
+        unit="N",
+        shape=("nodes",),
+        minimum=0,
+    )
+    # soil and surface part where the simulated traction pulls by more
+    in_situ_stress: float = parameter(
+        meaning="pressure that the simulated stress leaves out", unit="Pa", minimum=0
+    )
+    # a travelling grid has the speed of its window
+    speed: float = parameter(
+        0.0, "speed at which the body sinks into a grid that rests", unit="m/s"
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -5,12 +5,12 @@ v <- v + dt f / m           f given force, m mass of the node
 v <- v / (1 + dt c)         c rate of damping, for states of rest
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.checks import POSITIVE, check_nodes
-from mpm_warp.fields import array_of, checked
+from mpm_warp.checks import check_nodes
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan
@@ -19,13 +19,9 @@ from mpm_warp.scene import Part, Scene
 
 @dataclass(frozen=True)
 class Gravity(Part):
-    """Uniform gravity, downward.
+    """Uniform gravity, downward."""
 
-    Attributes:
-        acceleration: g [m/s2], > 0.
-    """
-
-    acceleration: float = checked(POSITIVE, unit="m/s2")
+    acceleration: float = parameter(meaning="acceleration g", unit="m/s2", above=0)
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""
@@ -46,11 +42,14 @@ class NodalLoad(Part):
 
     Attributes:
         nodes: flat indices, each once, shape [node_count].
-        forces: (r, z) per radian, or in plane strain per thickness [N], shape [node_count, 2].
     """
 
     nodes: Integers
-    forces: Floats = field(metadata=array_of("nodes", 2))
+    forces: Floats = parameter(
+        meaning="forces (r, z) per radian, or in plane strain per thickness",
+        unit="N",
+        shape=("nodes", 2),
+    )
 
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes."""
@@ -82,13 +81,9 @@ def nodal_load(
 
 @dataclass(frozen=True)
 class Damping(Part):
-    """Drag in proportion to momentum, implicit in time.
+    """Drag in proportion to momentum, implicit in time."""
 
-    Attributes:
-        rate: c, force over momentum [1/s], > 0.
-    """
-
-    rate: float = checked(POSITIVE, unit="1/s")
+    rate: float = parameter(meaning="c, force over momentum", unit="1/s", above=0)
 
     def add_forces(self, plan: Plan, scene: Scene) -> None:
         """Add the launch, over all nodes."""

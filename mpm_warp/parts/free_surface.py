@@ -21,8 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.checks import POSITIVE, Range
-from mpm_warp.fields import checked
+from mpm_warp.fields import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan, Run
@@ -52,19 +51,17 @@ class FreeSurface(Part):
 
 @dataclass(frozen=True, kw_only=True)
 class PassingSurface(FreeSurface):
-    """A free surface that the soil carries up through the window.
-
-    Attributes:
-        level: height of the undisturbed surface in the grid at the start [m].
-        layer: thickness of the layer below it that counts as near [m], > 0; everything above the
-            level is near too, because soil heaves there.
-        pic_fraction: a near the surface, > 0 and <= 1.
-    """
+    """A free surface that the soil carries up through the window."""
 
     needs = (Window,)
-    level: float = checked(unit="m")
-    layer: float = checked(POSITIVE, unit="m")
-    pic_fraction: float = checked(Range(above=0.0, maximum=1.0))
+    level: float = parameter(
+        meaning="height of the undisturbed surface in the grid at the start", unit="m"
+    )
+    # everything above the level is near too, because soil heaves there
+    layer: float = parameter(
+        meaning="thickness of the layer below the level that counts as near", unit="m", above=0
+    )
+    pic_fraction: float = parameter(meaning="a near the surface", above=0, maximum=1)
 
     def follow(self, run: Run, scene: Scene, travel: float, *, by_a_row: bool) -> None:
         """Update which cells are near the surface."""

@@ -44,9 +44,8 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import POSITIVE
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material, principal_stresses
@@ -67,16 +66,11 @@ class TravellingSource(Checked):
     """Motion and stress of elastic ground far from a body that moves down.
 
     Positions are (r, z) in a grid that travels with the body [m], shape [..., 2].
-
-    Attributes:
-        radius: of the shaft behind the body [m], > 0.
-        height: of the source in the grid [m].
-        shear_modulus: of the ground [Pa], > 0.
     """
 
-    radius: float = checked(POSITIVE, unit="m")
-    height: float = checked(unit="m")
-    shear_modulus: float = checked(POSITIVE, unit="Pa")
+    radius: float = parameter(meaning="radius of the shaft behind the body", unit="m", above=0)
+    height: float = parameter(meaning="height of the source in the grid", unit="m")
+    shear_modulus: float = parameter(meaning="shear modulus of the ground", unit="Pa", above=0)
 
     def velocity(self, position: Floats) -> Floats:
         """Velocity of the ground over that of the body at positions, dimensionless, [..., 2]."""
@@ -130,7 +124,6 @@ class SurroundingGround(Part):
         source: the body as a source.
         grid: that of the scene, or one with the same nodes.
         material: soil of a stiffness ratio of 1.
-        strength: undrained shear strength of soil of a strength ratio of 1 [Pa], > 0.
         from_afar: whether the body has come from infinitely far above; else it starts in
             undisturbed ground, as at the surface.
     """
@@ -140,7 +133,9 @@ class SurroundingGround(Part):
     source: TravellingSource
     grid: Grid
     material: Material
-    strength: float = checked(POSITIVE, unit="Pa")
+    strength: float = parameter(
+        meaning="undrained shear strength of soil of a strength ratio of 1", unit="Pa", above=0
+    )
     from_afar: bool = True
 
     @cached_property

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.checks import POSITIVE, Range, check_number
-from mpm_warp.fields import Checked, checked
+from mpm_warp.checks import Range, check_number
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, zero
 from mpm_warp.parts.inflow import Inflow, add_inflow
@@ -20,15 +20,12 @@ from mpm_warp.scene import BetweenSteps, Part, Scene, refuse_together
 
 @dataclass(frozen=True, kw_only=True)
 class RampedMotion(Part):
-    """Motion at a speed that rises from rest.
+    """Motion at a speed that rises from rest."""
 
-    Attributes:
-        speed: after the ramp [m/s], > 0.
-        ramp_travel: travel over which the speed rises from rest, linearly in time [m], > 0.
-    """
-
-    speed: float = checked(POSITIVE, unit="m/s")
-    ramp_travel: float = checked(POSITIVE, unit="m")
+    speed: float = parameter(meaning="speed after the ramp", unit="m/s", above=0)
+    ramp_travel: float = parameter(
+        meaning="travel over which the speed rises from rest, linearly in time", unit="m", above=0
+    )
 
     @property
     def first_speed(self) -> float:
@@ -79,14 +76,16 @@ class Approach(Checked):
     when the soil around the body has been replaced.
 
     Attributes:
-        speed: of the grid before it slows down [m/s], above the final speed.
         travel: at which the grid reaches the final speed [m], > `slowing_travel`.
-        slowing_travel: travel over which the speed falls, linearly [m], > 0.
     """
 
-    speed: float = checked(POSITIVE, unit="m/s")
+    speed: float = parameter(
+        meaning="speed of the grid before it slows down, above the final one", unit="m/s", above=0
+    )
     travel: float
-    slowing_travel: float = checked(POSITIVE, unit="m")
+    slowing_travel: float = parameter(
+        meaning="travel over which the speed falls, linearly", unit="m", above=0
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -104,15 +103,19 @@ class Window(MovingGrid):
 
     Attributes:
         approach: a fast start; None: there is none.
-        stray_speed: bound s of `mpm_warp.parts.inflow` on the speed of a point relative to the grid
-            [m/s], > 0; None: the bound W of every window alone.
-        spare_fraction: empty slots at the start over the number of particles, > 0; more where soil
-            does not fill the grid at the start.
     """
 
-    spare_fraction: float = checked(POSITIVE)
+    # more where soil does not fill the grid at the start
+    spare_fraction: float = parameter(
+        meaning="empty slots at the start over the number of particles", above=0
+    )
     approach: Approach | None = None
-    stray_speed: float | None = checked(POSITIVE, unit="m/s", default=None)
+    stray_speed: float | None = parameter(
+        None,
+        "bound s of `mpm_warp.parts.inflow` on the speed of a point in the grid; None: W alone",
+        unit="m/s",
+        above=0,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -32,8 +32,8 @@ from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.fields import (
     Value,
+    check_fields,
     check_names,
-    check_parameters,
     nested_values,
     own_parameters_of,
     parameters_of,
@@ -129,7 +129,7 @@ class CatalogueScene(ShownByParameters, ABC):
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        check_parameters(self, self.derived)
+        check_fields(self, self.derived)
 
     def refuse(self, name: str, why: str) -> NoReturn:
         """Raise `ParameterError` with "name = value is not allowed", followed by `why`."""

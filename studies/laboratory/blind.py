@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.interpret.keys import ACCURACY
+from harness.interpret.forms import ACCURACY
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
 from mpm_warp.scenes import scene_class

@@ -45,7 +45,7 @@ def drawn(source: random.Random, definition: Parameter) -> Value | None:
     """A value of a parameter, by its logarithm where its range is wide."""
     if definition.choices is not None:
         return source.choice(definition.choices)
-    default = definition.default
+    default: Value | None = definition.default
     bounds = definition.bounds
     low, high = max(bounds.minimum, bounds.above), min(bounds.maximum, bounds.below)
     is_bounded = math.isfinite(low) and math.isfinite(high)

@@ -146,7 +146,7 @@ def test_malformed_results_are_told_in_one_line(results, told, tmp_path, refusal
     ("meta", "told"),
     [
         ({"author": None}, "author: is missing; who computed"),
-        ({"author": 7}, "author = 7: must be a text of one line"),
+        ({"author": 7}, "author = 7 is not allowed: must be a text of one line"),
         ({"autor": "a", "author": None}, "unknown key; did you mean 'author'"),
         ({"code": "a\u0007b"}, "must be a text of one line"),
         ({"code": " "}, "must be a text of one line"),

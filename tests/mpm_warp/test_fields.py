@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import ParameterError, parameter, scene_class, scene_names
-from mpm_warp.fields import Derived, check_parameters, parameters_of
+from mpm_warp.fields import Derived, check_fields, parameters_of
 from mpm_warp.names import did_you_mean, known_names, nearest_name
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
@@ -86,7 +86,7 @@ class Halved:
     half: float | None = parameter(None, unit="m", meaning="default: half of it", maximum=5)
 
     def __post_init__(self) -> None:
-        check_parameters(self, lambda: {"half": 0.5 * self.whole})
+        check_fields(self, lambda: {"half": 0.5 * self.whole})
 
 
 def test_the_nearest_name_and_where_none_is_near_all_of_them() -> None:

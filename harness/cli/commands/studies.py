@@ -17,7 +17,7 @@ from harness.interpret.description import is_site_file, site_rows, site_schema, 
 from harness.interpret.files import read_file
 from harness.interpret.formats import NotNamedError
 from harness.interpret.headings import columns_in
-from harness.interpret.keys import TEST_KEYS
+from harness.interpret.site import MeasuredTest
 from harness.references.registry import all_entries, one_entry
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -39,6 +39,7 @@ from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
+from mpm_warp.fields import parameters_of
 from mpm_warp.materials.clay_law import laws
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan
@@ -81,8 +82,9 @@ def _site_text(test: Path) -> str:
     except NotNamedError as error:
         tell(str(error))
         soundings = error.soundings
+    keys = parameters_of(MeasuredTest)
     # Values out of range are left out here; `interpret` refuses them and names their place.
-    allowed = {key: it for key, it in told.items() if TEST_KEYS[key].allowed.holds(it, it)}
+    allowed = {key: it for key, it in told.items() if keys[key].bounds.holds(it, it)}
     return site_text(str(test), allowed, soundings)
 
 

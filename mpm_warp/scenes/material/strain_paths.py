@@ -15,16 +15,16 @@ and the strength k
 import functools
 import itertools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy  # loads its integrators where they are first used: no other scene waits for them
 import warp as wp
 
-from mpm_warp.checks import FROM_ONE, check_array
+from mpm_warp.checks import check_array
 from mpm_warp.errors import Fault
-from mpm_warp.fields import Checked, array_of, checked
+from mpm_warp.fields import Checked, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
 from mpm_warp.materials.einav_randolph import EinavRandolph
@@ -51,10 +51,11 @@ class StrainPaths(Checked):
     """Material points, each strained and turned at a constant velocity gradient for one second."""
 
     material: Material
-    # velocity gradients (rr, rz, zr, zz, tt) [1/s], shape [path_count, 5]
-    gradient: Floats = field(metadata=array_of(None, 5))
+    gradient: Floats = parameter(
+        meaning="velocity gradients (rr, rz, zr, zz, tt)", unit="1/s", shape=(None, 5)
+    )
     stress: Floats  # stresses (rr, zz, rz, tt) at the start [Pa], shape [path_count, 4]
-    step_count: int = checked(FROM_ONE)  # steps into which the second is divided
+    step_count: int = parameter(meaning="steps into which the second is divided", minimum=1)
 
     def __post_init__(self) -> None:
         super().__post_init__()

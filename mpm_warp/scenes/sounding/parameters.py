@@ -270,7 +270,7 @@ def _check_limits(test: SoundingTest, columns: Mapping[str, Floats]) -> None:
             try:
                 definition.checked(float(f"{value:.12g}"))  # a ratio has rounding
             except ParameterError as error:
-                raise refused(f"row {row}: {error}, in {definition.unit}") from None
+                raise refused(f"row {row}: {error}") from None
 
 
 def check_sounding(test: SoundingTest) -> None:

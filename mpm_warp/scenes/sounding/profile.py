@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mpm_warp.checks import FINITE, as_array, in_words
+from mpm_warp.fields import complete
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.variation import Variation
@@ -88,8 +89,7 @@ class Profile:
         weight = np.full_like(strength, UNIT_WEIGHT)
         own = {"shear_modulus": 100.0 * strength, "unit_weight": weight} | own
         of_law = {name: _numbers(name, values) for name, values in self.of_law.items()}
-        for name, values in {**own, "of_law": of_law}.items():
-            object.__setattr__(self, name, values)
+        complete(self, **own, of_law=of_law)
         for name, values in self._columns.items():
             if values.ndim != 1 or values.size == 0 or values.shape != self.depth.shape:
                 raise refused(f"{name} has shape {values.shape}, must have that of depth, [n]")

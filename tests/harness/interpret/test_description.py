@@ -8,8 +8,13 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 
-from harness.interpret.description import site_schema, site_text
-from harness.interpret.keys import LAYER_KEYS, SITE_KEYS, TEST_KEYS
+from harness.interpret.description import (
+    LAYER_KEYS,
+    SITE_KEYS,
+    TEST_KEYS,
+    site_schema,
+    site_text,
+)
 from harness.interpret.site import load_site
 from harness.study.tables import StudyError
 from tests.harness.conftest import Command
@@ -40,7 +45,7 @@ REFUSED = {
     "beyond and not used": (
         "model_error",
         "extension_ratio = 5\nmodel_error",
-        "extension_ratio = 5: must be a number > 0 and <= 1.2",
+        "extension_ratio = 5 is not allowed: must be a number > 0 and <= 1.2",
     ),
     "half a range": ("= 120", "= { low = 50 }", "must be a number, { low, high }"),
     "unknown shape": (
@@ -55,15 +60,23 @@ REFUSED = {
         'adhesion_factor = "tip"',
         "must be sleeve or a number",
     ),
-    "a depth above": ("from = 2", "from = -2", "must be >= 0; depth of its top [m]"),
+    "a depth above": (
+        "from = 2",
+        "from = -2",
+        "must be a number >= 0; meaning: depth of its top, in m",
+    ),
     "sleeve of another key": ("= 120", '= "sleeve"', "must be a number, { low, high }"),
-    "no such class": ("accuracy = {", 'accuracy = "class 7" # {', "must be one of class 1"),
+    "no such class": (
+        "accuracy = {",
+        'accuracy = "class 7" # {',
+        "half widths of 95 %, or 'class 1', 'class 2', 'class 3'; did you mean 'class 3'",
+    ),
     "half the errors": (", u2 = 0 }", " }", "must have qc, fs and u2"),
     "two waters": ("[test]", "[test]\nu0 = { depth = [0], value = [0] }", "says the same"),
     "no water": ("water_level = 1.0", "", "water_level: is missing"),
     "K0 and Delta": ("[[layer]]", "[[layer]]\nK0 = 0.5", "says the same"),
     "no such use": ("[test]", 'use = ["tap"]\n[test]', "must be a list of tip, sleeve"),
-    "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer, 512 to 65536"),
+    "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer >= 512 and <= 65536"),
     "rate of what": ("= 1e-6", '= "5 %"', 'must be a text as "5 %/h"'),
     "two points": ("= 1e-6", '= "1.2.3 %/h"', 'must be a text as "5 %/h"'),
     "rate too high": ("= 1e-6", "= 1", "must be >= 1e-06"),
@@ -112,7 +125,8 @@ def test_a_new_site_file_is_valid_and_every_key_of_it_is_described(
     assert max(map(len, path.read_text().splitlines())) <= 100
     told = command("describe", path).out
     named = [line.split()[0] for line in told.splitlines()[2:] if line and line[0] not in " ["]
-    assert [*SITE_KEYS, *TEST_KEYS, *LAYER_KEYS, "an"] == named
+    keys = [key.name for key in (*SITE_KEYS, *TEST_KEYS, *LAYER_KEYS)]
+    assert [*keys, "an"] == named
     assert "rigidity_index     { low = 50, high = 300 }" in told
     assert "5 %: 54.7, 50 %: 122, 95 %: 274" in told  # uniform in the logarithm
 

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.study.distributions import read_input, sampled
+from harness.study.distributions import INPUT, sampled
 from harness.study.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
-from harness.study.tables import StudyError, Table
-from mpm_warp.checks import FINITE, POSITIVE
+from mpm_warp.checks import Range
+from mpm_warp.errors import ParameterError
+from mpm_warp.fields import Parameter
 from tests.harness.conftest import HEAD, study_in, values
 
 PARAMETERS = {"a": 2.0, "n": 3, "flag": True, "word": "tresca", "none": None}
@@ -85,6 +86,12 @@ def test_a_condition_is_true_or_false() -> None:
         Expression.parsed("a + 1").is_true(PARAMETERS)
 
 
+def declared(**bounds: float) -> Parameter:
+    return Parameter(
+        name="x", kind=float, default=0.0, meaning="x", bounds=Range(**bounds), form=INPUT
+    )
+
+
 @pytest.mark.parametrize(
     ("written", "mean", "deviation"),
     [
@@ -102,7 +109,7 @@ def test_an_input_has_the_moments_of_its_distribution(
 ) -> None:
     """A Latin hypercube of n draws has a mean within its range over n of the exact one."""
     count = 20_000
-    drawn = sampled({"x": read_input(Table("t:", {"x": written}), "x", FINITE)}, count, 1)["x"]
+    drawn = sampled({"x": declared().checked(written)}, count, 1)["x"]
     assert drawn.mean() == pytest.approx(mean, abs=20.0 / count * max(1.0, np.ptp(drawn)))
     if deviation is not None:
         assert drawn.std() == pytest.approx(deviation, abs=20.0 / count * max(1.0, np.ptp(drawn)))
@@ -122,8 +129,8 @@ def test_an_input_has_the_moments_of_its_distribution(
     ],
 )
 def test_a_wrong_input_is_refused_in_one_line(written: object) -> None:
-    with pytest.raises(StudyError, match=r"^t: x = .*: .+$"):
-        read_input(Table("t:", {"x": written}), "x", POSITIVE)
+    with pytest.raises(ParameterError, match=r"^x = .* is not allowed: .+$"):
+        declared(above=0.0).checked(written)
 
 
 DRAWN = """design = "latin_hypercube"

@@ -7,7 +7,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from harness.study.files import studies_folder, study_names
-from harness.study.schema import study_schema, value_schema
+from harness.study.schema import study_schema
 from mpm_warp.checks import Range
 from mpm_warp.fields import Parameter
 from mpm_warp.scenes import scene_names
@@ -83,7 +83,7 @@ def test_what_must_be_there(text: str) -> None:
 def test_every_bound_of_a_parameter_is_there() -> None:
     bounds = Range(minimum=1.0, maximum=9.0, above=0.0, below=10.0)
     made = Parameter(name="a", kind=float, default=2.0, unit="m", meaning="length", bounds=bounds)
-    assert value_schema(made) == {
+    assert made.schema == {
         "type": "number",
         "description": f"length [m]; {made.allowed}",
         "minimum": 1.0,
