@@ -46,7 +46,10 @@ def plane(rectilinear: Grid) -> Grid:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bulk_viscosity": -0.2}, "Scene: bulk_viscosity = -0.2 must be > 0$"),
+        (
+            {"bulk_viscosity": -0.2},
+            "Scene: bulk_viscosity = -0.2 is not allowed: must be a number > 0; ",
+        ),
         ({"parts": (WALL, WINDOW)}, "MovingWall: not together with a MovingGrid$"),
         (
             {"parts": (ConservativeInterpolation(),), "grid": ON_RAYS},
