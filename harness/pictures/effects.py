@@ -16,6 +16,7 @@ from harness.compare.linear_fit import linear_fit, shared_variance
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import (
     ACCENT,
+    INK,
     MOST_LABELS,
     STYLED,
     mark_failures,
@@ -52,6 +53,7 @@ def has_few_cases(studied: Studied) -> bool:
     return studied.computed.size <= 20 and not _effects(studied).is_fitted
 
 
+OF_REFERENCES = "Coloured lines: the same fit of references, of the cases where they are valid."
 MOST_SHARED = 0.9
 """Share of a parameter's variance that others may explain; with more no effect is its own.
 
@@ -174,8 +176,8 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         for reference, label, colour in references:
             if name in reference.parts:
                 _draw_effect(axes, studied.varied[name], reference, name, colour, label=label)
-    label = axis_label(dataset, studied.headline)
-    figure.supylabel(textwrap.fill(label, 24 + 16 * (row_count - 1)), fontsize=9)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(textwrap.fill(axis_label(dataset, studied.headline), 24), fontsize=8)
     failed = int((~used).sum())
     return captioned(
         figure,
@@ -187,6 +189,7 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         f"explains {100.0 * found.explained:.3g} %."
         if found.is_fitted
         else "Each dot is a case as it was computed: there are too few for a fit.",
+        OF_REFERENCES if references else "",
         _joined(found.joined),
         studied.bars,
         f"Of {len(found.parts)} parameters the {len(names)} with most effect are shown."
@@ -247,7 +250,7 @@ def _draw_panel(axes: Axes, studied: Studied, found: _Effects, name: str) -> Non
         order = np.argsort(values.numbers, kind="stable")
         low, high = (effect[order] + side * found.spread for side in (-1, 1))
         axes.fill_between(values.numbers[order], low, high, color=ACCENT, alpha=0.3, lw=0, zorder=2)
-        _draw_effect(axes, values, found, name, ACCENT, label="computed")
+        _draw_effect(axes, values, found, name, INK, label="computed")
     mark_failures(axes, values.numbers[~used])
     values.dress(axes, room=5)
     axes.set_xlabel(axis_label(studied.dataset, name), fontsize=8)
