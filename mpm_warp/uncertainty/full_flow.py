@@ -23,6 +23,7 @@ from mpm_warp.errors import ParameterError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty.further_runs import TestRun
 from mpm_warp.uncertainty.steadiness import REMAINING_CHANGE
+from mpm_warp.uncertainty.tables import effects
 
 FINER, SLOWER, WIDER = 1.5, 0.5, 1.5
 """Cells per radius, speed and extent of the window in further runs, over those of the case."""
@@ -47,9 +48,7 @@ RESIDUAL_SHARES = dict.fromkeys(DIFFERENCES, 0.5) | {"mesh": 1.0}
 """Half width of each error, over the error that is left in the best run. From 3 to 6 cells per
 radius some bodies follow h^2, others reach their limit at once."""
 POWER_OF_SPEED = 1.4
-POLES_HALF_WIDTH = 0.03
-"""Half width of the error at the poles, over N h. It is largest at a smooth bar: N was some
-0.05 N h too high when the rows at the poles were as high as all others, twice as high as now."""
+EFFECTS = effects("full_flow_effects")
 FEWEST_CELLS = 3
 """Fewest cells per radius for which the laws hold."""
 LARGEST_GROWTH = 1.0
@@ -58,9 +57,6 @@ four bars are within 0.8 half widths of the limit load. At 2 three of four bars 
 widths off: the effects of growth and of the cells at the bar cancel as the cells get smaller."""
 FEWEST_POINTS = 4
 """Fewest material points per cell that are allowed."""
-POINTS_HALF_WIDTH, FEW_POINTS_HALF_WIDTH = 0.002, 0.012
-"""Half widths of the effect of more material points, over N: in general; for a bar with 4 points in
-a cell."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,11 +98,11 @@ class FullFlowRun(TestRun):
         changes = [float(run.recorded.resistance_factor_change) * run.factor for run in runs]
         remaining = REMAINING_CHANGE * np.array(changes)
         finest = math.ceil(FINER * self.cells_per_radius)
+        points = "few_points" if self.has_few_points else "points"
         return {
             "steadiness": float(np.linalg.norm(weights * remaining)),
-            "points": (FEW_POINTS_HALF_WIDTH if self.has_few_points else POINTS_HALF_WIDTH)
-            * self.factor,
-            "poles": POLES_HALF_WIDTH / finest * self.factor,
+            "points": EFFECTS[points].half_width * self.factor,
+            "poles": EFFECTS["poles"].half_width / finest * self.factor,
         }
 
     def why_unsound(self, runs: Mapping[str, Self]) -> list[str]:

@@ -24,19 +24,9 @@ from mpm_warp.uncertainty.laws import EFFECTS, LARGEST_MEASURABLE_CELL, Conditio
 
 AVERAGING_DISTANCE = 2.0
 """Distance above and below the tip over which the strength is averaged, in cone radii."""
-SAMPLE_NOISE = 0.07
-"""Half width of the noise of one sample of a tenth of a radius, over the strength: twice the
-standard deviation of samples in uniform clay, 0.032 at 3 cells per radius."""
-INFLOW_NOISE = 0.45
-"""Half width of the noise from layers of points that enter at the bottom, over the resistance times
-V over the speed of pressure waves. It replaces `SAMPLE_NOISE` where it is larger. It is 1.9 to 2.3
-times the standard deviation, 0.045 to 0.106, at Ir 20 and 100, Poisson's ratios of 0.4 to 0.49 and
-speed_ratio 0.05 to 0.17. Without it 41 % of the samples were outside (0.4, 0.1, Ir 100)."""
-SURFACE_HALF_WIDTH, SURFACE_DEPTH = 0.026, 28.0
-"""Half width of the effect of the surface of the ground after it has left the window, over the
-resistance, and the depth in radii beyond which it falls in inverse proportion to depth. It is
-twice the change by a window of twice the extents, 0.6 % smooth and 1.3 % rough, at 20 to 28 radii.
-The lack of resistance itself falls faster, with the square of the depth."""
+SURFACE_DEPTH = 28.0
+"""Depth in radii beyond which the effect of the surface that has left the window falls in
+inverse proportion to depth. The lack of resistance itself falls faster, with its square."""
 REMEDIES = REMEDIES_OF_CONE | {
     "noise": "no parameter, it is of one sample; a mean over several has less",
     "borders": "more cells_per_radius",
@@ -141,7 +131,7 @@ def sample_error(
     parts |= {"noise": _noise(laws, factor), "borders": 0.25 * factor * np.abs(shift) / around}
     if surface:
         parts["surface"] = (
-            SURFACE_HALF_WIDTH
+            EFFECTS["surface"].half_width
             * factor
             * SURFACE_DEPTH
             / np.maximum(SURFACE_DEPTH, laws.penetration)
@@ -178,7 +168,8 @@ def _noise(laws: ErrorLaws, factor: Floats) -> Floats:
     over_pressure_waves = np.sqrt(
         laws.inertia / laws.rigidity_index * (1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio))
     )
-    noise: Floats = np.maximum(SAMPLE_NOISE, INFLOW_NOISE * factor * over_pressure_waves)
+    of_sample, of_inflow = (EFFECTS[name].half_width for name in ("sample", "inflow"))
+    noise: Floats = np.maximum(of_sample, of_inflow * factor * over_pressure_waves)
     return noise
 
 

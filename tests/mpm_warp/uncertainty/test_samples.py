@@ -14,7 +14,6 @@ from mpm_warp.uncertainty.laws import (
     growth_uncertainty,
     window_uncertainty,
 )
-from mpm_warp.uncertainty.samples import INFLOW_NOISE, SAMPLE_NOISE
 
 FACTOR = 10.0
 WIDEST = 0.025
@@ -185,5 +184,6 @@ def test_the_noise_of_fast_soundings_in_compressible_clay_is_within_the_half_wid
     strength = sounding.undrained_shear_strength
     error = error_of_samples(sounding, np.array([1.2]), np.array([factor * strength]))
     waves = math.sqrt((1.0 - 2.0 * ratio) / (2.0 * (1.0 - ratio)))
-    noise = max(SAMPLE_NOISE, INFLOW_NOISE * factor * speed * waves)
+    of_sample, of_inflow = (EFFECTS[name].half_width for name in ("sample", "inflow"))
+    noise = max(of_sample, of_inflow * factor * speed * waves)
     assert 1.9 * deviation <= noise <= float(error.half_width[0]) / strength

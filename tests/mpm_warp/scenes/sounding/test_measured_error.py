@@ -12,7 +12,8 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.sounding.curves import error_of_samples
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
-from mpm_warp.uncertainty.samples import SAMPLE_NOISE, MeasuredError, measured_by
+from mpm_warp.uncertainty.laws import EFFECTS
+from mpm_warp.uncertainty.samples import MeasuredError, measured_by
 from tests.mpm_warp.scenes.sounding.conftest import changed
 
 SOFTENING: dict[str, Any] = {"remoulded_strength_ratio": 0.5, "ductility": 20.0}
@@ -80,7 +81,7 @@ def test_a_sample_has_what_was_measured_and_its_own_noise() -> None:
     )
     assert error.reason == ""
     np.testing.assert_array_equal(error.correction, CORRECTION[50.0])
-    half_width = np.hypot(HALF_WIDTH, SAMPLE_NOISE)
+    half_width = np.hypot(HALF_WIDTH, EFFECTS["sample"].half_width)
     np.testing.assert_allclose(error.half_width / strength, half_width)
 
 
