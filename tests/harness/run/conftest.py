@@ -3,7 +3,7 @@
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from textwrap import dedent
 
@@ -15,8 +15,40 @@ from harness.archive.collection import collect
 from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
-from harness.study.study import Study, load_study
-from tests.harness.conftest import SMALL, prepared, study_in
+from harness.study.study import Study
+from mpm_warp.scenes import catalogue
+from tests.harness.conftest import prepared, study_in
+
+STUB_FOLDER = Path(__file__).parents[1] / "stub"
+STUB = """
+    title = "Three cases that take no time"
+    scene = "stub"
+
+    [vary]
+    number = [0, 0.5, 1]
+"""
+
+
+@pytest.fixture
+def stub_offered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The stub is a scene, here and in processes that are started from here."""
+    monkeypatch.syspath_prepend(STUB_FOLDER)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(STUB_FOLDER), str(Path.cwd())]))
+    catalogue._all_scenes.cache_clear()
+    yield
+    catalogue._all_scenes.cache_clear()
+
+
+@pytest.fixture
+def stub(stub_offered: None, tmp_path: Path) -> Study:
+    """Three cases of the stub, in a file `stub.toml`."""
+    return study_in(tmp_path, dedent(STUB), name="stub")
+
+
+@pytest.fixture
+def stub_folder(stub: Study, tmp_path: Path) -> Path:
+    """Where the results of these cases are kept."""
+    return prepared(stub, tmp_path)
 
 
 class Record:
@@ -57,22 +89,3 @@ def run(
     folder = prepared(study, out)
     run_cases(study.cases, folder, workers, watcher, options)
     return collect(study, folder)
-
-
-SLOW = ["adhesion_factor=0", "penetration=5"]
-
-
-@pytest.fixture(scope="session")
-def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Their kernels are there: to compile takes time too."""
-    folder = tmp_path_factory.mktemp("compiled")
-    study = study_in(folder, dedent(SMALL), *SLOW, "speed_ratio=0.03", name="small")
-    run_cases(study.cases, prepared(study, folder), 1, Record())
-
-
-@pytest.fixture
-def long_and_short(compiled: None, tmp_path: Path, small_file: Path) -> tuple[Path, Case, Case]:
-    """The folder of two cases, and the cases: one that takes minutes, one that is soon done."""
-    study = load_study(str(small_file), [*SLOW, "speed_ratio=[0.0001, 0.03]"])
-    long, short = study.cases
-    return prepared(study, tmp_path), long, short

@@ -7,12 +7,10 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from textwrap import dedent
 from typing import NoReturn
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from harness.archive import case_files
 from harness.archive.atomic_files import ArchiveError
@@ -24,7 +22,7 @@ from harness.run.pool import WorkerProcess, cases_at_once, end_all, run_cases, s
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
-from tests.harness.conftest import DONE, SMALL, study_in
+from tests.harness.conftest import DONE, prepared, study_in
 
 from .conftest import Record, kill_workers, run
 
@@ -33,37 +31,38 @@ pytestmark = pytest.mark.slow
 Begun = Callable[..., WorkerProcess]
 
 
-@pytest.fixture(scope="module")
-def one(tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
-    """The study done by one worker, a case after the other."""
-    folder = tmp_path_factory.mktemp("one")
-    return run(study_in(folder, dedent(SMALL), name="small"), folder, 1, Record())
-
-
-@pytest.mark.parametrize(
-    ("workers", "options"),
-    [(2, RunOptions()), (1, RunOptions(threads=1)), (1, RunOptions(threads=2))],
-)
-def test_every_case_is_run_once_and_has_the_same_bits(
-    workers: int, options: RunOptions, one: xr.Dataset, tmp_path: Path, small: Study
+@pytest.mark.parametrize("workers", [1, 2])
+def test_every_case_is_run_once_and_has_its_own_result(
+    workers: int, tmp_path: Path, stub: Study
 ) -> None:
     record = Record()
-    dataset = run(small, tmp_path, workers, record, options)
-    assert record.statuses(small.cases) == [COMPLETED] * 3
-    assert "time_step" in one
-    assert differing(one, dataset) == []
+    dataset = run(stub, tmp_path, workers, record)
+    assert record.statuses(stub.cases) == [COMPLETED] * 3
+    assert dataset.answer.values.tolist() == [0.0, 1.0, 2.0]
     assert (dataset.case_time >= dataset.run_time).all()
     assert not multiprocessing.active_children()
 
 
+def test_the_number_of_workers_and_of_threads_changes_no_bit(tmp_path: Path, small: Study) -> None:
+    one, *others = (
+        run(small, tmp_path / str(number), workers, Record(), options)
+        for number, (workers, options) in enumerate(
+            [(1, RunOptions(threads=1)), (2, RunOptions()), (1, RunOptions(threads=2))]
+        )
+    )
+    assert "time_step" in one
+    assert [differing(one, other) for other in others] == [[], []]
+
+
 @pytest.fixture
-def begun(folder: Path, small: Study) -> Iterator[Begun]:
-    """Makes workers that have taken on the first of the cases."""
+def begun(stub_folder: Path, stub: Study) -> Iterator[Begun]:
+    """Makes workers that have taken on a case which does not end."""
+    case = load_study(str(stub.source), ["seconds=1000"]).cases[0]
     workers = []
 
     def made(options: RunOptions = DEFAULTS) -> WorkerProcess:
-        workers.append(WorkerProcess(folder, options))
-        workers[-1].begin(small.cases[0])
+        workers.append(WorkerProcess(stub_folder, options))
+        workers[-1].begin(case)
         return workers[-1]
 
     yield made
@@ -71,7 +70,7 @@ def begun(folder: Path, small: Study) -> Iterator[Begun]:
 
 
 def test_a_case_has_its_threads_from_the_first_step_on(
-    folder: Path, small: Study, monkeypatch: pytest.MonkeyPatch
+    stub_folder: Path, stub: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sent = []
     send = WorkerProcess._send
@@ -81,8 +80,8 @@ def test_a_case_has_its_threads_from_the_first_step_on(
         send(worker, message)
 
     monkeypatch.setattr(WorkerProcess, "_send", noted)
-    run_cases(small.cases, folder, 1, Record(), RunOptions(threads=2))
-    assert sent == [2, *small.cases]
+    run_cases(stub.cases, stub_folder, 1, Record(), RunOptions(threads=2))
+    assert sent == [2, *stub.cases]
 
 
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,10 +95,9 @@ def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
 def test_the_death_of_a_worker_takes_one_case(
-    tmp_path: Path, small_file: Path, number: signal.Signals
+    tmp_path: Path, stub: Study, number: signal.Signals
 ) -> None:
-    settings = ["adhesion_factor=0", "penetration=[200, 1]"]
-    study = load_study(str(small_file), settings)
+    study = load_study(str(stub.source), ["seconds=[1000, 0]", "number=1"])
 
     def kill(case: Case, fraction: float) -> None:
         if case == study.cases[0]:
@@ -107,75 +105,75 @@ def test_the_death_of_a_worker_takes_one_case(
 
     record = Record(kill)
     dataset = run(study, tmp_path, 1, record)
-    assert dataset.status.values.tolist() == [CRASHED, COMPLETED]
-    message = dataset.message.values[0]
+    assert dataset.status.values.ravel().tolist() == [CRASHED, COMPLETED]
+    message = dataset.message.values.ravel()[0]
     assert re.fullmatch(rf"worker killed by {number.name}, at \d+% of the case", message)
-    assert dataset.cone_factor.isnull().values.tolist() == [True, False]
+    assert dataset.answer.isnull().values.ravel().tolist() == [True, False]
     assert record.outcomes[study.cases[0].key].status == CRASHED
 
 
 def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
-    long_and_short: tuple[Path, Case, Case],
+    tmp_path: Path, stub: Study
 ) -> None:
-    folder, long, short = long_and_short
-    fractions: list[float] = []
+    long, short = load_study(str(stub.source), ["seconds=[10, 0]", "number=1"]).cases
+    folder, fractions = prepared(stub, tmp_path), list[float]()
 
     def follow(case: Case, fraction: float) -> None:
         if case == long:
             fractions.append(fraction)
 
     record = Record(follow)
-    run_cases([long, short], folder, 1, record, RunOptions(time_limit=5))
+    run_cases([long, short], folder, 1, record, RunOptions(time_limit=1))
     assert record.outcomes[short.key].status == COMPLETED
     kept = case_files.read_outcome(folder, long)
     assert (kept.status, record.outcomes[long.key].status) == (TIMED_OUT, TIMED_OUT)
-    assert kept.message == f"ended after 5 s, at {fractions[-1]:.0%} of the case"
-    assert kept.seconds >= 5
+    assert kept.message == f"ended after 1 s, at {fractions[-1]:.0%} of the case"
+    assert kept.seconds >= 1
     assert not list(folder.glob(".*"))
     assert not multiprocessing.active_children()
 
 
 def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
-    folder: Path, small: Study
+    stub_folder: Path, stub: Study
 ) -> None:
-    case = small.cases[0]
+    case = stub.cases[0]
 
     def kill(case: Case, fraction: float) -> None:
         """Kill the worker as it begins, after another has written the result."""
-        if not case_files.case_file(folder, case).exists():
-            case_files.write_case(folder, case, DONE, COMPLETED)
+        if not case_files.case_file(stub_folder, case).exists():
+            case_files.write_case(stub_folder, case, DONE, COMPLETED)
             kill_workers()
 
     record = Record(kill)
-    run_cases([case], folder, 1, record)
+    run_cases([case], stub_folder, 1, record)
     assert record.outcomes[case.key].status == COMPLETED
-    assert case_files.read_outcome(folder, case).status == COMPLETED
+    assert case_files.read_outcome(stub_folder, case).status == COMPLETED
 
 
 def test_what_another_run_has_completed_meanwhile_is_not_run_again(
-    folder: Path, small: Study
+    stub_folder: Path, stub: Study
 ) -> None:
-    first, *others = small.cases
+    first, *others = stub.cases
 
     def complete(case: Case, fraction: float) -> None:
         """Another run in the same folder has done the rest before the first case ends."""
         for other in others:
-            case_files.write_case(folder, other, DONE, COMPLETED)
+            case_files.write_case(stub_folder, other, DONE, COMPLETED)
 
     record = Record(complete)
-    run_cases([first, *others], folder, 1, record)
+    run_cases([first, *others], stub_folder, 1, record)
     messages = [record.outcomes[case.key].message for case in (first, *others)]
     assert messages == ["", "by another run", "by another run"]
-    kept = [case_files.read_case(folder, case) for case in others]
-    assert not any(result is None or "penetration_resistance" in result for result in kept)
+    kept = [case_files.read_case(stub_folder, case) for case in others]
+    assert not any(result is None or "answer" in result for result in kept)
 
 
-def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, small: Study) -> None:
+def test_an_exception_in_a_watcher_ends_the_workers(tmp_path: Path, stub: Study) -> None:
     def interrupt(case: Case, fraction: float) -> NoReturn:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run(small, tmp_path, 2, Record(interrupt))
+        run(stub, tmp_path, 2, Record(interrupt))
     assert not multiprocessing.active_children()
 
 
@@ -197,16 +195,16 @@ def test_a_case_that_its_scene_refuses_says_why_and_the_map_shows_it(tmp_path: P
     assert any("refused" in cell for row in stability_rows(dataset) for cell in row)
 
 
-def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, small: Study) -> None:
+def test_a_result_that_cannot_be_written_ends_the_run(tmp_path: Path, stub: Study) -> None:
     record = Record()
-    cases = small.cases
+    cases = stub.cases
     with pytest.raises(ArchiveError, match=f"{cases[0].key}.*No such file or directory"):
         run_cases(cases, tmp_path / "not there", 1, record)
     assert record.outcomes == {}
     assert not multiprocessing.active_children()
 
 
-def test_the_time_of_a_case_begins_with_its_computation(begun: Begun, small: Study) -> None:
+def test_the_time_of_a_case_begins_with_its_computation(begun: Begun) -> None:
     """Not when the worker has taken it on: it imports, sets up and compiles first."""
     worker = begun(RunOptions(time_limit=1.0))
     worker.connection.poll(60)
@@ -235,11 +233,11 @@ def test_while_all_processes_are_stopped_no_time_of_a_case_passes(
 
 
 def test_a_worker_at_work_cleans_up_and_an_idle_one_ends_at_once(
-    begun: Begun, folder: Path, monkeypatch: pytest.MonkeyPatch
+    begun: Begun, stub_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What is at work may have a file half-written, and is told to end by a signal it can catch."""
     monkeypatch.setattr(pool, "GRACE", 120.0)  # on a machine under load it takes its time
-    busy, idle = begun(), WorkerProcess(folder)
+    busy, idle = begun(), WorkerProcess(stub_folder)
     busy.connection.poll(60)
     assert busy.receive() == 0.0
     end_all([busy, idle])
