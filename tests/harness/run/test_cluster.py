@@ -28,13 +28,13 @@ pytestmark = pytest.mark.slow
 CASE_COUNT = 20
 DEFINITION = f"""
 title = "Twenty cases that take a moment"
-scene = "gravity_column"
+scene = "stub"
 
 [fixed]
-cell_count = 120
+seconds = 0.1
 
 [vary]
-poissons_ratio = {[0.4 * i / CASE_COUNT for i in range(CASE_COUNT)]}
+number = {list(range(CASE_COUNT))}
 """
 
 
@@ -75,14 +75,14 @@ def process(command: list[str], stderr: int) -> Iterator[subprocess.Popen[str]]:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
+def cluster(stub_offered: None, tmp_path: Path) -> Iterator[Cluster]:
     (tmp_path / "cluster").mkdir()
     with ExitStack() as processes:
         yield Cluster(tmp_path / "cluster", processes)
 
 
 @pytest.fixture
-def twenty(tmp_path: Path) -> Study:
+def twenty(stub_offered: None, tmp_path: Path) -> Study:
     return study_in(tmp_path, DEFINITION, name="twenty")
 
 
@@ -164,21 +164,12 @@ def test_when_all_workers_are_gone_a_line_says_so_and_the_run_ends_and_goes_on_l
     assert kept.items() <= written(twenty, out).items()
 
 
-DEADLY = """
-import os, signal
-from mpm_warp.scenes.elastic.columns import GravityColumn
-GravityColumn.run = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
-"""
-
-
 def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
     cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     """After four deaths the scheduler no longer takes the workers for the reason."""
-    deadly = tmp_path / "deadly.py"
-    deadly.write_text(DEADLY)
-    cluster.add_workers(4, "--preload", str(deadly))
-    run = cluster.run(twenty, tmp_path / "out", "--set", "poissons_ratio=0.3")
+    cluster.add_workers(4)
+    run = cluster.run(twenty, tmp_path / "out", "--set", "number=1", "--set", "end=killed")
     told = run.communicate(timeout=LIMIT)[1]
     assert run.returncode == 1, told
     assert "crashed: each of 4 workers that ran the case died" in told
@@ -204,7 +195,7 @@ def test_a_worker_without_the_package_is_told_before_a_case_is_given_to_it(
 def test_cases_wait_for_the_first_worker_and_one_line_says_so(
     cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
-    run = cluster.run(twenty, tmp_path / "out", "--set", "poissons_ratio=0.3")
+    run = cluster.run(twenty, tmp_path / "out", "--set", "number=1")
     assert run.stderr is not None
     assert run.stderr.readline().endswith(": there is no worker yet; the cases wait for one\n")
     cluster.add_workers(1)
@@ -253,7 +244,7 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     outcome = compute(replace(case, scene_version=case.scene_version - 1)).outcome
     assert outcome.status == "failed"
     asked, here = case.scene_version - 1, case.scene_version
-    assert f"version {asked} of gravity_column is asked for; here is {here}" in outcome.message
+    assert f"version {asked} of stub is asked for; here is {here}" in outcome.message
 
 
 def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal) -> None:

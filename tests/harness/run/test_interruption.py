@@ -18,6 +18,7 @@ import xarray as xr
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
 from harness.compare.differences import differing
+from harness.study.study import Study
 from tests.conftest import LIMIT, wait_until
 from tests.harness.conftest import Depth, study_in, written
 
@@ -56,16 +57,15 @@ def group(command: list[str], **streams: Any) -> Iterator[subprocess.Popen[str]]
 
 @contextmanager
 def running(
-    small_file: Path, out: Path, until: str, speeds: str = "[0.03, 0.0001]"
+    stub: Study, out: Path, until: str, seconds: str = "[0, 1000]"
 ) -> Iterator[subprocess.Popen[str]]:
-    """A command that has said `until`; its last case takes a minute."""
-    settings = ["--set", "adhesion_factor=0", "--set", "penetration=20"]
-    settings += ["--set", f"speed_ratio={speeds}"]
+    """A command that has said `until`; its last case does not end."""
+    settings = ["--set", "number=1", "--set", f"seconds={seconds}"]
     # A process in the background of a shell ignores SIGINT, one under nohup SIGHUP, and so would
     # whatever it starts.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     before_of_terminal = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    command = run_of(small_file, out, 1, *settings)
+    command = run_of(stub.source, out, 1, *settings)
     with group(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         signal.signal(signal.SIGINT, before)
         signal.signal(signal.SIGHUP, before_of_terminal)
@@ -79,7 +79,7 @@ def running(
 
 def statuses_left(out: Path) -> list[str]:
     """Statuses of the case files that there are."""
-    files = [path for path in out.rglob("*") if path.is_file() and path != out / "small.nc"]
+    files = [path for path in out.rglob("*") if path.is_file() and path != out / "stub.nc"]
     return [xr.load_dataset(path).attrs["status"] for path in files]
 
 
@@ -87,10 +87,10 @@ def statuses_left(out: Path) -> list[str]:
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
 )
 def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
-    small_file: Path, tmp_path: Path, number: signal.Signals, code: int
+    stub: Study, tmp_path: Path, number: signal.Signals, code: int
 ) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="[1/2]") as process:
+    with running(stub, out, until="[1/2]") as process:
         # A terminal sends Ctrl-C, and that it is closed, to the whole group, workers included.
         send = os.kill if number is signal.SIGTERM else os.killpg
         send(process.pid, number)
@@ -101,17 +101,17 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
     assert "Traceback" not in told
     wait_until(lambda: has_ended(process.pid))
     assert statuses_left(out) == [COMPLETED]
-    dataset = study_files.read_study(out / "small.nc")
-    assert dataset.status.values.tolist() == [COMPLETED, "missing"]
-    assert dataset.cone_factor.notnull().values.tolist() == [True, False]
+    dataset = study_files.read_study(out / "stub.nc")
+    assert dataset.status.values.ravel().tolist() == [COMPLETED, "missing"]
+    assert dataset.answer.notnull().values.ravel().tolist() == [True, False]
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.1])
 def test_an_interrupt_while_workers_start_is_as_quiet(
-    small_file: Path, tmp_path: Path, delay: float
+    stub: Study, tmp_path: Path, delay: float
 ) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="harness: small: ", speeds="0.0001") as process:
+    with running(stub, out, until="harness: stub: ", seconds="1000") as process:
         time.sleep(delay)
         os.killpg(process.pid, signal.SIGINT)
         told = process.communicate(timeout=LIMIT)[1]
@@ -122,9 +122,9 @@ def test_an_interrupt_while_workers_start_is_as_quiet(
     assert statuses_left(out) == []
 
 
-def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Path) -> None:
+def test_a_run_whose_reader_has_gone_ends_quietly(stub: Study, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with running(small_file, out, until="harness: small: ") as process:
+    with running(stub, out, until="harness: stub: ") as process:
         process.stderr.close()
     assert process.returncode == 141
     wait_until(lambda: has_ended(process.pid))
@@ -132,9 +132,9 @@ def test_a_run_whose_reader_has_gone_ends_quietly(small_file: Path, tmp_path: Pa
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="reads Linux's /proc")
-def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> None:
+def test_a_worker_is_born_deaf_to_ctrl_c(stub: Study, tmp_path: Path) -> None:
     """Held signals are inherited: at no instant of its start would a worker be interrupted."""
-    with running(small_file, tmp_path / "out", until="[1/2]") as process:
+    with running(stub, tmp_path / "out", until="[1/2]") as process:
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
         folders = [Path("/proc", child) for child in children]
         (worker,) = (it for it in folders if "spawn_main" in (it / "cmdline").read_text())
@@ -145,12 +145,11 @@ def test_a_worker_is_born_deaf_to_ctrl_c(small_file: Path, tmp_path: Path) -> No
 
 
 def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
-    tmp_path: Path, depth: Depth
+    stub_offered: None, tmp_path: Path, depth: Depth
 ) -> None:
     case_count, kills = depth(60, 200), depth(4, 10)
-    ratios = [0.4 * i / case_count for i in range(case_count)]
-    text = f"[fixed]\ncell_count = 10\n[vary]\npoissons_ratio = {ratios}\n"
-    study = study_in(tmp_path, f'title = "t"\nscene = "gravity_column"\n{text}', name="many")
+    text = f"[fixed]\nseconds = 0.02\n[vary]\nnumber = {list(range(case_count))}\n"
+    study = study_in(tmp_path, f'title = "t"\nscene = "stub"\n{text}', name="many")
     undisturbed = run_of(study.source, tmp_path / "whole", 2)
     subprocess.run(undisturbed, check=True, capture_output=True, timeout=5 * LIMIT)
 
@@ -184,14 +183,9 @@ def test_a_study_killed_at_random_moments_ends_as_if_undisturbed(
     assert differing(killed, whole) == []
 
 
-LATEST = 6.0
+LATEST = 3.0
 """Seconds after the birth of the workers at which the parent is killed at the latest."""
-LONG_STEPS = """
-title = "steps of a second"
-scene = "cone_penetration"
-vary = { adhesion_factor = [0, 1] }
-fixed = { cells_per_radius = 40 }
-"""
+LONG_STEPS = ["--set=seconds=1000", "--set=interval=1"]
 
 
 def worker_count(group: int) -> int:
@@ -207,11 +201,10 @@ def worker_count(group: int) -> int:
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads Linux's /proc")
-def test_no_worker_outlives_its_parent(tmp_path: Path, depth: Depth) -> None:
-    study, moments = tmp_path / "long.toml", random.Random(0)
-    study.write_text(LONG_STEPS)
+def test_no_worker_outlives_its_parent(stub: Study, tmp_path: Path, depth: Depth) -> None:
+    moments = random.Random(0)
     for _ in range(depth(2, 20)):
-        with group(run_of(study, tmp_path / "out", 2)) as process:
+        with group(run_of(stub.source, tmp_path / "out", 2, *LONG_STEPS)) as process:
             wait_until(lambda: worker_count(process.pid) >= 2)
             time.sleep(moments.uniform(0.0, LATEST))
             process.kill()

@@ -158,14 +158,14 @@ def test_the_shortest_crossing_is_that_of_cells_at_the_surface(make: Callable[[]
 
 
 def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
-    small_file: Path, tmp_path: Path, command: Command
+    stub: Study, tmp_path: Path, command: Command
 ) -> None:
-    settings = ["--set", "adhesion_factor=0", "--set", "cells_per_radius=[1, 60]"]
+    settings = ["--set", "number=1", "--set", "points=[1, 3000000]"]
     options = ["--out", tmp_path / "results", "--workers", 2, "--memory-limit", "0.8GB"]
-    told = command("run", small_file, *options, *settings, code=1).err
-    assert "cells_per_radius=60.0: refused: needs about 1.23 GB" in told
+    told = command("run", stub.source, *options, *settings, code=1).err
+    assert "points=3000000: refused: needs about " in told
     assert "but a case may take 0.4 GB" in told
-    assert "cells_per_radius=1.0: completed" in told
+    assert "points=1: completed" in told
 
 
 def test_the_plan_says_the_memory_by_which_a_run_refuses(

@@ -89,15 +89,14 @@ def test_run_gives_a_dataset_a_table_and_pictures(
 
 
 def test_running_again_goes_on_where_it_stopped(
-    small_file: Path, tmp_path: Path, command: Command
+    stub: Study, tmp_path: Path, command: Command
 ) -> None:
-    out = tmp_path / "out"
-    study = load_study(str(small_file))
+    out, study = tmp_path / "out", stub
     folder = case_files.case_folder(out, study)
-    run = ["run", small_file, "--out", out]
+    run = ["run", stub.source, "--out", out, "--workers=1"]
 
-    command(*run, "--set", "adhesion_factor=[0.5]")
-    assert "small: 3 cases, 1 done already" in command(*run).err
+    command(*run, "--set", "number=[0.5]")
+    assert "stub: 3 cases, 1 done already" in command(*run).err
     first = written(study, out)
     assert len(first) == 3
 
@@ -110,11 +109,11 @@ def test_running_again_goes_on_where_it_stopped(
     case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     assert written(study, out) == {kept.key: first[kept.key]}
     told = command(*run).err
-    assert f"{damaged.key}.nc: cannot be read: " in told
+    assert f"{damaged.key}.nc: damaged: " in told
     assert "1 done already" in told
     again = written(study, out)
     assert [again[case.key] == first[case.key] for case in study.cases] == [False, False, True]
-    assert study_files.read_study(out / "small.nc").status.values.tolist() == [COMPLETED] * 3
+    assert study_files.read_study(out / "stub.nc").status.values.tolist() == [COMPLETED] * 3
 
     assert "0 done already" in command(*run, "--fresh").err
     assert case_files.read_case(folder, kept) is not None
@@ -131,27 +130,27 @@ def test_a_damaged_result_of_the_reference_study_is_told_before_a_case_is_run(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_study_may_ask_for_timed_runs(small_file: Path, tmp_path: Path, command: Command) -> None:
-    out = tmp_path / "out"
-    untimed = small_file.read_text().replace("[0, 0.5, 1]", "[0, 1]")
-    where = [small_file, "--out", out]
+def test_a_study_may_ask_for_timed_runs(stub: Study, tmp_path: Path, command: Command) -> None:
+    out, source = tmp_path / "out", Path(stub.source)
+    untimed = source.read_text().replace("[0, 0.5, 1]", "[0, 1]")
+    where = [source, "--out", out]
 
     def told_after(definition: str) -> Any:
-        small_file.write_text(definition)
-        return command("run", *where).err
+        source.write_text(definition)
+        return command("run", *where, "--workers=1").err
 
     assert "0 done already" in told_after(untimed)
-    keys = [case.key for case in load_study(str(small_file)).cases]
-    small_file.write_text(untimed + TIMED)
-    assert [case.key for case in load_study(str(small_file)).cases] == keys
+    keys = [case.key for case in load_study(str(source)).cases]
+    source.write_text(untimed + TIMED)
+    assert [case.key for case in load_study(str(source)).cases] == keys
     assert "2 cases: 2 untimed" in command("status", *where, code=1).out
 
     told = told_after(untimed + TIMED)
     assert "0 done already" in told
     assert "timed alone, 3 warm runs a case; load now " in told
     command("status", *where)
-    dataset = study_files.read_study(out / "small.nc")
-    assert dataset.run_time_sample.dims == ("adhesion_factor", "repeat")
+    dataset = study_files.read_study(out / "stub.nc")
+    assert dataset.run_time_sample.dims == ("number", "repeat")
     assert dataset.run_time_sample.notnull().all()
     assert (dataset.run_time == dataset.run_time_sample.median("repeat")).all()
     assert (dataset.run_time_minimum == dataset.run_time_sample.min("repeat")).all()

@@ -59,7 +59,7 @@ def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
 @pytest.mark.slow
 def test_a_new_study_runs_as_it_stands(command: Command) -> None:
     command("new", "mine", "--scene", "material_point")
-    assert main(["run", "mine.toml", "--set", "step_count=10"]) in (0, 1)
+    assert main(["run", "mine.toml", "--set", "step_count=100"]) in (0, 1)
     assert "rigidity_index=100.0" in command("status", "results/mine.nc").out
     whole = "results/mine.nc  material_point: 2 cases: 2 completed"
     assert whole in command("status", "material_point").out
