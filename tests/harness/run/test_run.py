@@ -109,7 +109,7 @@ def test_running_again_goes_on_where_it_stopped(
     case_files.write_case(folder, failed, xr.Dataset(), "failed", "for the test")
     assert written(study, out) == {kept.key: first[kept.key]}
     told = command(*run).err
-    assert f"{damaged.key}.nc: damaged: " in told
+    assert f"{damaged.key}.nc: cannot be read: " in told
     assert "1 done already" in told
     again = written(study, out)
     assert [again[case.key] == first[case.key] for case in study.cases] == [False, False, True]
