@@ -38,7 +38,7 @@ UNBOUNDED = {"ductility": 1e6, "reference_strain_rate": 1.0, "layer_top": 2.0}
 
 
 def numbers(scene: type[Any]) -> list[str]:
-    """All parameters that may change by a little, without those of laws that Tresca clay has not."""
+    """All parameters that may change by a little, without those of other laws."""
     own = parameters_of(scene)
     return [name for name, it in own.items() if it.kind is float and hasattr(scene(), name)]
 
