@@ -1,5 +1,7 @@
 """What a steady run would leave behind, at once; the law of u2 over a radial stress."""
 
+import csv
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +10,14 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, shoulder_pressure
 from mpm_warp.uncertainty.tables import Value
+
+STUDIES = Path(__file__).parents[3] / "studies"
+
+
+def readings(name: str) -> list[dict[str, str]]:
+    """The rows of a table in `studies`, without the comments that say how they were measured."""
+    with (STUDIES / f"{name}.csv").open() as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def steady_run(test: ConePenetration, factor: float, *, rise: float = 0.0) -> xr.Dataset:

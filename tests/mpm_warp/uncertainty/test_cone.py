@@ -11,7 +11,7 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import cone, laws
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
-from tests.mpm_warp.uncertainty.conftest import steady_run
+from tests.mpm_warp.uncertainty.conftest import readings, steady_run
 
 TEST = ConePenetration()
 CELL = math.sqrt(3.0) / 5.0
@@ -25,27 +25,12 @@ PARTS = (
     *("steadiness", "speed", "limit", "points", "noise"),
 )
 
-TWICE_THE_WINDOW = {
-    25: (8.100, 8.108),
-    50: (9.620, 9.617),
-    100: (11.249, 11.267),
-    250: (13.186, 13.207),
-    500: (14.580, 14.605),
-}
-"""By rigidity index, Nc on 4 rows as simulated in the window by default and in one twice as large,
-adhesion factor 0.5: means over the last 8 of 10 radii after the first end."""
-GROWN: dict[tuple[float, float, float], tuple[float, ...]] = {
-    (25, 0.5, 0): (8.032, 8.046, 8.077, 8.073),
-    (25, 0, -0.3): (7.802, 7.799, 7.852, 7.836),
-    (50, 0.5, 0): (9.587, 9.605, 9.613, 9.639),
-    (50, 1, 0.3): (9.711, 9.724, 9.754, 9.789),
-    (100, 0, 0): (10.281, 10.298, 10.333, 10.362),
-    (100, 0.5, 0): (11.105, 11.118, 11.147, 11.186),
-    (100, 1, -0.3): (12.444, 12.454, 12.488, 12.531),
-    (250, 0.5, 0): (12.987, 13.004, 13.032, 13.077),
-}
-"""By rigidity index, adhesion factor and Delta, Nc on 5 rows as simulated with cells that grow by
-0.14, 0.2, 0.3 and 0.4: such means over 6 radii."""
+MEASURED: dict[str, dict[tuple[float, ...], dict[float, float]]] = {"window": {}, "growth": {}}
+"""Nc as simulated by extents of the window over the default ones, or by growth of the cells; by
+rigidity index, adhesion factor and Delta."""
+for _effect, *_case, _value, _simulated in (row.values() for row in readings("window_and_growth")):
+    _series = MEASURED[_effect].setdefault(tuple(map(float, _case)), {})
+    _series[float(_value)] = float(_simulated)
 
 
 def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) -> xr.Dataset:
@@ -130,14 +115,14 @@ def test_the_table_of_the_mesh_is_fine_enough(column: str) -> None:
     assert off.max() <= laws.EFFECTS["mesh"].half_width * CELL
 
 
-@pytest.mark.parametrize("index", TWICE_THE_WINDOW)
-def test_a_window_of_twice_the_extents_has_the_same_factor(index: float) -> None:
+@pytest.mark.parametrize("case", MEASURED["window"])
+def test_a_window_of_twice_the_extents_has_the_same_factor(case: tuple[float, ...]) -> None:
     test = ConePenetration(
-        rigidity_index=index, adhesion_factor=0.5, cells_per_radius=2.31, cell_growth=0.4
+        rigidity_index=case[0], adhesion_factor=case[1], cells_per_radius=2.31, cell_growth=0.4
     )
     twice = {name: 2.0 * extent for name, extent in test.default_extents.items()}
     corrected, half_widths = [], []
-    for changed, simulated in zip(({}, twice), TWICE_THE_WINDOW[index], strict=True):
+    for changed, simulated in zip(({}, twice), MEASURED["window"][case].values(), strict=True):
         run = dataclasses.replace(test, **changed, approach=None, penetration=None)
         laws = run.laws(penetration=run.penetration)
         corrected.append(simulated + float(laws.correction))
@@ -157,12 +142,12 @@ def test_in_soft_clay_the_window_leaves_less_open() -> None:
     assert edge == stiff
 
 
-@pytest.mark.parametrize("case", GROWN)
-def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, float, float]) -> None:
-    growths = (0.14, 0.2, 0.3, 0.4)
+@pytest.mark.parametrize("case", MEASURED["growth"])
+def test_cells_that_grow_more_have_the_same_factor(case: tuple[float, ...]) -> None:
+    growths = MEASURED["growth"][case]
     corrected = [
         simulated - laws.EFFECTS["growth"].size * laws.growth_measure(CELL, growth)
-        for growth, simulated in zip(growths, GROWN[case], strict=True)
+        for growth, simulated in growths.items()
     ]
     half_widths = [laws.growth_uncertainty(CELL, growth) for growth in growths]
     for value, half_width in zip(corrected[1:], half_widths[1:], strict=True):

@@ -1,10 +1,8 @@
 """u1 and u2: the laws beside readings of the same case on several meshes, at several speeds."""
 
-import csv
 import math
 from collections import defaultdict
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,9 +11,8 @@ import xarray as xr
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import pore_pressure, shoulder
 from mpm_warp.uncertainty.shoulder import EFFECTS, shoulder_pressure
-from tests.mpm_warp.uncertainty.conftest import radial_error
+from tests.mpm_warp.uncertainty.conftest import STUDIES, radial_error, readings
 
-STUDIES = Path(__file__).parents[3] / "studies"
 LAWS = replace(
     ConePenetration(stress_anisotropy=0.2).laws(penetration=30.0),
     cell_size=0.2,
@@ -28,11 +25,6 @@ CONFIDENCE = 0.95
 OUTSIDE_LAYER = np.log([30.0, 100.0, 300.0, 600.0]), (-0.6, 0.0, 0.45, 0.62)
 """Rigidity indices, and the radial deviator outside the layer beside the shaft there."""
 Row = dict[str, str]
-
-
-def readings(name: str) -> list[Row]:
-    with (STUDIES / f"{name}.csv").open() as file:
-        return list(csv.DictReader(line for line in file if not line.startswith("#")))
 
 
 def clay_of(row: Row) -> dict[str, float]:

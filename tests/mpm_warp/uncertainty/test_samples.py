@@ -14,6 +14,7 @@ from mpm_warp.uncertainty.laws import (
     growth_uncertainty,
     window_uncertainty,
 )
+from tests.mpm_warp.uncertainty.conftest import readings
 
 FACTOR = 10.0
 WIDEST = 0.025
@@ -159,25 +160,11 @@ def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None
     assert (error.half_width[is_deep] <= WIDEST * of_top[is_deep]).all()
 
 
-NOISE_MEASURED = (
-    (100.0, 0.5, 0.4, 0.1, 11.07, 0.106),
-    (100.0, 0.5, 0.4, 0.05, 11.08, 0.051),
-    (100.0, 0.5, 0.45, 0.1, 11.31, 0.068),
-    (20.0, 0.0, 0.4, 0.15, 6.63, 0.094),
-    (20.0, 0.5, 0.45, 0.1, 7.69, 0.045),
-    (100.0, 0.0, 0.49, 0.17, 10.65, 0.055),
-    (100.0, 1.0, 0.49, 0.17, 12.12, 0.049),
-)
-"""Rigidity index, adhesion factor, Poisson's ratio, speed_ratio; mean and standard deviation of
-cone_factor_around_tip: `Sounding(from_depth=4, to_depth=4.1, cells_per_radius=2.31)` and these."""
-
-
-@pytest.mark.parametrize(
-    ("index", "adhesion", "ratio", "speed", "factor", "deviation"), NOISE_MEASURED
-)
+@pytest.mark.parametrize("row", readings("sample_noise"), ids=lambda row: ", ".join(row.values()))
 def test_the_noise_of_fast_soundings_in_compressible_clay_is_within_the_half_width(
-    index: float, adhesion: float, ratio: float, speed: float, factor: float, deviation: float
+    row: dict[str, str],
 ) -> None:
+    index, adhesion, ratio, speed, factor, deviation = map(float, row.values())
     sounding = Sounding(
         rigidity_index=index, adhesion_factor=adhesion, poissons_ratio=ratio, speed_ratio=speed
     )
