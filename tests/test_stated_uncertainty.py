@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.references.cone_factors import Conditions
-from harness.references.registry import cone_factor_reference
+from harness.references.reference import USUAL
+from harness.references.registry import reference_of
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty import laws
 
@@ -176,25 +176,21 @@ def test_the_formula_of_the_cone_factor_is_that_of_its_table() -> None:
     def column(name: str) -> np.ndarray:
         return np.array([it[name] for it in cases])
 
-    conditions = Conditions(
-        rigidity_index=column("rigidity_index"),
-        face_adhesion=column("adhesion_factor"),
-        shaft_adhesion=column("shaft_adhesion_factor"),
-        stress_anisotropy=column("stress_anisotropy"),
-    )
-    terms = [
-        np.ones(len(cases)),
-        np.log(conditions.rigidity_index),
-        conditions.face_adhesion,
-        conditions.shaft_adhesion,
-        conditions.stress_anisotropy,
-    ]
+    conditions = {
+        **USUAL,
+        "Ir": column("rigidity_index"),
+        "alpha_c": column("adhesion_factor"),
+        "alpha_s": column("shaft_adhesion_factor"),
+        "Delta": column("stress_anisotropy"),
+    }
+    linear = (conditions[name] for name in ("alpha_c", "alpha_s", "Delta"))
+    terms = [np.ones(len(cases)), np.log(conditions["Ir"]), *linear]
     found, *_ = np.linalg.lstsq(np.stack(terms, axis=1), column("cone_factor"), rcond=None)
-    formula = cone_factor_reference("this_project")
-    stated = [float(it) for it in re.findall(r"[0-9]+\.[0-9]+", formula.formula)]
+    formula = reference_of("this_project")
+    stated = [float(it) for it in re.findall(r"[0-9]+\.[0-9]+", formula.text)]
     assert len(cases) == 200
     # The code has two decimals.
     np.testing.assert_allclose(np.abs(found), stated, rtol=0, atol=0.0051)
-    residuals = np.abs(column("cone_factor") - formula.evaluate(conditions))
+    residuals = np.abs(column("cone_factor") - formula.evaluate(conditions).values)
     assert np.quantile(residuals, CONFIDENCE) < 0.11
     assert residuals.max() < 0.16

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.benchmark.cases import BenchmarkCase, Result, Submission
-from harness.references.cone_factors import CONE_FACTORS, Conditions
+from harness.references.reference import USUAL, Criterion
+from harness.references.registry import REFERENCES
 from harness.study.tables import StudyError
 from mpm_warp.names import nearest_name
 
@@ -74,20 +75,22 @@ def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
     computes = ("cone_penetration", "cone_factor")
     cones = [case for case in cases if (case.scene, case.result) == computes]
     found = []
-    for reference in CONE_FACTORS:
+    for reference in REFERENCES.values():
         results = {}
         for case in cones:
             adhesion = float(case.fixed.get("adhesion_factor", 0.0))
-            conditions = Conditions(
-                rigidity_index=float(case.fixed.get("rigidity_index", 100.0)),
-                face_adhesion=adhesion,
-                shaft_adhesion=adhesion,
-                stress_anisotropy=float(case.fixed.get("stress_anisotropy", 0.0)),
-                strength_stays=not {"rate_factor", "remoulded_strength_ratio"} & case.fixed.keys(),
-            )
-            of_other_soil = "material" in case.fixed and "von Mises" not in reference.criterion
-            if bool(reference.applies(conditions)) and not of_other_soil:
-                value = float(np.asarray(reference.evaluate(conditions)))
+            changes = {"rate_factor", "remoulded_strength_ratio"} & case.fixed.keys()
+            conditions = {
+                **USUAL,
+                "Ir": float(case.fixed.get("rigidity_index", 100.0)),
+                "alpha_c": adhesion,
+                "alpha_s": adhesion,
+                "Delta": float(case.fixed.get("stress_anisotropy", 0.0)),
+                "constant_su": 0.0 if changes else 1.0,
+            }
+            is_other = "material" in case.fixed and reference.criterion != Criterion.VON_MISES
+            if reference.applies(conditions) and not is_other:
+                value = float(reference.evaluate(conditions))
                 results[case.name] = Result(value, math.nan, math.nan)
         if results:
             meta = {"code": reference.label, "method": reference.method}

@@ -19,10 +19,10 @@ from harness.archive.conventions import (
     with_role,
 )
 from harness.errors import HarnessError
-from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
-from harness.references.experience import HOLDS, Experience
-from harness.references.registry import cone_factor_reference, experience_entry
-from harness.study.compared import OWN_LABEL, OwnReference, stored_own_reference
+from harness.references.band import Band
+from harness.references.reference import COMPARED, NEEDED, Conditions, Reference
+from harness.references.registry import REFERENCES, band_of, reference_of
+from harness.study.compared import OWN_LABEL, own_attributes, stored_own_reference
 from mpm_warp.names import did_you_mean
 
 
@@ -48,38 +48,41 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
 
     face = as_built("adhesion_factor", dataset["adhesion_factor"])
     shaft = as_built("shaft_adhesion_factor", face)
-    return Conditions(
-        rigidity_index=dataset["rigidity_index"],
-        face_adhesion=face,
-        shaft_adhesion=shaft.where(shaft.notnull(), face),
-        stress_anisotropy=dataset.get("stress_anisotropy", xr.DataArray(0.0)),
-        apex_angle=dataset.get("apex_angle", xr.DataArray(60.0)),
-        friction=as_built("friction_coefficient", xr.DataArray(0.0)),
-        strength_stays=(dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
+    constant_su = (
+        (dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
         & (dataset.get("remoulded_strength_ratio", xr.DataArray(1.0)) == 1.0)
-        & dataset.get("cone_factor_by_compression", xr.DataArray(np.nan)).isnull(),
-        parameters={name: dataset[stored] for name, stored in parameter_names(dataset).items()},
+        & dataset.get("cone_factor_by_compression", xr.DataArray(np.nan)).isnull()
     )
+    return {
+        **{name: dataset[stored] for name, stored in parameter_names(dataset).items()},
+        "Ir": dataset["rigidity_index"],
+        "alpha_c": face,
+        "alpha_s": shaft.where(shaft.notnull(), face),
+        "Delta": dataset.get("stress_anisotropy", xr.DataArray(0.0)),
+        "apex_angle": dataset.get("apex_angle", xr.DataArray(60.0)),
+        "friction": as_built("friction_coefficient", xr.DataArray(0.0)),
+        "constant_su": constant_su.astype(float),
+    }
 
 
-def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr.Dataset:
+def with_references(dataset: xr.Dataset, references: Sequence[Reference]) -> xr.Dataset:
     """Add `reference_<id>` and `deviation_<id>` = computed / reference - 1 of each reference.
 
-    Their dims are those of `cone_factor`. References that ship are also evaluated outside their
-    range, which the attribute `validity` states.
+    Their dims are those of `cone_factor`. The attribute `validity` states the range, outside which
+    some references have a value too.
     """
     if not references:
         return dataset
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
-    fields = ("source", "formula", "criterion", "method", "how_known", "validity")
+    fields = ("source", "criterion", "su_mode", "method", "how_known", "validity")
     added = {}
     for reference in references:
         # Plain values, because arithmetic on arrays would pass on the attributes of a parameter.
-        value = xr.DataArray(reference.evaluate(conditions)).broadcast_like(computed)
+        value = reference.evaluate(conditions).broadcast_like(computed)
         values = value.transpose(*computed.dims).values
-        known = {"units": "1", **{name: getattr(reference, name) for name in fields}}
-        if isinstance(reference, OwnReference):
-            known |= {OWN_LABEL: reference.label, "range": json.dumps(reference.ranges)}
+        known = {"units": "1", **{name: str(getattr(reference, name)) for name in fields}}
+        known |= {"formula": reference.text} if reference.formula is not None else {}
+        known |= own_attributes(reference) if reference.id not in REFERENCES else {}
         label = f"cone factor of {reference.label}"
         with np.errstate(divide="ignore"):  # a formula of a study's own may be 0
             deviations = computed.values / values - 1
@@ -92,19 +95,19 @@ def with_references(dataset: xr.Dataset, references: Sequence[ConeFactor]) -> xr
     return dataset.assign(added)
 
 
-def stored_references(dataset: xr.Dataset) -> tuple[ConeFactor, ...]:
+def stored_references(dataset: xr.Dataset) -> tuple[Reference, ...]:
     """The references that :func:`with_references` has added to `dataset`."""
     return tuple(_stored(dataset, name) for name in with_role(dataset, Role.REFERENCE))
 
 
-def _stored(dataset: xr.Dataset, name: str) -> ConeFactor:
+def _stored(dataset: xr.Dataset, name: str) -> Reference:
     reference_id = name.removeprefix(f"{Role.REFERENCE}_")
     if OWN_LABEL in dataset[name].attrs:
         return stored_own_reference(reference_id, dataset[name].attrs)
-    return cone_factor_reference(reference_id)
+    return reference_of(reference_id)
 
 
-def where_it_applies(dataset: xr.Dataset, reference_id: str) -> Quantity:
+def where_it_applies(dataset: xr.Dataset, reference_id: str) -> xr.DataArray:
     """Whether a reference stored in `dataset` is valid for each of its cases."""
     reference = _stored(dataset, f"{Role.REFERENCE}_{reference_id}")
     return reference.applies(conditions_of(dataset))
@@ -117,8 +120,9 @@ def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
     clay whose strength, and so its adhesion, changes.
     """
     conditions = conditions_of(dataset)
-    exact = conditions.face_adhesion / np.tan(np.radians(conditions.apex_angle) / 2)
-    return xr.DataArray(exact).where(conditions.strength_stays & (conditions.friction == 0))
+    exact = conditions["alpha_c"] / np.tan(np.radians(conditions["apex_angle"]) / 2)
+    slips = (conditions["constant_su"] == 1.0) & (conditions["friction"] == 0.0)
+    return xr.DataArray(exact).where(slips)
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
@@ -139,16 +143,17 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
     if not entry_ids:
         return dataset
     bands = {}
-    for entry in map(experience_entry, entry_ids):
+    for entry in map(band_of, entry_ids):
         attributes = {
             "units": "1",
             "long_name": f"{entry.factor} by {entry.label}",
             "role": Role.EXPERIENCE,
             "factor": entry.factor.definition,
-            "formula": entry.formula,
+            "formula": entry.formula.text,
             "validity": f"{entry.clays}; {entry.spans}",
+            "su_mode": str(entry.su_mode),
             "strength": entry.strength,
-            "holds": HOLDS,
+            "holds": entry.holds,
             "source": entry.source,
             "how_known": entry.how_known,
         }
@@ -157,10 +162,10 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
     return dataset.assign_coords({BOUND: ends}).assign(bands)
 
 
-def stored_experience(dataset: xr.Dataset) -> tuple[Experience, ...]:
+def stored_experience(dataset: xr.Dataset) -> tuple[Band, ...]:
     """The bands that :func:`with_experience` has added to `dataset`."""
     names = with_role(dataset, Role.EXPERIENCE)
-    return tuple(experience_entry(name.removeprefix(f"{Role.EXPERIENCE}_")) for name in names)
+    return tuple(band_of(name.removeprefix(f"{Role.EXPERIENCE}_")) for name in names)
 
 
 def experience_notes(dataset: xr.Dataset) -> list[str]:

@@ -43,13 +43,8 @@ from harness.compare.compared import (
 from harness.compare.differences import change_notes, ratio_notes
 from harness.compare.finest_error import error_name
 from harness.compare.spread import spread_notes
-from harness.references.cone_factors import (
-    COMPARED,
-    ENVELOPE,
-    ConeFactor,
-    envelope,
-    envelope_applies,
-)
+from harness.references.reference import COMPARED, Reference
+from harness.references.registry import ENVELOPE, envelope, envelope_applies
 
 MOST_CASES = 3
 """A note lists up to so many cases; of more it gives the number."""
@@ -146,7 +141,7 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         yield column("exact_shear", (_with_deviation(*pair, digits=3) for pair in pairs))
 
 
-def _reference_column(dataset: xr.Dataset, reference: ConeFactor) -> Column:
+def _reference_column(dataset: xr.Dataset, reference: Reference) -> Column:
     stored = (f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION))
     columns = (
         over_cases(dataset, array) for array in (*stored, reference.applies(conditions_of(dataset)))
@@ -232,7 +227,7 @@ def _resolution_notes(dataset: xr.Dataset) -> list[str]:
     return [f"finest two ({RESOLUTION} {coarse:g} to {fine:g}): cone factor {', '.join(texts)}"]
 
 
-def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
+def _notes(dataset: xr.Dataset, references: Iterable[Reference]) -> list[str]:
     shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
     members = ", ".join(reference.id for reference in ENVELOPE)
     return [
@@ -242,7 +237,7 @@ def _notes(dataset: xr.Dataset, references: Iterable[ConeFactor]) -> list[str]:
         f"envelope: least to greatest of {members}; it is no confidence interval",
         "literature: value, computed / literature - 1; [outside the validity of the reference]",
         *(
-            f"  {reference.id}: {reference.source}; {reference.criterion}; {reference.validity}"
+            f"  {reference.id}: {reference.source}; {reference.definition}; {reference.validity}"
             for reference in shown
         ),
         f"how known: {'; '.join(dict.fromkeys(reference.how_known for reference in shown))}",

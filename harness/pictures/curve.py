@@ -22,7 +22,7 @@ from harness.pictures.literature import (
 from harness.pictures.map import is_map
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import COMPARED, NEEDED
+from harness.references.reference import COMPARED, NEEDED
 
 BY_COMPRESSION = f"{COMPARED}_by_compression"
 """Cone factors by su in triaxial compression."""

@@ -32,7 +32,7 @@ from harness.pictures.drawing.quantities import (
 )
 from harness.pictures.literature import colours_of
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import COMPARED
+from harness.references.reference import COMPARED
 
 LEAST_PARAMETERS = 3
 COLUMNS = 3

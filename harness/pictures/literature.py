@@ -2,21 +2,27 @@
 
 import itertools
 from collections.abc import Sequence
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from harness.archive.conventions import Role, with_role
+from harness.archive.conventions import Role, parameter_of, with_role
 from harness.compare.compared import conditions_of, stored_experience, stored_references
 from harness.pictures.drawing.plot_parts import CurveEnd, end_of, once
 from harness.pictures.drawing.quantities import MOST_LETTERS, Floats, Values, plain, shortened
 from harness.pictures.studied import Studied
-from harness.references import cone_factors as literature
-from harness.references.cone_factors import COMPARED, NEEDED, Conditions, ConeFactor, Quantity
-from harness.references.experience import Factor
-from harness.study.compared import OwnReference
+from harness.references import registry
+from harness.references.band import Factor
+from harness.references.reference import (
+    COMPARED,
+    NEEDED,
+    SYMBOL_OF,
+    Conditions,
+    Quantity,
+    Reference,
+)
 
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, used in turn, so that overlapping bands can be told apart."""
@@ -78,8 +84,10 @@ def draw_literature(
     if any(not it.is_as(found[0]) for it in found[1:]):
         for here, (_, colour) in zip(found, shown, strict=True):
             _draw_envelope(axes, here, colour)
-            for (value, applies), dashes in zip(here.values, itertools.cycle(DASHES), strict=False):
-                axes.plot(here.x, np.where(applies, value, np.nan), color=colour, lw=0.9, ls=dashes)
+            drawn = zip(references, here.values, itertools.cycle(DASHES), strict=False)
+            for reference, (value, applies), dashes in drawn:
+                style = {"color": colour, "lw": 0.9, "ls": dashes, **_marks(reference)}
+                axes.plot(here.x, np.where(applies, value, np.nan), **style)
         for reference, dashes in zip(references, itertools.cycle(DASHES), strict=False):
             axes.plot(
                 [],
@@ -95,12 +103,17 @@ def draw_literature(
         _draw_envelope(axes, here, "0.6")
         drawn = zip(references, here.values, colours_of(references), strict=True)
         for reference, (value, applies), own in drawn:
-            axes.plot(here.x, np.where(applies, value, np.nan), color=own)
+            axes.plot(here.x, np.where(applies, value, np.nan), color=own, **_marks(reference))
             if not applies[np.isfinite(value)].all():
                 label = once(axes, "outside its validity")
                 axes.plot(here.x, value, color=own, lw=0.9, ls=DASHES[0], alpha=0.7, label=label)
             ends += end_of(here.x, value, plain(shortened(reference.label, MOST_LETTERS)), own)
     return ends
+
+
+def _marks(reference: Reference) -> dict[str, Any]:
+    """The style of points, which have no line between them."""
+    return {"marker": "D", "ms": 4} if reference.points else {}
 
 
 def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:
@@ -119,7 +132,7 @@ def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:
 
 
 def _over_axis(
-    studied: Studied, along: Values, cases: np.ndarray, references: Sequence[ConeFactor]
+    studied: Studied, along: Values, cases: np.ndarray, references: Sequence[Reference]
 ) -> _OverAxis:
     """What the literature says along an axis, from its first to its last value, beside cases."""
     x, conditions = _conditions_over(studied, along, cases)
@@ -127,7 +140,7 @@ def _over_axis(
     def over(*quantities: Quantity) -> np.ndarray:
         return np.array([np.broadcast_to(np.asarray(it, float), x.shape) for it in quantities])
 
-    envelope = over(*literature.envelope(conditions), literature.envelope_applies(conditions))
+    envelope = over(*registry.envelope(conditions), registry.envelope_applies(conditions))
     values = [over(it.evaluate(conditions), it.applies(conditions)) for it in references]
     return _OverAxis(x, envelope, np.reshape(values, (len(references), 2, x.size)))
 
@@ -144,7 +157,7 @@ def _conditions_over(
         # References do not depend on texts, so their values are constant along this axis.
         x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}
     else:
-        x, attributes = _fine(along), dataset[name].attrs
+        x, attributes = _with_points(_fine(along), dataset, name), dataset[name].attrs
     following = {
         it: values
         for it in with_role(dataset, Role.PARAMETER)
@@ -169,6 +182,14 @@ def _interpolated(x: Floats, along: Values, at: Floats, values: Values) -> Float
     return np.asarray(np.exp(between) if values.scale == "log" else between)
 
 
+def _with_points(x: Floats, dataset: xr.Dataset, name: str) -> Floats:
+    """Positions with those of points of references between them."""
+    names = parameter_of(name), SYMBOL_OF.get(name, "")
+    columns = (it.points.get(own, ()) for it in stored_references(dataset) for own in names)
+    points = np.array([*itertools.chain(*columns)], dtype=float)
+    return np.union1d(x, points[(points >= x[0]) & (points <= x[-1])])
+
+
 def _fine(values: Values) -> Floats:
     """Positions at which curves of the literature are drawn, from the first value to the last."""
     low, high = values.different[[0, -1]].tolist()
@@ -178,23 +199,18 @@ def _fine(values: Values) -> Floats:
     return np.union1d(space(low, high, FINE), values.different)
 
 
-def colours_of(references: Sequence[ConeFactor]) -> list[str]:
+def colours_of(references: Sequence[Reference]) -> list[str]:
     """Colours of references. Those that ship have the same in all pictures; others get the rest."""
-    ids = [reference.id for reference in literature.CONE_FACTORS]
-    shipped = dict(zip(ids, itertools.cycle(COLOURS), strict=False))
+    shipped = dict(zip(registry.REFERENCES, itertools.cycle(COLOURS), strict=False))
     taken = {shipped.get(reference.id) for reference in references}
     left = itertools.cycle([colour for colour in COLOURS if colour not in taken] or COLOURS)
     return [shipped.get(reference.id) or next(left) for reference in references]
 
 
-def _own(dataset: xr.Dataset) -> list[OwnReference]:
-    return [it for it in stored_references(dataset) if isinstance(it, OwnReference)]
-
-
 def ranges_of_own(dataset: xr.Dataset) -> str:
-    """Sentences on the ranges in which the study's own references are drawn."""
+    """Sentences on the ranges in which references are drawn that have no value outside."""
     return " ".join(
         plain(shortened(f"{reference.label} is drawn within its range: {reference.validity}.", 200))
-        for reference in _own(dataset)
-        if reference.ranges
+        for reference in stored_references(dataset)
+        if reference.range and not reference.extrapolates
     )

@@ -30,7 +30,7 @@ from harness.pictures.literature import (
     ranges_of_own,
 )
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import COMPARED
+from harness.references.reference import COMPARED
 
 MOST_CURVES = 5
 """Largest number of curves beside a map."""

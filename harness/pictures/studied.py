@@ -21,7 +21,7 @@ from harness.archive.conventions import (
 from harness.pictures.drawing.caption import left_out, of_half_widths
 from harness.pictures.drawing.plot_parts import Series, mark_failures, series
 from harness.pictures.drawing.quantities import DERIVED, Floats, Values, assigned
-from harness.references.cone_factors import COMPARED
+from harness.references.reference import COMPARED
 from harness.study import scene_part
 from harness.study.designs import LATIN_HYPERCUBE, ONE_AT_A_TIME
 from mpm_warp.scenes import scene_class, scene_names

@@ -32,7 +32,7 @@ from harness.pictures.drawing.plot_parts import MAKER, image, write_own
 from harness.pictures.pictures import Failures, rendered
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
-from harness.references.cone_factors import COMPARED
+from harness.references.reference import COMPARED
 from harness.report import words
 from harness.report.tables import case_columns, case_parameters, comparisons
 
@@ -122,7 +122,7 @@ def _section(place: int, dataset: xr.Dataset, *, has_small: bool) -> dict[str, A
         "parameters": parameters,
         "half_width": HALF_WIDTH if with_role(dataset, Role.UNCERTAINTY) else "",
         "references": [
-            (it.label, it.formula, it.criterion, it.validity, it.source, it.how_known)
+            (it.label, it.text, it.definition, it.validity, it.source, it.how_known)
             for it in stored_references(dataset)
         ],
         "provenance": list(_provenance(dataset)),

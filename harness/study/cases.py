@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from harness.errors import tell
+from harness.expressions import Expression, ExpressionError
 from harness.study.designs import (
     LARGEST_STUDY,
     LATIN_HYPERCUBE,
@@ -15,7 +16,6 @@ from harness.study.designs import (
     combinations,
     rounded,
 )
-from harness.study.expressions import Expression, ExpressionError
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError

@@ -1,29 +1,32 @@
 """What a study is compared with: the tables ``[compare]`` and ``[references.NAME]``.
 
 ``[compare]`` names references, bands of experience, a reference study and tolerances.
-``[references.NAME]`` defines a reference of the user's own: a formula of parameters of the scene
-in SI units, and of the symbols Ir, alpha_c, alpha_s and Delta.
+``[references.NAME]`` defines a reference of the user's own: a formula or points of parameters of
+the scene in SI units, and of `SYMBOLS`.
 """
 
-import functools
 import json
-import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
-from harness.references.cone_factors import COMPARED, Conditions, ConeFactor, Quantity
-from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS, cone_factor_reference
-from harness.study.expressions import Expression, ExpressionError, expression_schema
+from harness.expressions import Expression, ExpressionError, expression_schema
+from harness.references.reference import (
+    COMPARED,
+    FACTOR,
+    SYMBOLS,
+    Criterion,
+    Reference,
+    StrengthMode,
+)
+from harness.references.registry import BANDS, REFERENCES, reference_of
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import LINE, StudyError, Table, is_number, text_key
 from mpm_warp.checks import POSITIVE, shown
-from mpm_warp.fields import Form, Parameter, Value
+from mpm_warp.fields import Form, Parameter
 from mpm_warp.names import did_you_mean, nearest_name
 
 ERROR = "error"
@@ -37,26 +40,29 @@ OWN_LABEL = "label"
 """Key by which a reference of the user's own is recognised in the file of a result."""
 REFERENCE_NAME = "[a-z][a-z0-9_]*"
 """Pattern of the name of a reference."""
-SYMBOLS = {
-    "Ir": "rigidity_index",
-    "alpha_c": "face_adhesion",
-    "alpha_s": "shaft_adhesion",
-    "Delta": "stress_anisotropy",
-}
-"""Symbols that a formula may use, and the field of `Conditions` that each stands for."""
+
+
+def _choice(name: str, meaning: str, kind: type[Criterion | StrengthMode]) -> Parameter:
+    words = tuple(it.value for it in kind)
+    return Parameter(name=name, kind=str, default=words[0], meaning=meaning, choices=words)
+
+
 FORMULA = replace(
     text_key("formula", f"formula of parameters, or of {', '.join(SYMBOLS)}"),
+    default=None,
     form=Form("an expression", LINE.read, lambda declared: [expression_schema()]),
 )
-TEXTS = (
+OWN_KEYS = (
     FORMULA,
     text_key(OWN_LABEL, "name in pictures, such as authors and year"),
     text_key("source", "where it is published"),
     text_key("how_known", "how the formula is known", "as the study's own file says"),
-    text_key("criterion", "yield criterion", "not stated here"),
     text_key("method", "method by which it was found", "not stated here"),
+    _choice("criterion", "yield criterion", Criterion),
+    _choice("su_mode", "test that su is the strength in", StrengthMode),
 )
-"""Texts of a reference of the user's own."""
+OWN_TABLES = ("range", "points")
+"""Keys of a reference of the user's own."""
 RESULT = text_key(REFERENCE_STUDY, "study; errors are differences from its stored result", None)
 TOLERANCE = Parameter(
     name="tolerance",
@@ -73,7 +79,7 @@ MISSPELLING_LIKENESS = 0.85
 class Compared:
     """What a result is compared with. Every name has been checked."""
 
-    references: tuple[ConeFactor, ...]  # from the literature or defined in the study
+    references: tuple[Reference, ...]  # from the literature or defined in the study
     reference_result: Path | None  # file of the result that errors are differences from
     experience: tuple[str, ...]  # names of bands measured in the field, shown beside the result
     tolerances: Mapping[str, float]  # largest deviation from a reference, or size of a result
@@ -92,14 +98,12 @@ def read_compared(document: Table, parts: Sequence[ScenePart], folder: Path) -> 
     table = document.table("compare")
     table.allow("references", REFERENCE_STUDY, "experience", "tolerance")
     own = _own_references(document.table(OWN_REFERENCES), parts)
-    named = _ids(table, "references", "reference", (*REFERENCE_IDS, *own), parts)
+    named = _ids(table, "references", "reference", (*REFERENCES, *own), parts)
     references = dict.fromkeys([*named, *own])
     return Compared(
-        references=tuple(
-            own.get(reference) or cone_factor_reference(reference) for reference in references
-        ),
+        references=tuple(own.get(reference) or reference_of(reference) for reference in references),
         reference_result=_reference_result(table, parts, folder),
-        experience=_ids(table, "experience", "band of experience", EXPERIENCE_IDS, parts),
+        experience=_ids(table, "experience", "band of experience", tuple(BANDS), parts),
         tolerances=_tolerances(table.table("tolerance"), list(references), parts),
     )
 
@@ -109,7 +113,7 @@ def takes_references(scene: Scene) -> bool:
     return scene.comparable == COMPARED
 
 
-def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, "OwnReference"]:
+def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, Reference]:
     """The references that the study defines; a formula may use parameters of any compared scene."""
     compared = [part for part in parts if takes_references(part.scene)]
     if table.values and not compared:
@@ -160,13 +164,13 @@ def _tolerances(
 
     Names of results are known only after a run, so only misspellings of known names are refused.
     """
-    unused = set(REFERENCE_IDS) - set(references)
+    unused = REFERENCES.keys() - {*references}
     verified = {
         name for part in parts for check in part.scene.verifications for name in check.bounds
     }
     known = {*references, COMPARED, ERROR, ERROR_FINEST, *verified}
     for name in table.values:
-        if name in EXPERIENCE_IDS:
+        if name in BANDS:
             raise table.refuse(name, "is a band of experience; a tolerance needs a reference")
         if name in unused:
             raise table.refuse(name, "is not among the references of [compare]")
@@ -175,110 +179,85 @@ def _tolerances(
     return {name: table.read(replace(TOLERANCE, name=name)) for name in table.values}
 
 
-@dataclass(frozen=True, kw_only=True)
-class OwnReference(ConeFactor):
-    """A reference that a study defines. Outside its ranges its value is not a number."""
-
-    names: frozenset[str]  # parameters and symbols in the formula
-    ranges: Mapping[str, tuple[float, float]]  # least and greatest value, by parameter or symbol
-
-    @property
-    def validity(self) -> str:
-        """The conditions that the formula is meant for, in words."""
-        spans = [f"{name} {low:g} to {high:g}" for name, (low, high) in self.ranges.items()]
-        return ", ".join(spans) or "no range stated"
-
-    def applies(self, conditions: Conditions) -> Quantity:
-        """Whether `conditions` lie inside all ranges, element by element."""
-        return _lies_within(self.ranges, conditions)
-
-
-def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> OwnReference:
+def stored_own_reference(name: str, attributes: Mapping[str, Any]) -> Reference:
     """A reference of the user's own, read from the attributes that the file of a result keeps."""
-    said = {it.name: attributes[it.name] for it in TEXTS if it.name in attributes}
-    try:
-        ranges = json.loads(attributes.get("range", "{}"))
-    except (TypeError, ValueError):
-        ranges = None
-    return read_own_reference(name, Table(f"reference {name}:", said | {"range": ranges}), None)
+    said = {it.name: attributes[it.name] for it in OWN_KEYS if it.name in attributes}
+    for key in attributes.keys() & {*OWN_TABLES}:
+        try:
+            said[key] = json.loads(attributes[key])
+        except (TypeError, ValueError):
+            said[key] = None
+    return read_own_reference(name, Table(f"reference {name}:", said), None)
 
 
-def read_own_reference(name: str, table: Table, known: Collection[str] | None) -> OwnReference:
+def own_attributes(reference: Reference) -> dict[str, str]:
+    """What a result keeps of a reference of the user's own, as `stored_own_reference` reads it."""
+    tables = {"range": reference.range, "points": reference.points}
+    kept = {key: json.dumps(dict(table)) for key, table in tables.items() if table}
+    return {OWN_LABEL: reference.label} | kept
+
+
+def read_own_reference(name: str, table: Table, known: Collection[str] | None) -> Reference:
     """A reference from its table [references.NAME].
 
     Args:
         name: NAME.
         table: the table.
-        known: parameters that the formula may use beside `SYMBOLS`; None allows any name.
+        known: parameters that it may use beside `SYMBOLS`; None allows any name.
     """
-    table.allow(*(it.name for it in TEXTS), "range")
+    table.allow(*(it.name for it in OWN_KEYS), *OWN_TABLES)
     if not re.fullmatch(REFERENCE_NAME, name):
         raise StudyError(
             f"{table.where}: a name has lower-case letters, digits and '_', with a letter first"
         )
-    if name in REFERENCE_IDS or name in EXPERIENCE_IDS:
+    if name in REFERENCES or name in BANDS:
         raise StudyError(f"{table.where}: a reference that ships has this name; choose another")
-    texts = {it.name: table.read(it) for it in TEXTS}
-    try:
-        formula = Expression.parsed(texts["formula"])
-    except ExpressionError as error:
-        raise table.refuse("formula", str(error)) from None
+    said = {it.name: table.read(it) for it in OWN_KEYS}
+    names = {"range": list(_checked_ranges(table.table("range")))}
+    if "points" in table.values:
+        names["points"] = _checked_points(table)
+    else:
+        names["formula"] = _checked_formula(table, said["formula"])
     every = None if known is None else (*known, *SYMBOLS)
-    if formula.is_condition:
-        raise table.refuse("formula", "is a condition; it must give a number")
-    ranges = table.table("range")
-    for key, names in (("formula", sorted(formula.names)), ("range", list(ranges.values))):
-        for symbol in names:
+    for key, used in names.items():
+        for symbol in used:
             if every is not None and symbol not in every:
                 problem = f"unknown parameter or symbol {symbol!r}{nearest_name(symbol, every)}"
                 raise table.refuse(key, problem)
-    bounds = {name: _span(ranges, name) for name in ranges.values}
-    return OwnReference(
-        id=name,
-        evaluate=functools.partial(_evaluated, formula, bounds),
-        names=formula.names,
-        ranges=bounds,
-        **texts,
-    )
+    return Reference.of(name, said | {key: table.values.get(key, {}) for key in OWN_TABLES})
 
 
-def _span(ranges: Table, name: str) -> tuple[float, float]:
-    ends = ranges.list(name)
-    if len(ends) != 2 or not all(map(is_number, ends)) or ends[0] > ends[1]:
-        raise ranges.refuse(name, "must be two numbers, the least and the greatest")
-    return float(ends[0]), float(ends[1])
+def _checked_formula(table: Table, text: str | None) -> list[str]:
+    """The names that the formula uses."""
+    if text is None:
+        raise table.missing(FORMULA)
+    try:
+        formula = Expression.parsed(text)
+    except ExpressionError as error:
+        raise table.refuse("formula", str(error)) from None
+    if formula.is_condition:
+        raise table.refuse("formula", "is a condition; it must give a number")
+    return sorted(formula.names)
 
 
-def _evaluated(
-    formula: Expression, ranges: Mapping[str, tuple[float, float]], conditions: Conditions
-) -> Quantity:
-    """The formula element by element; NaN outside the ranges and where it has no value."""
-    names = sorted(formula.names)
-
-    def value(inside: bool, *given: Value) -> float:
-        try:
-            found = formula.value(dict(zip(names, given, strict=True)))
-        except ExpressionError:
-            return math.nan
-        return found if inside and isinstance(found, float) else math.nan
-
-    given = [_quantity(conditions, name) for name in names]
-    inside = _lies_within(ranges, conditions)
-    values: Quantity = xr.apply_ufunc(value, inside, *given, vectorize=True, output_dtypes=[float])
-    return values
+def _checked_points(table: Table) -> list[str]:
+    """The names of the columns of points."""
+    if "formula" in table.values:
+        raise table.refuse("points", "formula says the value too; give one of them")
+    points = table.table("points")
+    for name in points.values:
+        if not points.list(name) or not all(map(is_number, points.list(name))):
+            raise points.refuse(name, "must be a list of numbers")
+    lengths = {len(column) for column in points.values.values()}
+    if FACTOR not in points.values or len(points.values) < 2 or len(lengths) > 1:
+        raise table.refuse("points", f"must be columns of one length: symbols, and {FACTOR}")
+    return [name for name in points.values if name != FACTOR]
 
 
-def _lies_within(ranges: Mapping[str, tuple[float, float]], conditions: Conditions) -> xr.DataArray:
-    inside = xr.DataArray(True)
-    for name, (low, high) in ranges.items():
-        quantity = xr.DataArray(_quantity(conditions, name))
-        inside = inside & (quantity >= low) & (quantity <= high)
-    return inside
-
-
-def _quantity(conditions: Conditions, name: str) -> Quantity:
-    """The value of a parameter or symbol; NaN where the scene has no such parameter."""
-    if name in SYMBOLS:
-        found: Quantity = getattr(conditions, SYMBOLS[name])
-        return found
-    return conditions.parameters.get(name, math.nan)
+def _checked_ranges(ranges: Table) -> Mapping[str, Any]:
+    """The ranges, each the least and the greatest value, or one value."""
+    for name, given in ranges.values.items():
+        ends = given if isinstance(given, list) and len(given) == 2 else [given, given]
+        if not all(map(is_number, ends)) or ends[0] > ends[1]:
+            raise ranges.refuse(name, "must be two numbers, the least and the greatest, or one")
+    return ranges.values

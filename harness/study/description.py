@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.errors import tell
-from harness.references.cone_factors import ENVELOPE
-from harness.references.experience import EXPERIENCE
+from harness.references.registry import BANDS, ENVELOPE
 from harness.study.cases import complete_parameters, most_cases
 from harness.study.compared import takes_references
 from harness.study.designs import DESIGNS, Range, Variation
@@ -159,11 +158,12 @@ OWN_GROUND = """\
 #"ground_water [m]" = [1, 1, 1, 1]
 """
 OWN_REFERENCE = """\
-# A reference of your own: a formula of parameters, or of Ir, alpha_c, alpha_s, Delta.
+# A reference of your own: a formula of parameters, or of Ir, alpha_c, alpha_s, Delta; or points.
 #[references.our_laboratory]
 #formula = "10.5 + 1.5 * alpha_c"
 #label = "Our laboratory 2026"
 #source = "calibration chamber, unpublished"
+#su_mode = "triaxial_compression"
 #range = { Ir = [80, 120] }
 """
 
@@ -202,7 +202,7 @@ def study_text(name: str, scene_name: str) -> str:
         parts += ["", "# The literature beside its cone factor:"]
         parts += ["#[compare]", f"#{assignment('references', ids)}"]
         parts += ["# and a band of factors measured in the field; others: `harness references`"]
-        parts += [f"#{assignment('experience', [EXPERIENCE[0].id])}"]
+        parts += [f"#{assignment('experience', [next(iter(BANDS))])}"]
         parts += ["", *OWN_REFERENCE.splitlines()]
     return "\n".join([*parts, ""])
 

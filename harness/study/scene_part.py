@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, replace
 
 from harness.errors import tell
+from harness.expressions import Expression, ExpressionError
 from harness.study.designs import (
     FULL,
     LARGEST_STUDY,
@@ -19,7 +20,6 @@ from harness.study.designs import (
     Variations,
 )
 from harness.study.distributions import INPUT, Input, is_distribution
-from harness.study.expressions import Expression, ExpressionError
 from harness.study.tables import StudyError, Table
 from mpm_warp.checks import Range as Within
 from mpm_warp.checks import shown

@@ -6,18 +6,19 @@ on several values together, such as the number of cases; the harness does when i
 
 from collections.abc import Callable, Sequence
 
-from harness.references.registry import EXPERIENCE_IDS, REFERENCE_IDS
+from harness.expressions import expression_schema
+from harness.references.reference import FACTOR
+from harness.references.registry import BANDS, REFERENCES
 from harness.study.compared import (
+    OWN_KEYS,
     OWN_REFERENCES,
     REFERENCE_NAME,
     REFERENCE_STUDY,
     RESULT,
-    TEXTS,
     TOLERANCE,
 )
 from harness.study.designs import LATIN_HYPERCUBE, LIST, Design
 from harness.study.distributions import distributions
-from harness.study.expressions import expression_schema
 from harness.study.files import BASE
 from harness.study.scene_part import (
     COUNT,
@@ -39,12 +40,12 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 def study_schema() -> Schema:
     """The schema of study files. A scene that cannot be loaded is left out, and a line says why."""
     scenes = {name: _of_scene(scene) for name, scene in loaded_scenes().items()}
-    references = _ids(REFERENCE_IDS, "cone factors of the literature")
+    references = _ids(tuple(REFERENCES), "cone factors of the literature")
     # If the study defines references, or its base may, their names are allowed too.
     defines = [{"required": [OWN_REFERENCES]}, {"required": ["base"]}]
     own = references | {"items": {"anyOf": [references["items"], {"pattern": REFERENCE_NAME}]}}
     shipped = {"properties": {"compare": {"properties": {"references": references}}}}
-    experience = _ids(EXPERIENCE_IDS, "bands of factors measured in the field")
+    experience = _ids(tuple(BANDS), "bands of factors measured in the field")
     tolerance = {"type": "object", "additionalProperties": TOLERANCE.schema}
     scene_name = {"enum": list(scenes)}
     properties: Schema = {
@@ -98,13 +99,21 @@ def study_schema() -> Schema:
 
 def _own_reference() -> Schema:
     """The schema of a table [references.NAME]."""
-    span = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
+    number: Schema = {"type": "number"}
+    span = {"type": "array", "items": number, "minItems": 2, "maxItems": 2}
     ranges = {
         "type": "object",
-        "description": "least and greatest value for which it is valid, by parameter or symbol",
-        "additionalProperties": span,
+        "description": "least and greatest value, or one, where it is valid, by symbol",
+        "additionalProperties": {"anyOf": [number, span]},
     }
-    return schema_of(TEXTS, range=ranges)
+    points = {
+        "type": "object",
+        "description": f"in place of a formula, columns of symbols and {FACTOR}",
+        "additionalProperties": {"type": "array", "items": number, "minItems": 1},
+        "required": [FACTOR],
+    }
+    one_of = {"oneOf": [{"required": ["formula"]}, {"required": ["points"]}]}
+    return schema_of(OWN_KEYS, range=ranges, points=points) | one_of
 
 
 def _of_scene(scene: Scene) -> Schema:

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from harness.cli.commands import interpret as command
 from harness.cli.help import HELP
-from harness.references.registry import REFERENCE_IDS
+from harness.references.registry import REFERENCES
 from harness.study.designs import DESIGNS, SPACINGS
 from harness.study.files import studies_folder
 from mpm_warp.fields import parameters_of
@@ -60,7 +60,7 @@ tables = {
     "compare": st.fixed_dictionaries(
         {},
         optional={
-            "references": st.lists(st.sampled_from(REFERENCE_IDS) | words, max_size=3),
+            "references": st.lists(st.sampled_from([*REFERENCES]) | words, max_size=3),
             "tolerance": st.dictionaries(words, scalars, max_size=2),
         },
     ),

@@ -9,7 +9,7 @@ import xarray as xr
 
 from harness.archive.study_files import read_study
 from harness.cli.main import main
-from harness.compare.compared import misses
+from harness.compare.compared import misses, stored_references
 from harness.compare.result_table import result_table
 from harness.report.report import page
 from harness.run.collect_and_clean import collect_and_write
@@ -76,7 +76,7 @@ def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) 
     )
     assert "[outside]" in outside
     assert "11.50  -1.3%" in within
-    assert "our_lab: unpublished; not stated here; Ir 80 to 200" in table
+    assert "our_lab: unpublished; criterion not stated, test of su not stated; Ir 80" in table
     assert "measured" in table
 
 
@@ -89,6 +89,28 @@ def test_the_picture_draws_it_within_its_range(computed: Computed) -> None:
     assert x[np.isfinite(y)].min() == pytest.approx(80.0, abs=1.0)
     np.testing.assert_allclose(y[np.isfinite(y)], 11.5)
     assert "is drawn within its range: Ir 80 to 200." in caption_of(figure)
+
+
+POINTS = STUDY.replace(
+    'formula = "10 + alpha_c + apex_angle / 60"',
+    'criterion = "von_mises"\nsu_mode = "triaxial_compression"\n'
+    "points = { Ir = [50, 100, 100, 150], alpha_c = [0.5, 0.5, 1, 0.5], Nc = [9, 10, 11, 12] }",
+)
+
+
+def test_points_are_values_of_the_cases_that_have_their_conditions(computed: Computed) -> None:
+    """That of Ir 50 is outside the range; 150 is between two cases, so it is in the picture."""
+    result = computed(POINTS)
+    np.testing.assert_array_equal(result.reference_our_lab, [np.nan, 10.0, np.nan])
+    (kept,) = stored_references(result)
+    assert (kept.text, kept.su_mode) == ("4 points over Ir, alpha_c", "triaxial_compression")
+    table = result_table(result)
+    assert table.count("[outside]") == 2
+    assert "von Mises, su in triaxial compression; Ir 80 to 200" in table
+    (axes,) = figures(result)["curve"].axes
+    (marks,) = (it for it in axes.lines if it.get_marker() == "D")
+    shown = [point for point in np.asarray(marks.get_xydata()).tolist() if np.isfinite(point[1])]
+    assert shown == [[100.0, 10.0], [150.0, 12.0]]
 
 
 def test_the_page_lists_it(computed: Computed) -> None:

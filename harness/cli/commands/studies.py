@@ -18,7 +18,7 @@ from harness.interpret.files import read_file
 from harness.interpret.formats import NotNamedError
 from harness.interpret.headings import columns_in
 from harness.interpret.site import MeasuredTest
-from harness.references.registry import all_entries, one_entry
+from harness.references.listing import all_entries, one_entry
 from harness.run.resources import (
     PROCESS_MEMORY,
     UPDATE_RATE,

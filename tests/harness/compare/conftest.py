@@ -11,7 +11,7 @@ from harness.archive.case_files import write_case
 from harness.archive.collection import collect
 from harness.archive.conventions import COMPLETED
 from harness.compare.compared import with_references
-from harness.references.registry import cone_factor_reference
+from harness.references.registry import reference_of
 from tests.harness.conftest import HEAD, prepared, study_in
 
 FACTORS = (10.0, 11.0, 12.0)
@@ -39,7 +39,7 @@ def collected(
             write_case(out, case, xr.Dataset(), "diverged", "too fast")
         else:
             write_case(out, case, result, COMPLETED)
-    return with_references(collect(study, out), [cone_factor_reference("lu_2004")])
+    return with_references(collect(study, out), [reference_of("lu_2004")])
 
 
 @pytest.fixture

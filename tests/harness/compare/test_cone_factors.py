@@ -16,10 +16,10 @@ from harness.compare.compared import (
 )
 from harness.compare.differences import differences
 from harness.compare.result_table import cone_factor_table, which_strength
-from harness.references.registry import cone_factor_reference, experience_entry
+from harness.references.registry import band_of, reference_of
 from tests.harness.compare.conftest import Two
 
-THREE = tuple(map(cone_factor_reference, ("lu_2004", "teh_houlsby_1991", "yu_2000")))
+THREE = tuple(map(reference_of, ("lu_2004", "teh_houlsby_1991", "yu_2000")))
 
 
 def result(cone_factor: float = 11.0, **varied: Sequence[object]) -> xr.Dataset:
@@ -63,8 +63,9 @@ def test_reference_and_deviation_stand_over_the_dims_of_the_cone_factor() -> Non
         assert variable.attrs["units"] == "1"
         assert "Lu et al. 2004" in variable.attrs["long_name"]
         assert "Geotechnique" in variable.attrs["source"]
-        assert variable.attrs["criterion"] == "Tresca"
+        assert variable.attrs["criterion"] == "tresca"
         assert "not read" in variable.attrs["how_known"]
+        assert variable.attrs["su_mode"] == "not_stated"
         assert "50 to 500" in variable.attrs["validity"]
 
 
@@ -84,15 +85,15 @@ def test_attributes_of_a_parameter_do_not_leak_into_what_is_worked_out_from_it()
 def test_a_failed_case_has_a_reference_and_no_deviation() -> None:
     dataset = result(adhesion_factor=[0.0, 1.0])
     dataset["cone_factor"][1] = np.nan
-    compared = with_references(dataset, [cone_factor_reference("yu_2000")])
+    compared = with_references(dataset, [reference_of("yu_2000")])
     assert np.isfinite(compared["reference_yu_2000"]).all()
     assert compared["deviation_yu_2000"].isnull().values.tolist() == [False, True]
 
 
 def test_shaft_adhesion_is_the_faces_where_it_is_not_given() -> None:
     dataset = result(shaft_adhesion_factor=[0.0, np.nan])
-    assert conditions_of(dataset).shaft_adhesion.values.tolist() == [0.0, 0.5]
-    assert conditions_of(result().drop_vars("shaft_adhesion_factor")).shaft_adhesion == 0.5
+    assert conditions_of(dataset)["alpha_s"].values.tolist() == [0.0, 0.5]
+    assert conditions_of(result().drop_vars("shaft_adhesion_factor"))["alpha_s"] == 0.5
 
 
 def test_a_cone_that_friction_makes_rough_is_compared_as_a_rough_one() -> None:
@@ -101,8 +102,8 @@ def test_a_cone_that_friction_makes_rough_is_compared_as_a_rough_one() -> None:
     rows = {name: ("friction_coefficient", [value, np.nan]) for name, value in built.items()}
     dataset = result(friction_coefficient=[0.2, 0.3]).assign(rows)
     conditions = conditions_of(dataset)
-    assert conditions.friction.values.tolist() == [0.0, 0.3]
-    assert conditions.face_adhesion.values.tolist() == [1.0, 0.5]
+    assert conditions["friction"].values.tolist() == [0.0, 0.3]
+    assert conditions["alpha_c"].values.tolist() == [1.0, 0.5]
     np.testing.assert_allclose(exact_shear(dataset), [np.sqrt(3.0), np.nan])
 
 
@@ -125,9 +126,7 @@ def test_what_cannot_be_compared_is_refused_in_one_line(missing: str) -> None:
 
 
 def test_table_has_one_row_a_case_with_all_of_it() -> None:
-    dataset = with_references(
-        result(adhesion_factor=[0.0, 0.5, 1.0]), [cone_factor_reference("lu_2004")]
-    )
+    dataset = with_references(result(adhesion_factor=[0.0, 0.5, 1.0]), [reference_of("lu_2004")])
     dataset["cone_factor_shear"][1] *= 1.01
     text = cone_factor_table(dataset)
     # 11 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
@@ -214,7 +213,7 @@ TWO = ("karlsrud_2005", "mayne_peuchen_2018")
 def test_a_band_has_two_ends_and_says_what_it_is(two_soils: xr.Dataset) -> None:
     dataset = with_experience(two_soils, TWO)
     band = dataset["experience_karlsrud_2005"]
-    entry = experience_entry("karlsrud_2005")
+    entry = band_of("karlsrud_2005")
     assert band.dims == ("bound",)
     assert band.sel(bound="least") == entry.bounds[0]
     assert band.sel(bound="greatest") == entry.bounds[1]

@@ -13,7 +13,7 @@ from matplotlib.text import Text
 from harness.archive.collection import collect
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
-from harness.references.registry import cone_factor_reference
+from harness.references.registry import reference_of
 from tests.harness.conftest import as_collected, keep, study_in
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
@@ -69,7 +69,7 @@ def result(
     made["penetration_resistance"] = made["cone_factor"] * STRENGTH * depth / 18
     made = made.assign_coords(penetration=depth)
     made["penetration"].attrs = {"units": "1", "long_name": "penetration over cone radius"}
-    return with_references(made, [cone_factor_reference(it) for it in REFERENCES])
+    return with_references(made, [reference_of(it) for it in REFERENCES])
 
 
 def _labels(name: str, value: object) -> dict[str, str]:

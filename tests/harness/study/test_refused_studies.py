@@ -164,6 +164,28 @@ OF_A_CONE = [
     (OURS + "range = { It = [1, 2] }", "unknown parameter or symbol 'It'"),
     (OURS + "range = { Ir = [1] }", "must be two numbers"),
     (OURS + "range = { Ir = [2, 1] }", "must be two numbers, the least"),
+    (OURS + 'criterion = "von mises"', "not_stated, tresca, von_mises, modified_cam_clay; did you"),
+    (
+        OURS + 'su_mode = "compression"',
+        "one of not_stated, pure_shear, triaxial_compression",
+    ),
+    (OURS + "points = { Ir = [1], Nc = [2] }", "formula says the value too"),
+    (
+        OURS.replace('formula = "Ir"', "points = { Ir = [1] }"),
+        "of one length: symbols, and Nc",
+    ),
+    (
+        OURS.replace('formula = "Ir"', "points = { Ir = [1, 2], Nc = [2] }"),
+        "must be columns of one length",
+    ),
+    (
+        OURS.replace('formula = "Ir"', "points = { Ir = [nan], Nc = [2] }"),
+        "a list of numbers",
+    ),
+    (
+        OURS.replace('formula = "Ir"', "points = { It = [1], Nc = [2] }"),
+        "unknown parameter or symbol 'It'",
+    ),
     ("references = 3", "must be a table"),
 ]
 """What a study of a cone says beside title and scene, and what the answer has in it."""

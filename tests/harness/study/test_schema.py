@@ -23,7 +23,9 @@ VALID = {
     "list": "[[case]]\ndensity = 1\n[[case]]\ndensity = 2",
     "reference of its own": (
         '[references.ours]\nformula = "2 * Ir"\nlabel = "We"\nsource = "here"\n'
-        "range = { Ir = [1, 2] }\n"
+        'criterion = "tresca"\nrange = { Ir = [1, 2], Delta = 0 }\n'
+        "[references.ours_2]\npoints = { Ir = [100], Nc = [10] }\n"
+        'label = "We"\nsource = "here"\n'
         '[compare]\nreferences = ["lu_2004", "ours"]'
     ),
     "scene of its own": "[scenes.cone_penetration.fixed]\ndensity = 1",

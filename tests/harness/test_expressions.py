@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
 from harness.study.distributions import INPUT, sampled
-from harness.study.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
 from mpm_warp.checks import Range
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields import Parameter

@@ -40,6 +40,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "sqrt": math.sqrt,
     "exp": math.exp,
     "log": math.log,
+    "log10": math.log10,
     "ln": math.log,
     "tan": lambda degrees: math.tan(math.radians(degrees)),
     "round": lambda number: float(round(number)),
