@@ -84,8 +84,8 @@ def draw_literature(
     if any(not it.is_as(found[0]) for it in found[1:]):
         for here, (_, colour) in zip(found, shown, strict=True):
             _draw_envelope(axes, here, colour)
-            drawn = zip(references, here.values, itertools.cycle(DASHES), strict=False)
-            for reference, (value, applies), dashes in drawn:
+            dashed = zip(references, here.values, itertools.cycle(DASHES), strict=False)
+            for reference, (value, applies), dashes in dashed:
                 style = {"color": colour, "lw": 0.9, "ls": dashes, **_marks(reference)}
                 axes.plot(here.x, np.where(applies, value, np.nan), **style)
         for reference, dashes in zip(references, itertools.cycle(DASHES), strict=False):
