@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from mpm_warp.errors import InaccurateRun
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 
@@ -14,8 +15,13 @@ def scene(name: str, **given: object) -> Any:
 def order_and_errors(
     scene: type[CatalogueScene], resolution: str, coarse: int, **given: object
 ) -> tuple[float, float, float]:
-    """The order of `error` between a resolution and its double, and the error at each."""
-    at_coarse, at_fine = (
-        float(scene(**given, **{resolution: it}).run().error) for it in (coarse, 2 * coarse)
-    )
+    """The order of `error` between a resolution and its double, and the error at each.
+
+    At the coarse one the error may be beyond its limit.
+    """
+    try:
+        at_coarse = float(scene(**given, **{resolution: coarse}).run().error)
+    except InaccurateRun as end:
+        at_coarse = float(end.curves.error)
+    at_fine = float(scene(**given, **{resolution: 2 * coarse}).run().error)
     return math.log2(at_coarse / at_fine), at_coarse, at_fine
