@@ -1,6 +1,5 @@
 """The tables under studies/ by which the uncertainty of the cone factor is set, and tested."""
 
-import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -12,6 +11,7 @@ import pytest
 from harness.references.reference import USUAL
 from harness.references.registry import reference_of
 from mpm_warp.grid.fitted import Floats
+from mpm_warp.plain_numbers import numbers_by_column
 from mpm_warp.uncertainty import laws
 
 STUDIES = Path(__file__).parent.parent / "studies"
@@ -23,9 +23,9 @@ OF_MESH = laws.EFFECTS["mesh"].half_width
 
 
 def table(name: str) -> list[Mapping[str, float]]:
-    with (STUDIES / f"{name}.csv").open() as file:
-        rows = (line for line in file if not line.startswith("#"))
-        return [{key: float(it) for key, it in row.items()} for row in csv.DictReader(rows)]
+    columns = numbers_by_column((STUDIES / f"{name}.csv").read_text())
+    rows = zip(*columns.values(), strict=True)
+    return [dict(zip(columns, map(float, row), strict=True)) for row in rows]
 
 
 def cell_size(cells_per_radius: float) -> float:

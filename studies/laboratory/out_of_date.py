@@ -10,7 +10,6 @@ that makes it again.
 """
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,10 +38,9 @@ def origin_of(path: Path) -> Origin | None:
     return Origin(told[1], int(told[2]), told[3]) if told else None
 
 
-def kept() -> Iterator[Path]:
+def kept() -> list[Path]:
     """All files of numbers that were computed once and kept."""
-    for pattern in KEPT:
-        yield from sorted(ROOT.glob(pattern))
+    return [path for pattern in KEPT for path in sorted(ROOT.glob(pattern))]
 
 
 def line(path: Path, origin: Origin | None) -> str:

@@ -212,8 +212,8 @@ class ConeTest(FittedToCone, FieldClayScene):
         "standard",
         "what cells, window and speed are by default: fine halves the cells, has 1.3 times the "
         "window, takes some ten times as long, and has two thirds of the uncertainty; quick has "
-        "0.75 times the window, takes a fifth to a tenth of the time, and adds 50 to 80 % to the "
-        "uncertainty",
+        "0.75 times the window, takes a twentieth to a third of the time, and adds 27 to 82 % to "
+        "the uncertainty",
         choices=("quick", "standard", "fine"),
     )
     cells_per_radius: float = parameter(

@@ -19,6 +19,7 @@ from harness.compare.differences import difference, ratio, slope
 from harness.compare.result_table import MOST_CASES, reason_notes, result_table
 from harness.compare.spread import NUMERICAL, TOGETHER, first_order, spread_rows, spreads_of
 from harness.study.files import studies_folder
+from mpm_warp.plain_numbers import numbers_by_column
 from mpm_warp.results import labelled
 
 
@@ -186,7 +187,7 @@ def test_half_widths_are_those_of_samples() -> None:
 
 def test_differences_and_ratios_of_random_cases_are_inside() -> None:
     default, held_out = (
-        np.genfromtxt(studies_folder() / f"{name}.csv", delimiter=",", names=True)
+        numbers_by_column((studies_folder() / f"{name}.csv").read_text())
         for name in ("held_out_default", "held_out")
     )
     known, fine = (
