@@ -52,6 +52,20 @@ FIGURES = [
         (*(f"work_share_{it}" for it in SHARES), "energy_residual"),
     ),
     Figure(
+        "mpm_warp/materials/README.md",
+        "Nc as simulated is {:.2f} as built",
+        "strength_anisotropy",
+        ("material.strength_extension=[10e3]", "material.strength_simple_shear=[15e3]"),
+        (SIMULATED,),
+    ),
+    Figure(
+        "mpm_warp/materials/README.md",
+        "as simulated, quick: {:.3f} and",
+        "strength_anisotropy",
+        ("material=von_mises",),
+        (SIMULATED,),
+    ),
+    Figure(
         "studies/README.md",
         "| 3 | 10.95, 0.451 | {:.2f}, {:.3f} |",
         "softening",
