@@ -67,7 +67,7 @@ FIGURES = [
     ),
     Figure(
         "studies/README.md",
-        "| 3 | 10.95, 0.451 | {:.2f}, {:.3f} |",
+        "| 3 | 10.94, 0.451 | {:.2f}, {:.3f} |",
         "softening",
         ("ductility=[10]", "remoulded_strength_ratio=[0.2]"),
         (SIMULATED, "sleeve_friction_factor"),

@@ -212,7 +212,7 @@ class ConeTest(FittedToCone, FieldClayScene):
         "standard",
         "what cells, window and speed are by default: fine halves the cells, has 1.3 times the "
         "window, takes some ten times as long, and has two thirds of the uncertainty; quick has "
-        "0.75 times the window, takes a twentieth to a third of the time, and adds 27 to 82 % to "
+        "0.75 times the window, takes a twentieth to a third of the time, and adds 26 to 82 % to "
         "the uncertainty",
         choices=("quick", "standard", "fine"),
     )
