@@ -67,6 +67,13 @@ FIGURES = [
     ),
     Figure(
         "studies/README.md",
+        "| 0.4, 0.65 | {:.2f} |",
+        "strength_anisotropy",
+        ("material.strength_extension=[8e3]", "material.strength_simple_shear=[13e3]"),
+        (SIMULATED,),
+    ),
+    Figure(
+        "studies/README.md",
         "| 3 | 10.94, 0.451 | {:.2f}, {:.3f} |",
         "softening",
         ("ductility=[10]", "remoulded_strength_ratio=[0.2]"),
