@@ -214,7 +214,14 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     for law in laws:
         parts = {"mesh": 0.1}
         reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
-        run = SimpleNamespace(name="cone_factor", factor=10.0, description="Nc")
+        run = SimpleNamespace(
+            name="cone_factor",
+            factor=10.0,
+            description="Nc",
+            remedies={"mesh": "more cells"},
+            usual_correction=0.0,
+            usual_correction_is="nothing is corrected",
+        )
         known = further_runs.TestRun.stated(run, 0.1, parts, reasons)
         shear = variable(0.0, unit="1", meaning="shear part")
         built = variable(law, unit=None, meaning="law as built", role="built")
@@ -224,7 +231,8 @@ def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_pat
     assert dataset.cone_factor.values.tolist() == [10.1, 10.0]
     assert np.isnan(dataset.cone_factor_uncertainty.values).tolist() == [False, True]
     assert dataset.material.values.tolist() == list(laws)
-    line = f"no uncertainty of adhesion_factor=1.0: law: nobody has measured {laws[1]}"
+    reason = f"law: nobody has measured {laws[1]}: nothing is corrected"
+    line = f"no uncertainty of adhesion_factor=1.0: {reason}"
     assert line in cone_factor_table(dataset).splitlines()
     written = page([dataset])[0]
     assert written.count(f"law: nobody has measured {laws[1]}") == 1

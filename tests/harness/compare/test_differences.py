@@ -123,6 +123,10 @@ class Derives:
         if self.shaft_adhesion_factor is None:
             object.__setattr__(self, "shaft_adhesion_factor", self.adhesion_factor)
 
+    @classmethod
+    def of(cls, values: dict[str, float]) -> "Derives":
+        return cls(**values)
+
 
 @pytest.mark.parametrize("derived", [np.nan, None])
 def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
