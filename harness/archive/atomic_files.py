@@ -106,9 +106,16 @@ def abandoned(folder: Path) -> list[Path]:
         partial
         for partial in sorted(folder.glob(".*"))
         if (process := number.search(partial.name))
-        and not psutil.pid_exists(int(process[1]))
+        and not _is_alive(int(process[1]))
         and not is_folder(partial)
     ]
+
+
+def _is_alive(process_id: int) -> bool:
+    try:
+        return psutil.pid_exists(process_id)
+    except OverflowError:  # no process has a number that large
+        return False
 
 
 def is_folder(path: Path) -> bool:

@@ -36,8 +36,8 @@ def table(columns: Iterable[Column], notes: Iterable[str], form: str = "text") -
     rows = list(zip(*texts, strict=True))
     if form == "text":
         return "\n".join([*_text_lines(names, rows), "", *notes])
-    names = [name.replace("_", " ") for name in names]
-    lines = FORMS[form](names, [[" ".join(text.split()) for text in row] for row in rows])
+    headings = [name.replace("_", " ") for name in names]
+    lines = FORMS[form](headings, [[" ".join(text.split()) for text in row] for row in rows])
     mark = {"latex": "%", "markdown": "-"}.get(form)
     after = ["", *(f"{mark} {note.strip()}" for note in notes)] if mark else []
     return "\n".join([*lines, *after])
@@ -67,7 +67,7 @@ def _latex_lines(names: Sequence[str], rows: Rows) -> list[str]:
 
 
 def _in_latex(text: str) -> str:
-    special = {letter: f"\\{letter}" for letter in "&%$#_{}"}
+    special: dict[str | int, str | int | None] = {it: f"\\{it}" for it in "&%$#_{}"}
     escaped = text.translate(
         str.maketrans({**special, "\\": r"\textbackslash{}", "~": r"\~{}", "^": r"\^{}"})
     )
