@@ -39,9 +39,9 @@ FIGURES = [
     ),
     Figure(
         CONE,
-        "| 500 | {:.2f} ± {:.2f} |",
+        "| 500 | {:.2f} ± {:.2f} | 0.9 s | {:.2f} ± {:.2f} | 3.8 s |",
         "adhesion_factor",
-        (ADHESION_05, "rigidity_index=500", "accuracy=quick"),
+        (ADHESION_05, "rigidity_index=500", "accuracy=['quick', 'standard']"),
         (NC, HALF_WIDTH),
     ),
     Figure(
