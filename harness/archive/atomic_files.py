@@ -113,7 +113,7 @@ def abandoned(folder: Path) -> list[Path]:
 
 def _is_alive(process_id: int) -> bool:
     try:
-        return psutil.pid_exists(process_id)
+        return bool(psutil.pid_exists(process_id))
     except OverflowError:  # no process has a number that large
         return False
 

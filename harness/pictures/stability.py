@@ -204,7 +204,8 @@ class Shares:
         completed, texts = self.share(), self.texts()
         of_parts = zip(texts, completed, self.parts, strict=True)
         shares = [f"{text}: {share:.0%} of {part.status.size}" for text, share, part in of_parts]
-        least, worst = texts[np.argmin(completed)], self.parts[np.argmin(completed)]
+        place = int(np.argmin(completed))
+        least, worst = texts[place], self.parts[place]
         failed = Counter(worst.status[worst.status != COMPLETED].tolist())
         counts = ", ".join(f"{failed[status]} {status}" for status in sorted(failed)) or "none"
         why = worst.reason[worst.status == failed.most_common(1)[0][0]][0] if failed else ""
@@ -290,9 +291,9 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
     is_scaled, is_strip = bool(np.isfinite(outcomes.share).any()), isinstance(rows[0], Strip)
     for status in in_order(outcomes.status):
         marker, colour = STATUSES.get(status, OTHER)
-        style = {"marker": marker if is_strip else "s", "mec": "black", "ls": "", "label": status}
+        shape = marker if is_strip else "s"
         colour = "white" if is_scaled and is_strip and status == COMPLETED else colour
-        first.plot([], [], color=colour, **style)
+        first.plot([], [], color=colour, marker=shape, mec="black", ls="", label=status)
     limits = conventions.limits_of(dataset).items()
     limit = " or ".join(
         f"{conventions.spoken(it)} over its limit of {size:g}" for it, size in limits
