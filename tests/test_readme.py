@@ -14,6 +14,7 @@ from harness.cli.main import main
 from harness.cli.options import make_parser, mistake_in, options_of
 from harness.interpret.description import is_site_file
 from harness.study.study import is_scene, load_study
+from mpm_warp.materials.clay_law import laws
 from mpm_warp.scenes import scene_class
 from tests.conftest import blocks, finished
 
@@ -146,7 +147,9 @@ def studies_of(options: argparse.Namespace) -> Iterator[tuple[str, list[str]]]:
     study, subject = (vars(options).get(it) for it in ("study", "subject"))
     if study and not is_placeholder(study) and not study.endswith(".nc"):
         yield study, options.set
-    if subject and not (is_placeholder(subject) or is_scene(subject) or is_site_file(subject)):
+    if subject and not (
+        is_placeholder(subject) or subject in laws() or is_scene(subject) or is_site_file(subject)
+    ):
         yield subject, vars(options).get("set", [])
 
 

@@ -45,6 +45,16 @@ def is_of_catalogue(test: object) -> bool:
     return type(test).__module__.partition(".")[0] == __package__.partition(".")[0]
 
 
+def goes_on(test: object, material: Material) -> bool:
+    """Whether the correction of Tresca clay goes on in this clay, where no law knows the error.
+
+    Not in a scene of one's own, nor where the strength has a direction: there finer cells lower
+    the factor, where they raise it in Tresca clay.
+    """
+    kinds = type(material), getattr(material, "criterion", None)
+    return is_of_catalogue(test) and Anisotropic not in kinds
+
+
 def why_not_of_catalogue(test: Test, built: Scene) -> list[str]:
     """Why the `built` scene is none of the catalogue, as "word: sentence"; empty if it is one."""
     if not is_of_catalogue(test):

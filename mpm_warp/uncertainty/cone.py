@@ -114,7 +114,7 @@ class ConeRun(TestRun):
     laws: ErrorLaws  # of its error at the end of the run
     strength: float  # undrained shear strength su [Pa]
     roughness: float  # mean shear stress on the face over su, that of friction included
-    is_of_catalogue: bool  # whether soil, contact and grid are those of a scene of the catalogue
+    goes_on: bool  # whether the correction goes on where the laws do not hold
 
     @property
     def factor(self) -> float:
@@ -128,14 +128,14 @@ class ConeRun(TestRun):
         So no effect of clay or contact that they do not know makes a step where it begins. A cone
         with friction is as rough as that makes it under the stress on its face.
         """
-        if not self.is_of_catalogue:
+        if not self.goes_on:
             return 0.0
         return float(replace(self.laws, adhesion_factor=self.roughness).correction)
 
     @property
     def usual_correction_is(self) -> str:
         """See `TestRun`."""
-        if not self.is_of_catalogue:
+        if not self.goes_on:
             return super().usual_correction_is
         return CARRIED_ON
 
@@ -219,7 +219,7 @@ def known_error(run: ConeRun, test: Test, built: Scene) -> dict[str, xr.Variable
     of_others = why_not_of_catalogue(test, built)
     of_clay = why_law_not_measured(built.material, LAWS_OF_CONES) or _why_not_of_scene(built)
     reasons = [*(of_others or of_clay), *why_laws_do_not_hold(laws)]
-    run = replace(run, is_of_catalogue=not of_others)
+    run = replace(run, goes_on=run.goes_on and not of_others)
     return run.stated(run.usual_correction, run.own_parts(ALONE, [run]) | by_laws, reasons)
 
 

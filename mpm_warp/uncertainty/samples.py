@@ -101,7 +101,7 @@ def sample_error(
     surface: Mapping[str, Condition],
     borders: Mapping[str, Condition],
     why_none: Sequence[str],
-    is_of_catalogue: bool,
+    goes_on: bool,
     measured: MeasuredError | None = None,
 ) -> SampleError:
     """The error of the samples of a sounding.
@@ -115,7 +115,7 @@ def sample_error(
         surface: reasons about the surface of the ground in the window, and where they apply.
         borders: reasons about borders of layers nearby, and where they apply.
         why_none: reasons why the laws hold for no sample.
-        is_of_catalogue: whether the scene is one of the catalogue; others are not corrected.
+        goes_on: whether the correction goes on where the laws do not hold.
         measured: the error measured by further runs, which replaces the laws; None without them.
     """
     factor = resistance / around
@@ -137,7 +137,7 @@ def sample_error(
             / np.maximum(SURFACE_DEPTH, laws.penetration)
         )
     of_laws: dict[str, Condition] = {**dict.fromkeys(why_none, True), **of_method}
-    is_corrected = is_of_catalogue & ~_any_of(surface, depth)
+    is_corrected = goes_on & ~_any_of(surface, depth)
     is_known = ~_any_of({**of_laws, **borders, **surface}, depth)
     squares = {name: np.broadcast_to(part**2, depth.shape) for name, part in parts.items()}
     half_width = around * np.sqrt(sum(squares.values()))
@@ -146,7 +146,7 @@ def sample_error(
         if is_known.any()
         else {}
     )
-    left = f"{{}}: {CARRIED_ON if is_of_catalogue else NOT_CORRECTED}"
+    left = f"{{}}: {CARRIED_ON if goes_on else NOT_CORRECTED}"
     return SampleError(
         correction=np.where(is_corrected, correction, 0.0),
         is_corrected=is_corrected,

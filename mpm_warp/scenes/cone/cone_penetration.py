@@ -28,7 +28,7 @@ from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots
 from mpm_warp.uncertainty import cone, further_runs
-from mpm_warp.uncertainty.built import LAWS_OF_CONES, is_of_catalogue, why_law_not_measured
+from mpm_warp.uncertainty.built import LAWS_OF_CONES, goes_on, is_of_catalogue, why_law_not_measured
 from mpm_warp.uncertainty.laws import APEX_ANGLE
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING, transient_penetration
 
@@ -287,7 +287,7 @@ class ConePenetration(ConeTestByDefault):
             laws=self.laws(penetration=float(recorded.penetration_reached)),
             strength=self.undrained_shear_strength,
             roughness=self.interface_in(recorded).face,
-            is_of_catalogue=is_of_catalogue(self),
+            goes_on=goes_on(self, self.clay),
             recorded=recorded,
         )
 

@@ -38,7 +38,7 @@ from mpm_warp.scenes.cone.penetrometer import (
     PenetrometerContact,
 )
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS, is_of_catalogue
+from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS, goes_on
 from mpm_warp.uncertainty.further_runs import CARRIED_ON, REASON
 from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_FACTOR, RADIAL_STRESS
@@ -168,7 +168,7 @@ def stated_beside_shaft(
         strength=strength,
         shaft_adhesion=rough.shaft,
         why_none=why_none,
-        is_corrected=is_of_catalogue(test),
+        is_corrected=goes_on(test, built.material),
     )
     return pressures | sleeve
 

@@ -15,7 +15,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
-from mpm_warp.uncertainty.built import is_of_catalogue
+from mpm_warp.uncertainty.built import goes_on, is_of_catalogue
 from mpm_warp.uncertainty.further_runs import LARGEST_PART, REASON, reason
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, Condition
 from mpm_warp.uncertainty.samples import (
@@ -145,7 +145,8 @@ def error_of_samples(
         surface=surface,
         borders=borders,
         why_none=why_none,
-        is_of_catalogue=is_of_catalogue(sounding),
+        goes_on=goes_on(sounding, sounding.clay)
+        or (measured is not None and is_of_catalogue(sounding)),
         measured=measured,
     )
 
