@@ -6,9 +6,11 @@ Python itself would take ``1_0`` for 10, digits of any script, and ``inf`` and `
 import csv
 import math
 import re
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # commands that compute nothing do not load numpy
+    import numpy as np
+    from numpy.typing import NDArray
 
 PLAIN = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)(e[-+]?\d+)?", re.ASCII | re.IGNORECASE)
 LARGEST = 1e300
@@ -32,7 +34,7 @@ def number_of(text: str) -> float:
     return number
 
 
-def numbers_by_column(text: str) -> dict[str, NDArray[np.float64]]:
+def numbers_by_column(text: str) -> "dict[str, NDArray[np.float64]]":
     """The columns of a CSV of numbers by the names in its header, NaN for an empty cell.
 
     Lines that begin with # are comments.
@@ -43,4 +45,6 @@ def numbers_by_column(text: str) -> dict[str, NDArray[np.float64]]:
     lines = [line for line in text.splitlines() if line and not line.startswith("#")]
     names, *rows = csv.reader(lines)
     numbers = [[number_of(cell) if cell.strip() else math.nan for cell in row] for row in rows]
+    import numpy as np
+
     return dict(zip(names, np.array(numbers).reshape(-1, len(names)).T, strict=True))

@@ -24,7 +24,7 @@ PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("[!.]*/**/*.md")])
 EXECUTED = ROOT / "studies" / "guide.md"
 """Its commands are run, see `test_guide.py`."""
 OF_NO_COST = ("list", "describe", "schema")
-SHORT = ("cells_per_radius=1", "penetration=1", "steady_tolerance=0")
+SHORT = ("cells_per_radius=1.5", "penetration=1", "steady_tolerance=0")
 """Settings of a cone test by which its result has the same names and dims at next to no cost."""
 SET_SHORT = [f"--set={setting}" for setting in SHORT]
 

@@ -117,7 +117,7 @@ $ harness references lu_2004
 Print a result beside references or exact solutions. With OTHER compare two results and print the
 largest difference of each scalar and curve; 0 is the same bits.
 $ harness compare results/adhesion_factor.nc
-$ harness compare results/adhesion_factor.nc --format latex > table.tex
+$ harness compare results/adhesion_factor.nc --format latex
 $ harness compare runs/a.nc runs/b.nc --tolerance 1e-6
   file FILE: result of a study, netCDF
   other [OTHER]: another result to compare it with

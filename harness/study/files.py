@@ -233,15 +233,13 @@ def flat_tables(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def flat_material(table: Mapping[str, Any]) -> dict[str, Any]:
     """The entries of a table in which those of a law have names as "material.its_parameter"."""
-    flat = {key: value for key, value in table.items() if key != PARAMETER}
-    match table.get(PARAMETER):
-        case None:
-            return flat
-        case dict() as own:
-            names = {it: PARAMETER if it == LAW else f"{PARAMETER}.{it}" for it in own}
-            return flat | {names[it]: value for it, value in own.items()}
-        case name:
-            return flat | {PARAMETER: name}
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        if key == PARAMETER and isinstance(value, dict):
+            flat |= {key if own == LAW else f"{key}.{own}": it for own, it in value.items()}
+        else:
+            flat[key] = value
+    return flat
 
 
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:

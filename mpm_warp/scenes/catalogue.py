@@ -253,9 +253,15 @@ class CatalogueScene(ShownByParameters, ABC):
 
     def checked(self, results: xr.Dataset) -> xr.Dataset:
         """The results with their limits; `InaccurateRun` where one is beyond its limit."""
-        results = with_limits(self.limits, results)
-        check_limits(self.limits, results)
+        limits = self.limits_of_run
+        results = with_limits(limits, results)
+        check_limits(limits, results)
         return results
+
+    @property
+    def limits_of_run(self) -> Limits:
+        """The `limits` that hold with these parameters."""
+        return self.limits
 
     def compute(self, progress: Progress, execution: Execution | None) -> xr.Dataset:
         """The results of a run without the parameters; arguments as of `run`.

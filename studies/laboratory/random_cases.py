@@ -23,7 +23,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, ParameterError, SceneError, StepCost, scene_class, scene_names
-from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.fields import Parameter, Value, flat_values, own_parameters_of
 from mpm_warp.scenes.step_cost import LEAST_STEPS
 
 SECONDS, STEPS = 1.0, 30_000
@@ -72,7 +72,7 @@ def random_scene(source: random.Random, name: str) -> CatalogueScene:
     """
     scene, share = scene_class(name), 1.0
     while True:
-        known = {key: it for key, it in parameters_of(scene).items() if source.random() < share}
+        known = {key: it for key, it in own_parameters_of(scene).items() if source.random() < share}
         try:
             made = scene(**{key: drawn(source, it) for key, it in known.items()})
             made.run_size()
@@ -98,13 +98,14 @@ def short_case(source: random.Random, name: str) -> Case:
 
     What makes it shorter is kept, so that what costs no time is as random as ever.
     """
-    known = parameters_of(scene_class(name)).items()
+    known = own_parameters_of(scene_class(name)).items()
     while True:
         scene = random_scene(source, name)
         excess = excess_of(scene)
         for _ in range(DRAWS):
             if excess <= 1.0:
-                values, version = dataclasses.asdict(scene), scene.version
+                flat, version = flat_values(scene), scene.version
+                values = {key: it for key, (_, it) in flat.items()}
                 return Case(scene=name, scene_version=version, parameters=values, label=name)
             anew = {key: drawn(source, it) for key, it in known if source.random() < SHARE}
             try:

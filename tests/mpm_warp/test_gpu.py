@@ -15,7 +15,7 @@ import warp as wp
 import mpm_warp
 from harness.run.verify import Check, checks_of, quick
 from mpm_warp import Execution, History, ParameterError, Scene, SceneError, Simulation
-from mpm_warp.fields import Value, parameters_of
+from mpm_warp.fields import Value, own_parameters_of
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -52,7 +52,7 @@ def variants(name: str) -> Iterator[Any]:
     scene = scene_class(name)
     choices = {
         key: [*definition.choices, *([None] if definition.default is None else [])]
-        for key, definition in parameters_of(scene).items()
+        for key, definition in own_parameters_of(scene).items()
         if definition.choices and definition.kind is str
     }
     for values in itertools.product(*choices.values()):

@@ -57,6 +57,12 @@ class SlidingBlock(BlockOnBase):
         "base_shear_error": "it follows from the errors of acceleration and momentum",
     }
 
+    @property
+    def limits_of_run(self) -> Limits:
+        """See `CatalogueScene`: a block that sticks does no work that its balance could be over."""
+        own = {} if self.motion.slides else {"energy_error": "the block does no work"}
+        return {**self.limits, **own}
+
     def run_size(self) -> RunSize:
         """See `CatalogueScene`."""
         travel = self.travel if self.motion.slides else 0.0

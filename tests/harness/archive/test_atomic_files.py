@@ -200,7 +200,7 @@ def test_a_folder_that_is_read_only_is_one_line(
 @pytest.mark.slow
 def test_two_runs_in_one_folder_do_not_harm_each_other(small_file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    setting = ["--set", f"rigidity_index={list(range(50, 110, 10))}"]
+    setting = ["--set", f"rigidity_index={list(range(100, 160, 10))}"]
     runs = [
         subprocess.Popen(
             [sys.executable, "-m", "harness", *arguments(small_file, out), *setting],

@@ -94,7 +94,7 @@ MISTAKES = {
     "recommend s --error 1": "'1' is 100%: is 1% meant?",
     "recommend thick_cylinder --error 1% --results no": "harness: --results no: no such folder",
     "run mesh_size --out file.txt": "file.txt: is not a folder",
-    "run mesh_size --out file.txt/below": "file.txt/below: cannot be made: Not a directory",
+    "run mesh_size --out file.txt/below": "file.txt/below: is not a folder",
     "run mesh_size --threads=3": "choose from 1, 2, 4",
     "run mesh_size --device=cuda:7": "--device cuda:7: there is none here; known: cpu",
     "run mesh_size --threads=2 --dask=tcp://h:1": "leave them out with --dask",

@@ -37,7 +37,7 @@ def case_of(scene: str, **parameters: Value) -> Case:
 
 
 CHEAP: dict[str, dict[str, Value]] = {
-    "material_point": {"step_count": 100},
+    "material_point": {"step_count": 1000},
     "gravity_column": {"cell_count": 4},
     "elastic_column_wave": {"cell_count": 10},
 }

@@ -164,10 +164,13 @@ OF_A_CONE = [
     (OURS + "range = { It = [1, 2] }", "unknown parameter or symbol 'It'"),
     (OURS + "range = { Ir = [1] }", "must be two numbers"),
     (OURS + "range = { Ir = [2, 1] }", "must be two numbers, the least"),
-    (OURS + 'criterion = "von mises"', "not_stated, tresca, von_mises, modified_cam_clay; did you"),
+    (
+        OURS + 'criterion = "von mises"',
+        "'von_mises', 'modified_cam_clay'; did you",
+    ),
     (
         OURS + 'su_mode = "compression"',
-        "one of not_stated, pure_shear, triaxial_compression",
+        "one of 'not_stated', 'pure_shear', 'triaxial_compression'",
     ),
     (OURS + "points = { Ir = [1], Nc = [2] }", "formula says the value too"),
     (

@@ -138,7 +138,7 @@ def test_a_cone_goes_through_it_and_the_watch_knows_its_volume(short_test: ConeP
 
 @pytest.mark.slow
 def test_a_cone_at_critical_state_meets_what_it_meets_in_von_mises_soil() -> None:
-    """R = 2, same su and G: within U of quick tests, 1.7 %; water that gives adds 1 %."""
+    """R = 2, same su and G: within U of quick tests, 1.7 %; of u2 water that gives adds 1 %."""
     material = ModifiedCamClay(isotropic_overconsolidation_ratio=2.0)
     test = mpm_warp.ConePenetration(material=material, accuracy="quick")
     same = ConePenetration(
@@ -150,7 +150,7 @@ def test_a_cone_at_critical_state_meets_what_it_meets_in_von_mises_soil() -> Non
     one, other = test.run(), same.run()
     assert float(one.cone_factor) == pytest.approx(float(other.cone_factor), rel=0.017)
     shoulder = "pore_pressure_factor_shoulder"
-    assert float(one[shoulder]) == pytest.approx(float(other[shoulder]), rel=0.017)
+    assert float(one[shoulder]) == pytest.approx(float(other[shoulder]), rel=0.027)
     assert np.isnan(one.cone_factor_uncertainty)
     assert "not in modified_cam_clay, but further runs may" in str(one.why_no_uncertainty.values)
     assert "further runs" not in str(one[f"{shoulder}_why_no_uncertainty"].values)

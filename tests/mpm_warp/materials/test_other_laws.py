@@ -149,7 +149,7 @@ def test_the_law_is_described_and_its_values_are_checked(offered: Path) -> None:
     assert "swelling_slope" in json.dumps(schema)
     refused = {
         "compression_slope=0.1": "did you mean 'material.compression_slope'",
-        "material.swelling_slope=true": "must be a number; meaning: slope kappa",
+        "material.swelling_slope=true": "must be a number > 0; meaning: slope kappa",
         "material.yield_stress=1": "unknown parameter 'material.yield_stress'",
         "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
     }

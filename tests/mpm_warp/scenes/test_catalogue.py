@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, SceneError, SimulationDiverged, UnknownSceneError
-from mpm_warp.fields import Value, parameter, parameters_of
+from mpm_warp.fields import Value, flat_values, parameter, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -105,11 +105,10 @@ def test_a_result_holds_all_that_is_needed_to_read_it(name: str) -> None:
             assert result[values.attrs["exact_of"]].dims == values.dims
     shared = {key for key in parameters_of(type(scene)) if f"{key}_parameter" in result}
     assert shared == {key for key in parameters_of(type(scene)) if key in SHARED_NAMES}
-    for key in parameters_of(type(scene)):
+    for key, (_, given) in flat_values(scene).items():
         stored = result[f"{key}_parameter" if _role(result[key]) != "parameter" else key]
         assert _role(stored.variable) == "parameter"
         assert stored.attrs["description"]
-        given = getattr(scene, key)
         if given is None:
             assert stored.item() == "" or np.isnan(stored)
         else:
@@ -186,7 +185,7 @@ def test_a_bar_ends_at_all_of_it_also_where_the_run_ends_early(
 
 def test_without_a_bar_none_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hidden one too has a semaphore; a worker that is ended leaves it, which Python tells of."""
-    monkeypatch.setattr(catalogue, "tqdm", None)
+    monkeypatch.setattr("tqdm.auto.tqdm", None)
     for progress in (None, False):
         assert "error" in GravityColumn(cell_count=2).run(progress=progress)
 

@@ -11,7 +11,7 @@ from harness.cli.main import main
 from harness.run.verify import checks_of
 from harness.study.files import read_toml, study_names
 from harness.study.study import Study, load_study
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields import own_parameters_of, parameters_of
 from mpm_warp.scenes import catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import HEAD, Command, study_in
@@ -27,7 +27,7 @@ def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
     assert len(study.cases) > 1
     text = Path("mine.toml").read_text()
     assert max(map(len, text.splitlines())) <= 100
-    for name in parameters_of(scene_class(scene)):
+    for name in own_parameters_of(scene_class(scene)):
         assert f"{name} = " in text
 
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import EnclosedSoil, ParameterError, Simulation, SimulationDiverged
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields import own_parameters_of
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
     CyclicPenetration,
@@ -60,7 +60,7 @@ def test_the_first_passage_is_that_of_a_body_that_goes_on(
     cyclic: CyclicPenetration, pushed: FullFlowPenetration
 ) -> None:
     """To rounding: soil that waits below enters in the step in which a layer would have entered."""
-    names = parameters_of(type(cyclic)).keys() & parameters_of(type(pushed)).keys()
+    names = own_parameters_of(type(cyclic)).keys() & own_parameters_of(type(pushed)).keys()
     shared = {name: getattr(cyclic, name) for name in names}
     runs = [Simulation(it.build()) for it in (cyclic, dataclasses.replace(pushed, **shared))]
     # Three of the six radii: half of them through soil that was not in the grid at the start.
