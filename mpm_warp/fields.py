@@ -261,6 +261,11 @@ def flat_values(scene: object) -> dict[str, tuple[Parameter, Value | None]]:
     return values
 
 
+def values_of(scene: object) -> dict[str, Value | None]:
+    """The values of all parameters of a scene in flat form."""
+    return {name: value for name, (_, value) in flat_values(scene).items()}
+
+
 def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
     """The arguments of a scene from values in flat form, the inverse of `flat_values`.
 

@@ -19,7 +19,7 @@ from harness.study.designs import (
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Value, flat_values, own_parameters_of
+from mpm_warp.fields import Value, own_parameters_of, values_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000
@@ -143,7 +143,7 @@ def complete_parameters(
     to_come = dict(derived or {})
     while True:
         try:
-            complete, refusal = _values(scene.of(given)), None
+            complete, refusal = values_of(scene.of(given)), None
         except ParameterError as error:
             complete, refusal = {**defaults, **given}, error
         if not to_come or (refusal is not None and refusal.key not in to_come):
@@ -154,7 +154,3 @@ def complete_parameters(
         except ExpressionError as error:
             raise ExpressionError(f"[derived] {name}: {error}") from None
         given = given | {name: rounded(value) if isinstance(value, float) else value}
-
-
-def _values(scene: CatalogueScene) -> dict[str, Value | None]:
-    return {name: value for name, (_, value) in flat_values(scene).items()}

@@ -7,7 +7,6 @@ and at last the distribution of the ratio. Run it twice: kernels that are compil
 50 MB more. Linux alone.
 """
 
-import dataclasses
 import importlib
 import itertools
 import multiprocessing
@@ -28,6 +27,7 @@ from harness.run.resources import UPDATE_RATE, predicted_memory
 from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, Simulation, scene_class, scene_names
+from mpm_warp.fields import values_of
 from studies.laboratory.random_cases import random_scene
 
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40
@@ -45,7 +45,7 @@ def drawn(seed: str, name: str) -> dict[str, Any]:
         assert size is not None
         is_one_run = getattr(made, "uncertainty", "") != "measured"
         if is_one_run and most < size.byte_count < LARGEST:
-            best, most = dataclasses.asdict(made), size.byte_count
+            best, most = values_of(made), size.byte_count
         if most > ENOUGH:
             break
     return best

@@ -23,7 +23,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, ParameterError, SceneError, StepCost, scene_class, scene_names
-from mpm_warp.fields import Parameter, Value, flat_values, own_parameters_of
+from mpm_warp.fields import Parameter, Value, own_parameters_of, values_of
 from mpm_warp.scenes.step_cost import LEAST_STEPS
 
 SECONDS, STEPS = 1.0, 30_000
@@ -104,8 +104,7 @@ def short_case(source: random.Random, name: str) -> Case:
         excess = excess_of(scene)
         for _ in range(DRAWS):
             if excess <= 1.0:
-                flat, version = flat_values(scene), scene.version
-                values = {key: it for key, (_, it) in flat.items()}
+                values, version = values_of(scene), scene.version
                 return Case(scene=name, scene_version=version, parameters=values, label=name)
             anew = {key: drawn(source, it) for key, it in known if source.random() < SHARE}
             try:

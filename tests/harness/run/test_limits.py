@@ -1,6 +1,5 @@
 """What a case may take of memory and time is looked at before it begins."""
 
-import dataclasses
 import re
 import tracemalloc
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SceneError
+from mpm_warp.fields import values_of
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.parts.energy import EnergyBalance
@@ -209,7 +209,7 @@ def test_what_has_more_steps_than_can_be_counted_is_refused_before_the_run(
 ) -> None:
     with pytest.raises(SceneError, match=r"^needs .* time steps, where at most 1e\+12 can be"):
         scene.run()
-    name, parameters = scene.catalogue_name(), dataclasses.asdict(scene)
+    name, parameters = scene.catalogue_name(), values_of(scene)
     case = Case(scene=name, scene_version=scene.version, parameters=parameters, label=name)
     assert predicted_time(case) == 0.0
     assert compute(case).outcome.status == "refused"

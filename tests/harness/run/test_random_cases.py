@@ -18,7 +18,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from mpm_warp import scene_names
-from mpm_warp.fields import flat_values
+from mpm_warp.fields import values_of
 from studies.laboratory.random_cases import NAMED, random_scene
 from tests.harness.conftest import Depth
 
@@ -36,7 +36,7 @@ def random_cases(count: int) -> list[Case]:
     names = sorted(scene_names(), key=lambda name: source.random())
     for name in itertools.islice(itertools.cycle(names), count):
         made = random_scene(source, name)
-        complete = {key: it for key, (_, it) in flat_values(made).items()}
+        complete = values_of(made)
         label = ", ".join(f"{key}={value}" for key, value in complete.items())
         cases.append(Case(scene=name, scene_version=made.version, parameters=complete, label=label))
     return cases

@@ -1,6 +1,5 @@
 """A case in a worker: what it costs, and how it ends where its scene raises an exception."""
 
-import dataclasses
 import io
 import math
 import re
@@ -19,7 +18,7 @@ from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp import GravityColumn, SceneError, SimulationDiverged, scene_class
-from mpm_warp.fields import Value
+from mpm_warp.fields import Value, values_of
 from mpm_warp.planning import make_plan
 from mpm_warp.results import variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -31,7 +30,7 @@ MIB = 2**20
 
 
 def case_of(scene: str, **parameters: Value) -> Case:
-    values = dataclasses.asdict(scene_class(scene)(**parameters))
+    values = values_of(scene_class(scene)(**parameters))
     version = scene_class(scene).version
     return Case(scene=scene, scene_version=version, parameters=values, label=scene)
 
