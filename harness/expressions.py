@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
-from mpm_warp.fields import Schema, Value
-from mpm_warp.names import nearest_name
+from mpm_warp.fields.declaration import Schema, Value
+from mpm_warp.fields.names import nearest_name
 
 LONGEST_EXPRESSION = 200
 """Characters that an expression may have; this limits its depth too."""

@@ -27,7 +27,7 @@ else:
             raise AttributeError(missing)
         names = _public_names()
         if name not in names:
-            nearest = import_module("mpm_warp.names").did_you_mean(name, names)
+            nearest = import_module("mpm_warp.fields.names").did_you_mean(name, names)
             raise AttributeError(f"{missing}{nearest}")
         # `offered` adds the parameters of laws of other packages to a scene.
         return getattr(names[name], "offered", lambda: names[name])()

@@ -13,7 +13,7 @@ from mpm_warp.errors import (
     WindowOverfull,
 )
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.anisotropic import Anisotropic

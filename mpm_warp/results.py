@@ -8,7 +8,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Parameter, Value, flat_values
+from mpm_warp.fields.declaration import Parameter, Value
+from mpm_warp.fields.flat import flat_values
 
 ROLES = {
     "headline": "the scalar that the scene is run for; one in each dataset",

@@ -23,7 +23,8 @@ from typing import ClassVar, Protocol, Self, TypeVar
 import numpy as np
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
 from mpm_warp.plan.plan import Plan, Run

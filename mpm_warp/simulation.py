@@ -7,11 +7,11 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import Range, check_kind, check_number, check_whole
 from mpm_warp.errors import Fault, SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.execution.replay import DeviceRun
 from mpm_warp.execution.threads import in_turn
+from mpm_warp.fields.checks import Range, check_kind, check_number, check_whole
 from mpm_warp.jupyter import html_table
 from mpm_warp.parts.inflow import Inflow
 from mpm_warp.plan.launch import Launch

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from mpm_warp.checks import POSITIVE, check_kind, check_number
+from mpm_warp.fields.checks import POSITIVE, check_kind, check_number
 from mpm_warp.parts.history import PLASTIC_STRAIN, displacement
 from mpm_warp.parts.window import MovingGrid
 from mpm_warp.results import Quantity, labelled, variable

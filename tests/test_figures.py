@@ -7,8 +7,8 @@ import pytest
 
 from harness.study.study import load_study
 from mpm_warp import ConePenetration, scene_class
-from mpm_warp.fields import parameters_of
-from mpm_warp.plain_numbers import numbers_by_column
+from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.plain_numbers import numbers_by_column
 from studies.laboratory.out_of_date import Origin, kept, line, origin_of
 from tests.test_readme import ROOT
 

@@ -10,8 +10,8 @@ import pytest
 
 from harness.references.reference import USUAL
 from harness.references.registry import reference_of
+from mpm_warp.fields.plain_numbers import numbers_by_column
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.plain_numbers import numbers_by_column
 from mpm_warp.uncertainty import laws
 
 STUDIES = Path(__file__).parent.parent / "studies"

@@ -32,7 +32,7 @@ from harness.archive.netcdf_files import opened, read_attributes, read_netcdf, w
 from harness.archive.provenance import SOURCES
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.names import did_you_mean
+from mpm_warp.fields.names import did_you_mean
 from mpm_warp.provenance import SIMULATOR, edited_packages, provenance
 
 

@@ -31,7 +31,7 @@ from harness.study.designs import ONE_AT_A_TIME
 from harness.study.distributions import Input
 from harness.study.study import STABILITY_MAP, Study
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Derived, Parameter, Value
+from mpm_warp.fields.declaration import Derived, Parameter, Value
 from mpm_warp.results import material_as_built, stored_name
 from mpm_warp.scenes import scene_class
 

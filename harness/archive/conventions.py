@@ -26,7 +26,7 @@ import numpy as np
 import xarray as xr
 
 from harness.study.compared import ERROR
-from mpm_warp.fields import Parameter
+from mpm_warp.fields.declaration import Parameter
 from mpm_warp.results import PARAMETER_SUFFIX
 from mpm_warp.uncertainty.further_runs import LARGEST_PART
 

@@ -10,7 +10,7 @@ from harness.archive.conventions import ORDER
 from harness.archive.netcdf_files import read_attributes, read_netcdf, write_netcdf
 from harness.archive.provenance import provenance_of_collector
 from harness.study.study import Study
-from mpm_warp.names import did_you_mean, known_names
+from mpm_warp.fields.names import did_you_mean, known_names
 
 MOST_NAMED = 10
 """Number of files that an error lists if none has a name similar to the requested one."""

@@ -20,8 +20,8 @@ from harness.errors import in_one_line, say, tell
 from harness.study.files import read_text, read_toml, studies_folder
 from harness.study.tables import StudyError, Table, parse_setting, text_key
 from mpm_warp.errors import InaccurateRun, SimulationDiverged, UnfinishedRun
-from mpm_warp.names import nearest_name
-from mpm_warp.plain_numbers import number_of, plain_number
+from mpm_warp.fields.names import nearest_name
+from mpm_warp.fields.plain_numbers import number_of, plain_number
 from mpm_warp.provenance import provenance
 from mpm_warp.scenes import scene_class
 

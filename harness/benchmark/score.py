@@ -19,7 +19,7 @@ from harness.benchmark.cases import BenchmarkCase, Result, Submission
 from harness.references.reference import USUAL, Criterion
 from harness.references.registry import REFERENCES
 from harness.study.tables import StudyError
-from mpm_warp.names import nearest_name
+from mpm_warp.fields.names import nearest_name
 
 
 @dataclass(frozen=True)

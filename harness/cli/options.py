@@ -17,8 +17,8 @@ from harness.cli.help import HELP, Option, epilog
 from harness.cli.process import BAD_INPUT
 from harness.errors import say, shortened
 from mpm_warp.execution import THREAD_COUNTS
-from mpm_warp.names import did_you_mean
-from mpm_warp.plain_numbers import plain_number
+from mpm_warp.fields.names import did_you_mean
+from mpm_warp.fields.plain_numbers import plain_number
 
 BYTES = {"KB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12, "B": 1.0}
 """Units of memory that may follow a number, in bytes."""

@@ -23,7 +23,7 @@ from harness.references.band import Band
 from harness.references.reference import COMPARED, NEEDED, Conditions, Reference
 from harness.references.registry import REFERENCES, band_of, reference_of
 from harness.study.compared import OWN_LABEL, own_attributes, stored_own_reference
-from mpm_warp.names import did_you_mean
+from mpm_warp.fields.names import did_you_mean
 
 
 class NothingToCompareError(HarnessError):

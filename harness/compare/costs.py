@@ -33,7 +33,8 @@ from harness.compare.defaults import not_by_default
 from harness.compare.finest_error import credited_error, error_name
 from harness.errors import HarnessError, counted, tell
 from harness.study.scene_part import method_of
-from mpm_warp.fields import Parameter, Value, parameters_of
+from mpm_warp.fields.declaration import Parameter, Value
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes import scene_class
 
 DERIVED = "derived"

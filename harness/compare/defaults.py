@@ -7,7 +7,8 @@ import xarray as xr
 
 from harness.archive.conventions import is_there, over_cases, parameter_names, scenes_of
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Value, flat_values, own_parameters_of, parameters_of
+from mpm_warp.fields.declaration import Value, own_parameters_of
+from mpm_warp.fields.flat import flat_values, parameters_of
 from mpm_warp.materials.clay_law import PARAMETER, ClayLaw, laws
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 

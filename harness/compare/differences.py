@@ -45,7 +45,7 @@ from harness.archive.provenance import OF_CASE
 from harness.compare.compared import NothingToCompareError
 from harness.study.cases import complete_parameters
 from harness.study.compared import ERROR
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 
 Identity = tuple[str, frozenset[tuple[str, object]]]

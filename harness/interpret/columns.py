@@ -24,8 +24,8 @@ from harness.interpret.forms import AXES, ByDepth
 from harness.interpret.headings import columns_in, is_of_rods
 from harness.interpret.site import LARGEST_DEPTH, MeasuredTest
 from harness.study.tables import StudyError
-from mpm_warp.checks import Range
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.checks import Range
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats
 
 MOST_INCLINED = math.radians(45.0)

@@ -16,7 +16,8 @@ from harness.study.distributions import HOW, INPUT
 from harness.study.files import read_toml
 from harness.study.schema import DIALECT
 from harness.study.tables import StudyError, schema_of
-from mpm_warp.fields import Parameter, Schema, parameters_of
+from mpm_warp.fields.declaration import Parameter, Schema
+from mpm_warp.fields.flat import parameters_of
 
 SITE_KEYS, TEST_KEYS, LAYER_KEYS = (
     tuple(parameters_of(owner).values()) for owner in (Site, MeasuredTest, Layer)

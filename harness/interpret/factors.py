@@ -27,8 +27,8 @@ import numpy as np
 
 from harness.study.files import read_text, studies_folder
 from mpm_warp.errors import ParameterError
+from mpm_warp.fields.plain_numbers import numbers_by_column
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.plain_numbers import numbers_by_column
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, excess_at_filter, shoulder_pressure
 
 TABLE_RATE = 1e-6

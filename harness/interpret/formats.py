@@ -15,8 +15,8 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 from harness.study.tables import StudyError
-from mpm_warp.names import nearest_name
-from mpm_warp.plain_numbers import plain_number
+from mpm_warp.fields.names import nearest_name
+from mpm_warp.fields.plain_numbers import plain_number
 
 
 class NotNamedError(StudyError):

@@ -7,8 +7,8 @@ from typing import Any
 
 from harness.study.distributions import INPUT, Input
 from harness.study.tables import LINE, is_number, table_schema
-from mpm_warp.fields import Form, Parameter, Refused, Schema, bounds_schema
-from mpm_warp.names import did_you_mean, nearest_name
+from mpm_warp.fields.declaration import Form, Parameter, Refused, Schema, bounds_schema
+from mpm_warp.fields.names import did_you_mean, nearest_name
 
 COLUMNS = ("depth", "qc", "fs", "u2")
 """Quantities that are read from a test file."""

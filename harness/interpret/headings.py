@@ -8,7 +8,7 @@ from pathlib import Path
 from harness.interpret.formats import LENGTHS, Heading, NotNamedError, plain_unit
 from harness.interpret.forms import AXES
 from harness.study.tables import StudyError
-from mpm_warp.names import nearest_name
+from mpm_warp.fields.names import nearest_name
 
 NAMES: Mapping[str, tuple[str, ...]] = {
     "depth": ("depth", "z", "penetration", "penetrationlength", "sondeerlengte", "scpt_dpth"),

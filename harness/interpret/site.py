@@ -17,7 +17,9 @@ from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
 from harness.study.tables import LINE, StudyError, Table, keys_of
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import check_fields, parameter, parameters_of
+from mpm_warp.fields.checked import check_fields
+from mpm_warp.fields.declaration import parameter
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats, Integers
 
 BY_SLEEVE = "sleeve"

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from harness.expressions import Expression, ExpressionError
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 
 Quantity: TypeAlias = float | np.ndarray | xr.DataArray
 Conditions: TypeAlias = Mapping[str, Quantity]

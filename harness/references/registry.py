@@ -12,7 +12,7 @@ import xarray as xr
 from harness.errors import HarnessError
 from harness.references.band import Band
 from harness.references.reference import Conditions, Reference
-from mpm_warp.names import nearest_name
+from mpm_warp.fields.names import nearest_name
 
 Entry = TypeVar("Entry")
 

@@ -54,7 +54,7 @@ from harness.compare.finest_error import with_finest_error
 from harness.errors import counted, tell
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 from mpm_warp.provenance import SIMULATOR, edited_packages
 
 

@@ -19,7 +19,8 @@ from harness.study.designs import (
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Value, own_parameters_of, values_of
+from mpm_warp.fields.declaration import Value, own_parameters_of
+from mpm_warp.fields.flat import values_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000

@@ -25,9 +25,9 @@ from harness.references.registry import BANDS, REFERENCES, reference_of
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import LINE, StudyError, Table, is_number, text_key
-from mpm_warp.checks import POSITIVE, shown
-from mpm_warp.fields import Form, Parameter
-from mpm_warp.names import did_you_mean, nearest_name
+from mpm_warp.fields.checks import POSITIVE, shown
+from mpm_warp.fields.declaration import Form, Parameter
+from mpm_warp.fields.names import did_you_mean, nearest_name
 
 ERROR = "error"
 """Result with the error against the exact solution, of scenes that have one."""

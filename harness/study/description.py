@@ -22,7 +22,7 @@ from harness.study.designs import DESIGNS, Range, Variation
 from harness.study.distributions import Input
 from harness.study.scene_part import ScenePart, method_of
 from harness.study.study import Study
-from mpm_warp.fields import Parameter, Value, own_parameters_of
+from mpm_warp.fields.declaration import Parameter, Value, own_parameters_of
 from mpm_warp.materials.clay_law import PARAMETER, law_class, laws, own_parameters
 from mpm_warp.scenes import CatalogueScene, scene_class
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, units_of

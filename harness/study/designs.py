@@ -13,7 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from harness.study.distributions import Input
-from mpm_warp.fields import Parameter, Value, check_fields, parameter
+from mpm_warp.fields.checked import check_fields
+from mpm_warp.fields.declaration import Parameter, Value, parameter
 
 FULL, ONE_AT_A_TIME, LIST, LATIN_HYPERCUBE = "full", "one_at_a_time", "list", "latin_hypercube"
 DESIGNS = {

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from harness.study.tables import is_number, table_schema
-from mpm_warp.fields import Form, Parameter, Refused, Schema, bounds_schema, parameter
+from mpm_warp.fields.declaration import Form, Parameter, Refused, Schema, bounds_schema, parameter
 from mpm_warp.grid.fitted import Floats
 
 Quantiles = Callable[[Floats], Floats]

@@ -16,10 +16,10 @@ from typing import Any
 from harness.study.designs import VARY_REPLACES_FIXED
 from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, text_key
-from mpm_warp.checks import shown
 from mpm_warp.errors import ParameterError
+from mpm_warp.fields.checks import shown
+from mpm_warp.fields.names import nearest_name
 from mpm_warp.materials.clay_law import LAW, PARAMETER
-from mpm_warp.names import nearest_name
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of, text_of

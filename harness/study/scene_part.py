@@ -21,11 +21,12 @@ from harness.study.designs import (
 )
 from harness.study.distributions import INPUT, Input, is_distribution
 from harness.study.tables import StudyError, Table
-from mpm_warp.checks import Range as Within
-from mpm_warp.checks import shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.fields import Parameter, Value, parameters_of
-from mpm_warp.names import nearest_parameter
+from mpm_warp.fields.checks import Range as Within
+from mpm_warp.fields.checks import shown
+from mpm_warp.fields.declaration import Parameter, Value
+from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.names import nearest_parameter
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 MOST_EXCLUSIONS = 100

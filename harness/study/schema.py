@@ -31,7 +31,8 @@ from harness.study.scene_part import (
 )
 from harness.study.study import KEYS, STABILITY_MAP
 from harness.study.tables import schema_of, table_schema
-from mpm_warp.fields import Parameter, Schema, parameters_of
+from mpm_warp.fields.declaration import Parameter, Schema
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes.sounding.table import PROFILE
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -32,10 +32,11 @@ from harness.study.scene_part import (
     read_snapshots,
 )
 from harness.study.tables import LINE, StudyError, Table, parse_setting, parse_value, text_key
-from mpm_warp.checks import shown
 from mpm_warp.errors import UnknownSceneError
-from mpm_warp.fields import parameter, parameters_of
-from mpm_warp.names import known_names, nearest_name
+from mpm_warp.fields.checks import shown
+from mpm_warp.fields.declaration import parameter
+from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.names import known_names, nearest_name
 from mpm_warp.scenes import scene_class, scene_names
 
 MOST_REPEATS = 1000

@@ -11,10 +11,11 @@ from dataclasses import MISSING, dataclass, field
 from typing import Any, TypeGuard, TypeVar
 
 from harness.errors import HarnessError, shortened
-from mpm_warp.checks import shown
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Form, Parameter, Refused, Schema, Value, parameters_of
-from mpm_warp.names import nearest_name, nearest_parameter
+from mpm_warp.fields.checks import shown
+from mpm_warp.fields.declaration import Form, Parameter, Refused, Schema, Value
+from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.names import nearest_name, nearest_parameter
 
 LONGEST_MESSAGE = 400
 QUOTED = r"\"[^\"]*\"|'[^']*'"

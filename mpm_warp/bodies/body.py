@@ -22,7 +22,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import (
+from mpm_warp.errors import SceneError
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import (
     FINITE,
     FROM_ONE,
     NOT_NEGATIVE,
@@ -31,8 +33,7 @@ from mpm_warp.checks import (
     check_number,
     check_whole,
 )
-from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.materials.elasticity import LinearElastic

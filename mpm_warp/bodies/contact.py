@@ -32,7 +32,8 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.bodies.body import Body, UniformGrid, first_node
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec3, zero
 from mpm_warp.parts.contact import contact_law
 from mpm_warp.plan.plan import Plan

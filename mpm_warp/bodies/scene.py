@@ -14,7 +14,8 @@ import numpy as np
 from mpm_warp.bodies.body import Body, Load, UniformGrid, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 
 TOUCHING = 0.9

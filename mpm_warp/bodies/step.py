@@ -35,7 +35,7 @@ import warp as wp
 from mpm_warp.bodies.body import Body, UniformGrid, add_loads, add_particles, clock, spline
 from mpm_warp.bodies.contact import add_contact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.checks import FROM_ONE, check_whole
+from mpm_warp.fields.checks import FROM_ONE, check_whole
 from mpm_warp.grid.fitted import Integers
 from mpm_warp.kernel_types import (
     half,

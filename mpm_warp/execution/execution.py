@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.checks import FROM_ONE, check_kind, check_known, check_whole
 from mpm_warp.execution import THREAD_COUNTS
+from mpm_warp.fields.checks import FROM_ONE, check_kind, check_known, check_whole
 
 
 def device_names() -> list[str]:

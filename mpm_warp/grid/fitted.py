@@ -24,7 +24,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import (
+from mpm_warp.errors import SceneError
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import (
     FROM_ONE,
     POSITIVE,
     Range,
@@ -33,8 +35,7 @@ from mpm_warp.checks import (
     check_rising,
     check_whole,
 )
-from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.declaration import parameter
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from mpm_warp.checks import Range, check_array
 from mpm_warp.errors import SceneError
+from mpm_warp.fields.checks import Range, check_array
 from mpm_warp.grid.fitted import Floats, Grid, Integers, bilinear
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)

@@ -39,9 +39,10 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import POSITIVE, check_number
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import complete, parameter
+from mpm_warp.fields.checked import complete
+from mpm_warp.fields.checks import POSITIVE, check_number
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.kernel_types import half, one, real, third, two, vec3, vec4, vec7, vector, zero
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic, limit_pressure
 from mpm_warp.materials.von_mises import root_of_j2

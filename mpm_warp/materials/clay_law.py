@@ -20,9 +20,9 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Self
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Parameter, Value, Variants, own_parameters_of
+from mpm_warp.fields.declaration import Parameter, Value, Variants, own_parameters_of
+from mpm_warp.fields.names import nearest_name
 from mpm_warp.materials.material import Material, built_name, register_name
-from mpm_warp.names import nearest_name
 
 GROUP = "mpm_warp.materials"
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")

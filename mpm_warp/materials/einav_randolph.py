@@ -25,7 +25,7 @@ from typing import Any
 import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import one, real, two, vec2, vec4, zero
 from mpm_warp.materials.elasticity import elastic_increment

@@ -15,7 +15,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import half, one, quarter, real, third, two, vec1, vec2, vec4, vec5, vec7
 from mpm_warp.materials.material import Law, Material

@@ -17,9 +17,10 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import POSITIVE, as_array, check_array, check_kind, check_number
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import POSITIVE, as_array, check_array, check_kind, check_number
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec4, vector
 from mpm_warp.materials.variation import Variation

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.cam_clay_return import (
     WATER,

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from mpm_warp.checks import check_rising
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import check_rising
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 
 

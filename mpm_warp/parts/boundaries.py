@@ -19,9 +19,9 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import check_known, check_nodes
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields.checks import check_known, check_nodes
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Grid, Integers, nodal_areas
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.materials.material import Material

@@ -57,9 +57,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import FROM_ONE, check_nodes, check_whole
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import parameter
+from mpm_warp.fields.checks import FROM_ONE, check_nodes, check_whole
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import ADHESION_RATIO, Law, Material

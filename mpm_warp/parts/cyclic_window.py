@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 import warp as wp
 
-from mpm_warp.checks import Range, check_number
+from mpm_warp.fields.checks import Range, check_number
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import half, kernel, one, real, two, vec2, zero
 from mpm_warp.parts.boundaries import FarField

@@ -31,8 +31,8 @@ from typing import Any
 
 import warp as wp
 
-from mpm_warp.checks import check_kind
 from mpm_warp.errors import SceneError
+from mpm_warp.fields.checks import check_kind
 from mpm_warp.kernel_types import half, kernel, maybe, real, vec2, vec4, vec5, vec7, zero
 from mpm_warp.materials.elasticity import Isotropic, make_plastic_step
 from mpm_warp.materials.material import Law

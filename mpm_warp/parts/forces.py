@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.checks import check_nodes
-from mpm_warp.fields import parameter
+from mpm_warp.fields.checks import check_nodes
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Integers
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec4, zero
 from mpm_warp.plan.plan import Plan

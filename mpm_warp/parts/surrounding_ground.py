@@ -45,7 +45,8 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.kernel_types import kernel, one, real, two, vec2, vec4, zero
 from mpm_warp.materials.material import Material, principal_stresses

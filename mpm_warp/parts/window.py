@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import warp as wp
 
-from mpm_warp.checks import Range, check_number
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import Range, check_number
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.kernel_types import kernel, one, real, zero
 from mpm_warp.parts.inflow import Inflow, add_inflow

@@ -12,7 +12,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import (
+from mpm_warp.errors import Fault, SceneError
+from mpm_warp.fields.checks import (
     FROM_ONE,
     POSITIVE,
     Range,
@@ -21,9 +22,8 @@ from mpm_warp.checks import (
     check_number,
     check_whole,
 )
-from mpm_warp.errors import Fault, SceneError
+from mpm_warp.fields.names import nearest_name
 from mpm_warp.kernel_types import mat22, real, vector
-from mpm_warp.names import nearest_name
 from mpm_warp.plan.launch import OFFSET, Launch
 
 AUDIT_INTERVAL = 16

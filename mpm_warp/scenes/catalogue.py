@@ -27,18 +27,13 @@ from typing import Any, ClassVar, NoReturn, Self
 import numpy as np
 import xarray as xr
 
-from mpm_warp.checks import check_kind, check_known, in_words
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import (
-    Value,
-    check_fields,
-    check_names,
-    nested_values,
-    own_parameters_of,
-    parameters_of,
-)
-from mpm_warp.names import nearest_name
+from mpm_warp.fields.checked import check_fields
+from mpm_warp.fields.checks import check_kind, check_known, in_words
+from mpm_warp.fields.declaration import Value, own_parameters_of
+from mpm_warp.fields.flat import check_names, nested_values, parameters_of
+from mpm_warp.fields.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.provenance import provenance, sources_of
@@ -98,7 +93,7 @@ class CatalogueScene(ShownByParameters, ABC):
     """A scene, which has a name and parameters and can be run.
 
     A subclass is a frozen dataclass with keyword-only fields, its parameters, each made by
-    `mpm_warp.fields.parameter`. It builds a composition (`build`) and records its run
+    `mpm_warp.parameter`. It builds a composition (`build`) and records its run
     (`record`).
 
     Raises:

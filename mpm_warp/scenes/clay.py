@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields import Derived, fill_in, parameter
+from mpm_warp.fields.checked import fill_in
+from mpm_warp.fields.declaration import Derived, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.clay_law import LAWS, ClayLaw

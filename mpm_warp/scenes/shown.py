@@ -1,6 +1,7 @@
 """How a scene is shown at the Python prompt and in Jupyter: by what differs from its defaults."""
 
-from mpm_warp.fields import Derived, Parameter, Value, flat_values
+from mpm_warp.fields.declaration import Derived, Parameter, Value
+from mpm_warp.fields.flat import flat_values
 from mpm_warp.jupyter import html_table
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from mpm_warp.errors import SceneError
 from mpm_warp.execution import THREAD_COUNTS
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window

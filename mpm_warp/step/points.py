@@ -19,8 +19,8 @@ import numpy as np
 import warp as wp
 from numpy.typing import NDArray
 
-from mpm_warp.checks import check_array
 from mpm_warp.errors import SceneError
+from mpm_warp.fields.checks import check_array
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, Grid, Integers
 from mpm_warp.grid.location import make_location
 from mpm_warp.kernel_types import kernel, one, real, vec2, vec3, vec4, vec5, zero

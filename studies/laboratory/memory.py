@@ -27,7 +27,7 @@ from harness.run.resources import UPDATE_RATE, predicted_memory
 from harness.run.worker import load_libraries, run_case
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, Simulation, scene_class, scene_names
-from mpm_warp.fields import values_of
+from mpm_warp.fields.flat import values_of
 from studies.laboratory.random_cases import random_scene
 
 LARGEST, ENOUGH, DRAWS = 6e8, 4e7, 40

@@ -23,7 +23,8 @@ from harness.run.pool import run_cases
 from harness.run.resources import UPDATE_RATE, RunOptions
 from harness.study.cases import Case
 from mpm_warp import CatalogueScene, ParameterError, SceneError, StepCost, scene_class, scene_names
-from mpm_warp.fields import Parameter, Value, own_parameters_of, values_of
+from mpm_warp.fields.declaration import Parameter, Value, own_parameters_of
+from mpm_warp.fields.flat import values_of
 from mpm_warp.scenes.step_cost import LEAST_STEPS
 
 SECONDS, STEPS = 1.0, 30_000

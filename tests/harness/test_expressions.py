@@ -8,9 +8,9 @@ import pytest
 
 from harness.expressions import LONGEST_EXPRESSION, Expression, ExpressionError
 from harness.study.distributions import INPUT, sampled
-from mpm_warp.checks import Range
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Parameter
+from mpm_warp.fields.checks import Range
+from mpm_warp.fields.declaration import Parameter
 from tests.harness.conftest import HEAD, study_in, values
 
 PARAMETERS = {"a": 2.0, "n": 3, "flag": True, "word": "tresca", "none": None}

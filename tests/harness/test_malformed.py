@@ -24,7 +24,7 @@ from harness.cli.help import HELP
 from harness.references.registry import REFERENCES
 from harness.study.designs import DESIGNS, SPACINGS
 from harness.study.files import studies_folder
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes import scene_class, scene_names
 from tests.harness.conftest import Depth, answered
 from tests.harness.interpret.conftest import LAYER, SITE, write_site

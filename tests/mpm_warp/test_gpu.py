@@ -15,7 +15,7 @@ import warp as wp
 import mpm_warp
 from harness.run.verify import Check, checks_of, quick
 from mpm_warp import Execution, History, ParameterError, Scene, SceneError, Simulation
-from mpm_warp.fields import Value, own_parameters_of
+from mpm_warp.fields.declaration import Value, own_parameters_of
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration

@@ -17,7 +17,8 @@ from mpm_warp.bodies.body import Body, Load, UniformGrid
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import Parameter, parameters_of
+from mpm_warp.fields.declaration import Parameter
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Grid, graded
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.einav_randolph import EinavRandolph

@@ -24,7 +24,7 @@ from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text
 from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
-from mpm_warp.plain_numbers import plain_number
+from mpm_warp.fields.plain_numbers import plain_number
 from mpm_warp.provenance import provenance
 
 COLUMNS = {

@@ -32,7 +32,7 @@ from harness.run.verify import HEADING, as_dataset, checks_of, quick, table_rows
 from harness.study.description import warn_of_unusual_values
 from harness.study.scene_part import loaded_scenes
 from harness.study.study import Study, load_study, with_snapshots
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.provenance import provenance
 
 

@@ -39,7 +39,7 @@ from harness.study.files import STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.materials.clay_law import laws
 from mpm_warp.plan.launch import Launch
 from mpm_warp.plan.plan import Plan

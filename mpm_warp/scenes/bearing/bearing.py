@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import UnfinishedRun
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.perfectly_plastic import UndrainedClay

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, graded, nodal_areas
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.variation import Variation

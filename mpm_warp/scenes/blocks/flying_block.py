@@ -8,7 +8,7 @@ import xarray as xr
 
 from mpm_warp.bodies.body import InterfaceFrame, UniformGrid
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled

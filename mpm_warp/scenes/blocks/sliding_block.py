@@ -11,7 +11,7 @@ import xarray as xr
 from mpm_warp.bodies.body import MARGIN, Body, InterfaceFrame, Load, critical_time_step
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled

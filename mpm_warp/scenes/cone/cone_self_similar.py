@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Floats, graded
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import Fixed

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import Fixed

@@ -13,7 +13,7 @@ import xarray as xr
 from mpm_warp.bodies.body import InterfaceFrame
 from mpm_warp.bodies.contact import BodyContact
 from mpm_warp.bodies.scene import BodyScene
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.free_surface import FreeSurface

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.elasticity import LinearElastic

@@ -21,7 +21,7 @@ import numpy as np
 import scipy  # loads its optimisers where they are first used: no other scene waits for them
 import xarray as xr
 
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parts.cyclic_window import CyclicWindow

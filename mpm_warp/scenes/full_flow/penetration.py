@@ -9,7 +9,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import parameter
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled

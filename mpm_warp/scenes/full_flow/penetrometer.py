@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields import parameter, redefined
+from mpm_warp.fields.declaration import parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, growing, nodal_areas
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import Fixed

@@ -22,9 +22,10 @@ import numpy as np
 import scipy  # loads its integrators where they are first used: no other scene waits for them
 import warp as wp
 
-from mpm_warp.checks import check_array
 from mpm_warp.errors import Fault
-from mpm_warp.fields import Checked, parameter
+from mpm_warp.fields.checked import Checked
+from mpm_warp.fields.checks import check_array
+from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec4, vec5
 from mpm_warp.materials.einav_randolph import EinavRandolph

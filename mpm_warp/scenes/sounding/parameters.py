@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mpm_warp.checks import in_words
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields import Derived, Value, parameter, parameters_of, redefined
+from mpm_warp.fields.checks import in_words
+from mpm_warp.fields.declaration import Derived, Value, parameter, redefined
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import PARAMETER
 from mpm_warp.scenes.clay import FieldClayScene

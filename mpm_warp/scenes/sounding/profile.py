@@ -8,12 +8,12 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from mpm_warp.checks import FINITE, as_array, in_words
-from mpm_warp.fields import complete
+from mpm_warp.fields.checked import complete
+from mpm_warp.fields.checks import FINITE, as_array, in_words
+from mpm_warp.fields.names import nearest_parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.variation import Variation
-from mpm_warp.names import nearest_parameter
 from mpm_warp.scenes.sounding.table import (
     EARTH_PRESSURE,
     MEAN_STRESS,

@@ -9,7 +9,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, SceneError, SimulationDiverged
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields import Derived, own_parameters_of
+from mpm_warp.fields.declaration import Derived, own_parameters_of
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.surrounding_ground import SurroundingGround

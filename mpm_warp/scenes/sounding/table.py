@@ -30,14 +30,14 @@ from collections.abc import Collection, Mapping
 
 import numpy as np
 
-from mpm_warp.checks import NOT_NEGATIVE, POSITIVE, Range
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields import own_of_variants
+from mpm_warp.fields.checks import NOT_NEGATIVE, POSITIVE, Range
+from mpm_warp.fields.flat import own_of_variants
+from mpm_warp.fields.names import nearest_parameter
+from mpm_warp.fields.plain_numbers import plain_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import LAWS, PARAMETER
 from mpm_warp.materials.material import Material
-from mpm_warp.names import nearest_parameter
-from mpm_warp.plain_numbers import plain_number
 from mpm_warp.scenes.clay import FieldClayScene
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}

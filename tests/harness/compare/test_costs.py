@@ -18,7 +18,7 @@ from harness.compare.finest_error import FLOOR, with_finest_error
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError
 from harness.study.compared import ERROR_FINEST
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 from tests.harness.conftest import Command, as_collected
 
 

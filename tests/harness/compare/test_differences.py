@@ -12,7 +12,8 @@ from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import Difference, differences, differing, unshared
-from mpm_warp.fields import parameter
+from mpm_warp.fields.checked import complete
+from mpm_warp.fields.declaration import parameter
 from tests.harness.compare.conftest import FACTORS, Two, collected
 from tests.harness.conftest import Command, Refusal, as_collected
 
@@ -121,7 +122,7 @@ class Derives:
 
     def __post_init__(self) -> None:
         if self.shaft_adhesion_factor is None:
-            object.__setattr__(self, "shaft_adhesion_factor", self.adhesion_factor)
+            complete(self, shaft_adhesion_factor=self.adhesion_factor)
 
     @classmethod
     def of(cls, values: dict[str, float]) -> "Derives":

@@ -19,7 +19,7 @@ from harness.compare.differences import difference, ratio, slope
 from harness.compare.result_table import MOST_CASES, reason_notes, result_table
 from harness.compare.spread import NUMERICAL, TOGETHER, first_order, spread_rows, spreads_of
 from harness.study.files import studies_folder
-from mpm_warp.plain_numbers import numbers_by_column
+from mpm_warp.fields.plain_numbers import numbers_by_column
 from mpm_warp.results import labelled
 
 

@@ -14,7 +14,7 @@ from harness.errors import HarnessError
 from harness.interpret.site import load_site
 from harness.study.study import study_of_scene
 from mpm_warp.errors import ParameterError
-from mpm_warp.plain_numbers import numbers_by_column, plain_number
+from mpm_warp.fields.plain_numbers import numbers_by_column, plain_number
 from mpm_warp.scenes.sounding.table import columns_of as columns_of_profile
 from tests.harness.interpret.conftest import changed, write_site
 from tests.harness.interpret.written_tests import WRITERS, columns_of, rows_of, site_of

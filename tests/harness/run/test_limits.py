@@ -15,7 +15,7 @@ from harness.run.worker import compute
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp.errors import SceneError
-from mpm_warp.fields import values_of
+from mpm_warp.fields.flat import values_of
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.materials.material import ADHESION_RATIO, PROPERTIES
 from mpm_warp.parts.energy import EnergyBalance

@@ -18,7 +18,7 @@ from harness.run.pool import run_cases
 from harness.run.resources import RunOptions
 from harness.study.cases import Case
 from mpm_warp import scene_names
-from mpm_warp.fields import values_of
+from mpm_warp.fields.flat import values_of
 from studies.laboratory.random_cases import NAMED, random_scene
 from tests.harness.conftest import Depth
 

@@ -18,7 +18,8 @@ from harness.run.worker import compute, run_case
 from harness.study.cases import Case
 from harness.study.study import Study, load_study
 from mpm_warp import GravityColumn, SceneError, SimulationDiverged, scene_class
-from mpm_warp.fields import Value, values_of
+from mpm_warp.fields.declaration import Value
+from mpm_warp.fields.flat import values_of
 from mpm_warp.planning import make_plan
 from mpm_warp.results import variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration

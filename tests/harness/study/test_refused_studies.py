@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import HEAD, Refusal, study_in
 

@@ -8,8 +8,8 @@ from jsonschema import Draft202012Validator
 
 from harness.study.files import studies_folder, study_names
 from harness.study.schema import study_schema
-from mpm_warp.checks import Range
-from mpm_warp.fields import Parameter
+from mpm_warp.fields.checks import Range
+from mpm_warp.fields.declaration import Parameter
 from mpm_warp.scenes import scene_names
 from tests.harness.conftest import HEAD, Command
 

@@ -15,7 +15,8 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import InaccurateRun, SceneError, SimulationDiverged, UnknownSceneError
-from mpm_warp.fields import Value, flat_values, parameter, parameters_of
+from mpm_warp.fields.declaration import Value, parameter
+from mpm_warp.fields.flat import flat_values, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
 from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
@@ -269,7 +270,11 @@ def test_packages_are_asked_for_scenes_once(monkeypatch: pytest.MonkeyPatch) -> 
     [
         ("lost", "no_such_package:Scene", "cannot be loaded: ModuleNotFoundError: No module named"),
         ("lost", "mpm_warp:Nothing", "cannot be loaded: AttributeError"),
-        ("lost", "mpm_warp.fields:Parameter", "is not a CatalogueScene without abstract"),
+        (
+            "lost",
+            "mpm_warp.fields.declaration:Parameter",
+            "is not a CatalogueScene without abstract",
+        ),
         ("lost", "mpm_warp.scenes.bearing.bearing:Bearing", "is not a CatalogueScene without"),
     ],
 )

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
 from mpm_warp.scenes.cone.pore_pressure import PLACES, stated_beside_shaft

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.plain_numbers import numbers_by_column
+from mpm_warp.fields.plain_numbers import numbers_by_column
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.uncertainty import pore_pressure, shoulder
 from mpm_warp.uncertainty.shoulder import EFFECTS, shoulder_pressure

@@ -15,7 +15,7 @@ import warp as wp
 from mpm_warp import FreeSurface, Scene, Simulation, SimulationDiverged, SurfaceContact, Tresca
 from mpm_warp.bodies.scene import BodyScene
 from mpm_warp.errors import Fault
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 from mpm_warp.kernel_types import real, vec1, vec3, vec4, zero
 from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.watch import check_contact

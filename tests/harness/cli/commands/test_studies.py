@@ -11,7 +11,8 @@ from harness.cli.main import main
 from harness.run.verify import checks_of
 from harness.study.files import read_toml, study_names
 from harness.study.study import Study, load_study
-from mpm_warp.fields import own_parameters_of, parameters_of
+from mpm_warp.fields.declaration import own_parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.scenes import catalogue, scene_class, scene_names
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from tests.harness.conftest import HEAD, Command, study_in

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from mpm_warp import FlyingBlock, ParameterError, Simulation, SlidingBlock
-from mpm_warp.fields import Value
+from mpm_warp.fields.declaration import Value
 from mpm_warp.scenes.blocks.block_on_base import SlidingMotion
 from mpm_warp.scenes.blocks.flying_block import TIME_STEP_FRACTION, free_flight
 

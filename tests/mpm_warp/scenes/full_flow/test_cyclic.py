@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp import EnclosedSoil, ParameterError, Simulation, SimulationDiverged
-from mpm_warp.fields import own_parameters_of
+from mpm_warp.fields.declaration import own_parameters_of
 from mpm_warp.scenes.full_flow.cyclic import (
     CyclicBall,
     CyclicPenetration,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mpm_warp import Anisotropic, ParameterError, Profile
-from mpm_warp.fields import flat_values
+from mpm_warp.fields.flat import flat_values
 from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.mpm_warp.conftest import refused
 from tests.mpm_warp.scenes.conftest import scene

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, SimulationDiverged
-from mpm_warp.fields import parameters_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.sounding.curves import (
     PRESSURE_NOISE,

@@ -11,16 +11,16 @@ Parameters that several scenes share are in a dataclass, a group, that the scene
 import dataclasses
 import functools
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING, Field, dataclass
 from types import NoneType, UnionType
-from typing import Any, ClassVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from mpm_warp.checks import FINITE, Range, check_array, check_kind, shown
-from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.names import did_you_mean, nearest_parameter
+from mpm_warp.errors import ParameterError
+from mpm_warp.fields.checks import FINITE, Range, shown
+from mpm_warp.fields.names import did_you_mean
 
 Value = float | int | str | bool
 Schema = dict[str, Any]
@@ -223,69 +223,6 @@ def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
     return _DECLARED[owner]
 
 
-def parameters_of(scene: type) -> Mapping[str, Parameter]:
-    """All parameters of a scene class in flat form: also those that only some variants have."""
-    definitions: dict[str, Parameter] = {}
-    for name, definition in own_parameters_of(scene).items():
-        definitions[name] = definition
-        if definition.variants is not None:
-            definitions |= own_of_variants(definition.variants)
-    return definitions
-
-
-@functools.cache
-def own_of_variants(variants: Variants) -> Mapping[str, Parameter]:
-    """The own parameters of all variants that can be loaded; one of several has no bounds here."""
-    found: dict[str, Parameter] = {}
-    for variant in variants.names():
-        try:
-            own = variants.parameters(variant)
-        except ParameterError:
-            continue
-        for definition in own.values():
-            absent = dataclasses.replace(definition, default=None)
-            if found.setdefault(definition.name, absent) != absent:
-                found[definition.name] = dataclasses.replace(absent, bounds=FINITE, choices=None)
-    return found
-
-
-def flat_values(scene: object) -> dict[str, tuple[Parameter, Value | None]]:
-    """Definitions and values of all parameters of a scene in flat form."""
-    values: dict[str, tuple[Parameter, Value | None]] = {}
-    for name, definition in own_parameters_of(type(scene)).items():
-        value = getattr(scene, name)
-        values[name] = definition, (value if definition.variants is None else value.name)
-        if definition.variants is not None:
-            own = value.parameters.items()
-            values |= {f"{name}.{key}": (it, value.own[key]) for key, it in own}
-    return values
-
-
-def values_of(scene: object) -> dict[str, Value | None]:
-    """The values of all parameters of a scene in flat form."""
-    return {name: value for name, (_, value) in flat_values(scene).items()}
-
-
-def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of a scene from values in flat form, the inverse of `flat_values`.
-
-    Raises:
-        ParameterError: the scene has no parameter of a name.
-    """
-    check_names(scene, flat, parameters_of(scene))
-    known = own_parameters_of(scene)
-    values = {name: value for name, value in flat.items() if name in known}
-    for name, definition in known.items():
-        own = {
-            key.removeprefix(f"{name}."): value
-            for key, value in flat.items()
-            if key.startswith(f"{name}.")
-        }
-        if own and definition.variants is not None:
-            values[name] = {definition.variants.key: flat.get(name, definition.default), **own}
-    return values
-
-
 def definition_of(owner: type, field: Field[Any]) -> Parameter:
     """The declaration of a field made by :func:`parameter`."""
     hint = _type_hints(owner)[field.name] if isinstance(field.type, str) else field.type
@@ -297,104 +234,6 @@ def definition_of(owner: type, field: Field[Any]) -> Parameter:
         optional=NoneType in kinds,
         **declared,
     )
-
-
-class Checked:
-    """The base of dataclasses of a scene that check their fields.
-
-    Declared fields are checked and converted. Another field of the type `bool`, of a `Checked`, or
-    of a tuple of these must have this type. A field whose default is None may be None. A subclass
-    with further checks calls `super().__post_init__()` first.
-
-    Raises:
-        SceneError: a value is not allowed; the message names class, field, value and range.
-    """
-
-    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
-
-    def __post_init__(self) -> None:
-        try:
-            check_fields(self)
-        except (ParameterError, SceneError) as refusal:
-            raise SceneError(f"{type(self).__name__}: {refusal}") from None
-
-
-def check_fields(owner: Any, derived: Callable[[], Mapping[str, float]] | None = None) -> None:
-    """Check and convert all fields of a dataclass, in its ``__post_init__``.
-
-    With `derived` a value that was not given, or is `Derived`, becomes the default, and then
-    `derived` gives values, by name, for those that have none.
-
-    Raises:
-        ParameterError: the value of a declared field is not allowed.
-        SceneError: another field has a wrong type.
-    """
-    declared = own_parameters_of(type(owner))
-    for field in dataclasses.fields(owner):
-        name, value = field.name, getattr(owner, field.name)
-        if name not in declared:
-            if derived is not None:
-                raise TypeError(f"{type(owner).__name__}.{name} is not made by `parameter`")
-            if value is not None or field.default is not None:
-                _check_type(name, value, field.type)
-            continue
-        definition = declared[name]
-        if derived is not None and isinstance(value, Derived):
-            value = definition.default
-        if definition.variants is not None:
-            value = definition.variants.value(value)
-        elif definition.shape is not None:
-            _check_shape(owner, definition, value)
-        elif derived is None or not isinstance(value, Derived):
-            value = definition.checked(value)
-        complete(owner, **{name: value})
-    if derived is not None:
-        fill_in(owner, derived())
-
-
-def complete(owner: object, **values: object) -> None:
-    """Set fields of a frozen dataclass in its ``__post_init__``."""
-    for name, value in values.items():
-        object.__setattr__(owner, name, value)
-
-
-def fill_in(scene: object, derived: Mapping[str, float]) -> None:
-    """Check derived values and set the parameters of a scene that were not given."""
-    definitions = own_parameters_of(type(scene))
-    for name, value in derived.items():
-        if isinstance(getattr(scene, name), Derived | None):
-            complete(scene, **{name: Derived(definitions[name].checked(value))})
-
-
-def _check_shape(owner: object, definition: Parameter, values: object) -> None:
-    if values is None and definition.default is None:
-        return
-    lengths = [
-        np.size(getattr(owner, it)) if isinstance(it, str) else it for it in definition.shape or ()
-    ]
-    try:
-        check_array(definition.name, values, lengths, definition.bounds, error=Refused)
-    except Refused as refusal:
-        raise ParameterError(definition.name, str(refusal)) from None
-
-
-def _check_type(name: str, value: Any, declared: Any) -> None:
-    """Check a field that is not declared by :func:`parameter`."""
-    if get_origin(declared) is tuple:
-        check_kind(name, value, tuple)
-        for number, item in enumerate(value):
-            _check_type(f"{name}[{number}]", item, get_args(declared)[0])
-    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
-    if all(isinstance(kind, type) and issubclass(kind, Checked | bool | None) for kind in kinds):
-        check_kind(name, value, kinds)
-
-
-def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter]) -> None:
-    """Check that these parameters of a scene are known; the error says what to give instead."""
-    for name in names:
-        if name not in known:
-            nearest = nearest_parameter(name, parameters_of(scene))
-            raise ParameterError(name, f"unknown parameter {name!r}{nearest}")
 
 
 def bounds_schema(allowed: Range) -> Schema:

@@ -1,0 +1,103 @@
+"""Dataclasses that check and convert their declared fields as they are made."""
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import Field
+from types import UnionType
+from typing import Any, ClassVar, get_args, get_origin
+
+import numpy as np
+
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields.checks import check_array, check_kind
+from mpm_warp.fields.declaration import Derived, Parameter, Refused, own_parameters_of
+
+
+class Checked:
+    """The base of dataclasses of a scene that check their fields.
+
+    Declared fields are checked and converted. Another field of the type `bool`, of a `Checked`, or
+    of a tuple of these must have this type. A field whose default is None may be None. A subclass
+    with further checks calls `super().__post_init__()` first.
+
+    Raises:
+        SceneError: a value is not allowed; the message names class, field, value and range.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def __post_init__(self) -> None:
+        try:
+            check_fields(self)
+        except (ParameterError, SceneError) as refusal:
+            raise SceneError(f"{type(self).__name__}: {refusal}") from None
+
+
+def check_fields(owner: Any, derived: Callable[[], Mapping[str, float]] | None = None) -> None:
+    """Check and convert all fields of a dataclass, in its ``__post_init__``.
+
+    With `derived` a value that was not given, or is `Derived`, becomes the default, and then
+    `derived` gives values, by name, for those that have none.
+
+    Raises:
+        ParameterError: the value of a declared field is not allowed.
+        SceneError: another field has a wrong type.
+    """
+    declared = own_parameters_of(type(owner))
+    for field in dataclasses.fields(owner):
+        name, value = field.name, getattr(owner, field.name)
+        if name not in declared:
+            if derived is not None:
+                raise TypeError(f"{type(owner).__name__}.{name} is not made by `parameter`")
+            if value is not None or field.default is not None:
+                _check_type(name, value, field.type)
+            continue
+        definition = declared[name]
+        if derived is not None and isinstance(value, Derived):
+            value = definition.default
+        if definition.variants is not None:
+            value = definition.variants.value(value)
+        elif definition.shape is not None:
+            _check_shape(owner, definition, value)
+        elif derived is None or not isinstance(value, Derived):
+            value = definition.checked(value)
+        complete(owner, **{name: value})
+    if derived is not None:
+        fill_in(owner, derived())
+
+
+def complete(owner: object, **values: object) -> None:
+    """Set fields of a frozen dataclass in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(owner, name, value)
+
+
+def fill_in(scene: object, derived: Mapping[str, float]) -> None:
+    """Check derived values and set the parameters of a scene that were not given."""
+    definitions = own_parameters_of(type(scene))
+    for name, value in derived.items():
+        if isinstance(getattr(scene, name), Derived | None):
+            complete(scene, **{name: Derived(definitions[name].checked(value))})
+
+
+def _check_shape(owner: object, definition: Parameter, values: object) -> None:
+    if values is None and definition.default is None:
+        return
+    lengths = [
+        np.size(getattr(owner, it)) if isinstance(it, str) else it for it in definition.shape or ()
+    ]
+    try:
+        check_array(definition.name, values, lengths, definition.bounds, error=Refused)
+    except Refused as refusal:
+        raise ParameterError(definition.name, str(refusal)) from None
+
+
+def _check_type(name: str, value: Any, declared: Any) -> None:
+    """Check a field that is not declared by :func:`parameter`."""
+    if get_origin(declared) is tuple:
+        check_kind(name, value, tuple)
+        for number, item in enumerate(value):
+            _check_type(f"{name}[{number}]", item, get_args(declared)[0])
+    kinds = get_args(declared) if isinstance(declared, UnionType) else (declared,)
+    if all(isinstance(kind, type) and issubclass(kind, Checked | bool | None) for kind in kinds):
+        check_kind(name, value, kinds)
