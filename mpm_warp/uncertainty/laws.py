@@ -12,7 +12,7 @@ clay. A table has B and Q by rigidity index and adhesion factor, another the oth
 half widths (`measured`).
 
 All four are subtracted from the cone factor. What remains unknown is given as half widths of 95 %.
-`scenes/cone/README.md` says how all of it was measured; `studies/mesh_error.toml` measures B. The
+`README.md` says how all of it was measured; `studies/mesh_error.toml` measures B. The
 laws serve a cone test (`cone`) and each sample of a sounding (`samples`).
 """
 
