@@ -1,7 +1,8 @@
 """Labelled variables of the dataset of a run, and the role of each."""
 
 from collections.abc import Collection
-from typing import Any
+from dataclasses import asdict, dataclass, fields
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -31,12 +32,53 @@ CHANGING_STRENGTH = "einav_randolph"
 """The law of clay that softens or has a rate effect, by a yield criterion."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """The place of a curve in a picture, kept as attributes of its variable.
+
+    Attributes:
+        picture: name of the picture, as in the file ``STUDY_picture.png``.
+        panel: number of its panel, from the left; curves of one panel share its axes.
+        over: the variable on the other axis; "" for that of its last dim.
+        divided_by: a scalar or a curve by which it is divided; "" for none.
+        downward: whether the other axis goes down the page, as depth does.
+        as_marks: whether it is drawn as marks without a line between them.
+        to_rest: whether the other axis ends soon after the curves have come to rest.
+        slope: the parameter that is the slope of a dashed line from the origin; "" for none.
+        joined_over: the parameter whose cases are pieces of one curve; "" for none.
+    """
+
+    picture: str
+    panel: int = 1
+    over: str = ""
+    divided_by: str = ""
+    downward: bool = False
+    as_marks: bool = False
+    to_rest: bool = False
+    slope: str = ""
+    joined_over: str = ""
+
+    @property
+    def attributes(self) -> dict[str, str | int]:
+        """Attributes of the variable, such as ``drawn_panel``; what is not given has none."""
+        given = {f"drawn_{name}": value for name, value in asdict(self).items() if value}
+        return {name: int(it) if isinstance(it, bool) else it for name, it in given.items()}
+
+    @classmethod
+    def of(cls, variable: xr.Variable | xr.DataArray) -> Self | None:
+        """The place that a variable has; None if it is in no picture."""
+        names = {field.name: f"drawn_{field.name}" for field in fields(cls)}
+        given = {name: variable.attrs[it] for name, it in names.items() if it in variable.attrs}
+        return cls(**given) if given else None
+
+
 def variable(
     value: ArrayLike,
     *,
     unit: str | None = "1",
     meaning: str,
     description: str | None = None,
+    drawn: Drawn | None = None,
     dims: tuple[str, ...] = (),
     role: str | None = None,
     exact_of: str | None = None,
@@ -48,11 +90,12 @@ def variable(
         unit: SI unit; "1" for a dimensionless number; None for a text.
         meaning: a few words, fit for the axis of a picture.
         description: how the value was found, if needed.
+        drawn: the place of a curve in a picture, if it is in one.
         dims: names of the dimensions.
         role: one of `ROLES`; None for an ordinary result.
         exact_of: name of the variable of which this is the exact value; the role is then "exact".
     """
-    labels = {} if unit is None else {"units": unit}
+    labels: dict[str, str | int] = {} if unit is None else {"units": unit}
     labels["long_name"] = meaning
     if description is not None:
         labels["description"] = description
@@ -61,11 +104,17 @@ def variable(
     if role is not None:
         assert role in ROLES, role
         labels["role"] = role
+    if drawn is not None:
+        labels |= drawn.attributes
     return xr.Variable(dims, np.asarray(value), labels)
 
 
-Quantity = tuple[ArrayLike, str, str] | tuple[ArrayLike, str, str, str]
-"""Value or values, unit, meaning and an optional description."""
+Quantity = (
+    tuple[ArrayLike, str, str]
+    | tuple[ArrayLike, str, str, str | Drawn]
+    | tuple[ArrayLike, str, str, str, Drawn]
+)
+"""Value or values, unit and meaning; then a description, and the place of a curve in a picture."""
 
 
 def labelled(
@@ -77,12 +126,13 @@ def labelled(
             value,
             unit=unit,
             meaning=meaning,
-            description=description[0] if description else None,
+            description=next((it for it in others if isinstance(it, str)), None),
+            drawn=next((it for it in others if isinstance(it, Drawn)), None),
             dims=dims,
             role=role,
             exact_of=name.removesuffix("_exact") if name.endswith("_exact") else None,
         )
-        for name, (value, unit, meaning, *description) in quantities.items()
+        for name, (value, unit, meaning, *others) in quantities.items()
     }
 
 

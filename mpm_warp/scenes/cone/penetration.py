@@ -8,7 +8,7 @@ import xarray as xr
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.parts.window import Window
-from mpm_warp.results import Quantity, curves, labelled, parameter_variables, variable
+from mpm_warp.results import Drawn, Quantity, curves, labelled, parameter_variables, variable
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scenes.cone.penetrometer import (
     SLEEVE_LENGTH,
@@ -30,6 +30,8 @@ PUSHED = 0.5
 """Penetration after the approach over which the inertia of the soil still acts, in radii."""
 FROM_REST = 2.0
 """Least penetration from which, without an approach, the resistance may be steady, in radii."""
+RESISTANCE_OVER_STRENGTH = Drawn(picture="resistance", divided_by="undrained_shear_strength")
+"""The picture of a resistance over penetration."""
 
 
 class PenetrationCurves:
@@ -103,7 +105,7 @@ class PenetrationCurves:
         return curves(
             "penetration",
             penetration_axis(len(self.forces)),
-            penetration_resistance=(resistance, "Pa", net, given),
+            penetration_resistance=(resistance, "Pa", net, given, RESISTANCE_OVER_STRENGTH),
             penetration_resistance_shear=(shear / base_area, "Pa", f"{net}, shear part", simulated),
             shaft_friction=(shaft_stress, "Pa", "mean shear stress on the shaft"),
             sleeve_friction=(sleeve, "Pa", "mean sleeve friction", above),

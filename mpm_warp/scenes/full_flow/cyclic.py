@@ -25,7 +25,7 @@ from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.parts.cyclic_window import CyclicWindow
-from mpm_warp.results import labelled
+from mpm_warp.results import Drawn, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
@@ -46,6 +46,8 @@ REFUSED_INERTIA = 10.0
 """Inertia, rho V^2 over the strength in the last passage, above which no case completed."""
 NOT_KNOWN = "cyclic: the error is known only in perfectly plastic clay; try two cells_per_radius"
 """Why the resistance ratio of clay that softens has no uncertainty."""
+FIT_SAMPLES = 101
+"""Number of samples of the fitted curve."""
 FITTED_COUNT = 3
 """Number of fitted parameters: N_0, delta and n_95."""
 AVERAGED_LENGTH = 2.0
@@ -157,6 +159,8 @@ class CyclicPenetration(FullFlowPenetrometer):
             fitted_resistance_factor=(intact, "1", of_intact, WHEN_NOT_FITTED),
             fit_misfit=(misfit, "1", "misfit of the fit", of_misfit),
         )
+        if known:
+            fitted |= fit.curve(float(factor["cycle"][-1]))
         if not self.body.planar:
             return fitted
         ductility = 2.0 * T_BAR_STRAIN * cycles
@@ -218,9 +222,11 @@ class ResistanceLoops(ResistanceSamples):
         factor = np.abs(loops[:, is_middle].mean(axis=1)) / self._strength
         numbered = "in the middle of a passage: 0.25 down, 0.75 up, 1.25 down, ..."
         upward = "upward positive: below 0 on the way up"
-        of_loops = (loops, "Pa", "resistance over projected area", upward)
+        by_depth = Drawn(picture="cycles", divided_by="undrained_shear_strength", downward=True)
+        of_loops = (loops, "Pa", "resistance over projected area", upward, by_depth)
         size = f"size of the mean over the middle {AVERAGED_LENGTH:g} radii of the stroke"
-        of_middle = (factor, "1", "resistance over projected area and su", size)
+        marks = Drawn(picture="cycles", panel=2, as_marks=True)
+        of_middle = (factor, "1", "resistance over projected area and su", size, marks)
         axis = (place, "1", "penetration over radius of the body")
         return xr.Dataset(
             labelled(dims=("cycle", "penetration"), cyclic_resistance=of_loops)
@@ -255,6 +261,20 @@ class Degradation:
         """N at numbers of cycles, any shape."""
         lost = (1.0 - self.remoulded_share) * (1.0 - np.exp(-3.0 * cycle / self.cycles))
         return self.intact * (1.0 - lost)
+
+    def curve(self, last: float) -> dict[str, xr.Variable]:
+        """The fit from cycle 0 to the last one, beside the resistance factors of the passages."""
+        cycle, place = np.linspace(0.0, last, FIT_SAMPLES), Drawn(picture="cycles", panel=2)
+        return labelled(
+            dims=("cycle_of_fit",),
+            cycle_of_fit=(cycle, "1", "number of the cycle"),
+            resistance_factor_of_fit=(
+                self.resistance_factor(cycle),
+                "1",
+                "resistance factor, fitted",
+                place,
+            ),
+        )
 
 
 def fitted_degradation(cycle: Floats, resistance: Floats) -> Degradation:

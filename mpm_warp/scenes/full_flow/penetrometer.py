@@ -26,7 +26,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.clay import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
-from mpm_warp.scenes.cone.penetration import penetration_axis
+from mpm_warp.scenes.cone.penetration import RESISTANCE_OVER_STRENGTH, penetration_axis
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
@@ -320,5 +320,5 @@ class ResistanceSamples:
         return curves(
             "penetration",
             penetration_axis(len(self.forces), over="radius of the body"),
-            penetration_resistance=(self.resistance, "Pa", what, over),
+            penetration_resistance=(self.resistance, "Pa", what, over, RESISTANCE_OVER_STRENGTH),
         )

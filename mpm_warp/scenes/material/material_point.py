@@ -13,6 +13,7 @@ that at constant mean total stress, so it is the part due to shear.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -29,7 +30,7 @@ from mpm_warp.materials.material import (
 )
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.plan.plan import Plan
-from mpm_warp.results import Quantity, curves, labelled
+from mpm_warp.results import Drawn, Quantity, curves, labelled
 from mpm_warp.sampling import Samples, even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
 from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene, FieldClayScene
@@ -58,6 +59,14 @@ TESTS: Mapping[str, tuple[float, ...]] = {
 """Velocity gradient (rr, rz, zr, zz, tt) of each mode at a rate of 1 of gamma; z is vertical."""
 SAMPLE_COUNT = 200
 """Samples of a test, at geometrically spaced steps; fewer in a test of few steps."""
+OVER_STRAIN = partial(Drawn, picture="element_tests", to_rest=True)
+STRESS_PATH = Drawn(
+    picture="element_tests",
+    panel=2,
+    over=EFFECTIVE_STRESS,
+    slope="material.critical_state_ratio",
+)
+"""The panels of the picture of element tests; the dashed line is the critical state."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -238,6 +247,7 @@ class ElementTest(PointScene):
         """Curves over the shear strain, from stresses [n, 4] and the state of the law."""
         principal = principal_stresses(stress)
         mean = principal.mean(axis=1, keepdims=True)
+        shear = 0.5 * np.ptp(principal, axis=1)
         deviator = np.sqrt(1.5 * ((principal - mean) ** 2).sum(axis=1))
         change = stress - self.stress_at_rest
         # Strain at gamma = 1; the double contraction counts the shear stress twice.
@@ -247,15 +257,17 @@ class ElementTest(PointScene):
         along = (change * direction * twice).sum(axis=1)
         along /= 2.0 * float(direction @ (direction * twice))
         shown: dict[str, Quantity] = {
-            "shear_stress": (0.5 * np.ptp(principal, axis=1), "Pa", "half of s1 - s3"),
+            "shear_stress": (shear, "Pa", "shear stress, half of s1 - s3", OVER_STRAIN()),
             "mobilised_stress": (along, "Pa", "change of the shear stress along the strain"),
             "deviator_stress": (deviator, "Pa", "deviator stress q"),
         }
         if EFFECTIVE_STRESS in state:
             shown[EFFECTIVE_STRESS] = (state[EFFECTIVE_STRESS], "Pa", "effective mean stress p'")
+            shown["deviator_stress"] = (deviator, "Pa", "deviator stress q", STRESS_PATH)
         if PORE_PRESSURE in state:
             of_shear = state[PORE_PRESSURE] + change[:, [0, 1, 3]].mean(axis=1)
-            shown[PORE_PRESSURE] = (of_shear, "Pa", "excess pore pressure due to shear")
+            what = "excess pore pressure due to shear"
+            shown[PORE_PRESSURE] = (of_shear, "Pa", what, OVER_STRAIN(panel=3))
         return curves("shear_strain", (strain, "1", "shear strain, e1 - e3"), **shown)
 
     def _strength_and_stiffness(self, recorded: xr.Dataset) -> dict[str, xr.Variable]:

@@ -6,13 +6,14 @@ share of its full resistance that a thin layer reaches.
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.results import curves, labelled
+from mpm_warp.results import Drawn, curves, labelled
 from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
 from mpm_warp.scenes.sounding.parameters import SoundingTest
 from mpm_warp.uncertainty.built import goes_on, is_of_catalogue
@@ -36,6 +37,8 @@ NOISE = 0.002
 PRESSURE_NOISE = 0.05
 """Half width of the noise of one sample of u2, over u2: twice the standard deviation of samples in
 uniform clay, 0.022 to 0.03 at Ir 40 to 300 and 2.3 and 3 cells per radius."""
+BY_DEPTH = partial(Drawn, picture="sounding", downward=True, joined_over="stretch_number")
+"""The panels of the picture of a sounding."""
 HALF_WIDTH = "half width, 95 %"
 """Description of an uncertainty in results."""
 BORDER = "border: the resistance feels another layer, where nothing was tested"
@@ -80,21 +83,23 @@ def sounding_curves(
     sleeve = f"mean shear stress on the sleeve of 150 cm2 {at_depth}"
     what = f"{HALF_WIDTH}, of a sample; not a number where the error is not known"
     resistance, pressure = "net cone resistance", "excess pore pressure u2"
-    of_pressure = f"uncertainty of the {pressure}"
+    of_resistance, of_pressure = (f"uncertainty of the {it}" for it in (resistance, pressure))
+    at_tip = "net resistance over strength at the tip"
     over_mean = "net resistance over mean strength around the tip"
     near = f"from {AVERAGING_DISTANCE:g} radii above the tip to {AVERAGING_DISTANCE:g} below it"
+    of_error = BY_DEPTH(panel=4, divided_by="net_resistance")
     own = curves(
         "depth",
         (depth, "m", "depth of the tip"),
-        net_resistance=(net, "Pa", resistance, corrected),
-        net_resistance_uncertainty=(net_error, "Pa", f"uncertainty of the {resistance}", what),
+        net_resistance=(net, "Pa", resistance, corrected, BY_DEPTH(panel=2)),
+        net_resistance_uncertainty=(net_error, "Pa", of_resistance, what, of_error),
         total_resistance=(net + vertical, "Pa", "cone resistance", "net, and sigma_v0"),
         sleeve_friction=(after_lead.sleeve_friction.values, "Pa", "sleeve friction", sleeve),
         excess_pore_pressure=(u2, "Pa", pressure, f"behind the shoulder {at_depth}"),
         excess_pore_pressure_uncertainty=(u2_error, "Pa", of_pressure, what),
-        cone_factor_at_tip=(net / strength, "1", "net resistance over strength at the tip"),
+        cone_factor_at_tip=(net / strength, "1", at_tip, BY_DEPTH(panel=3)),
         cone_factor_around_tip=(net / around, "1", over_mean, near),
-        strength=(strength, "Pa", "undrained shear strength"),
+        strength=(strength, "Pa", "undrained shear strength", BY_DEPTH(panel=1)),
         vertical_stress=(vertical, "Pa", "in-situ vertical total stress"),
         contact_share=(after_lead.contact_share.values, "1", "share of cone and shaft in contact"),
     )
