@@ -192,7 +192,7 @@ def _typed(kind: type[Value], value: Value) -> Value:
 def _operand(name: str, value: Value | None) -> Value:
     """A constant or the value of a parameter; every number becomes a float."""
     if value is None:
-        raise ExpressionError(f"{name} has no value, because the scene derives it; give it one")
+        raise ExpressionError(f"{name} has no value here, unless the study gives it one")
     return value if isinstance(value, (str, bool)) else float(value)
 
 

@@ -9,11 +9,13 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import (
+    known_digits,
     over_cases,
     reasons_of,
     stated,
     uncertainty_of,
     varied_names,
+    words_of,
 )
 
 MISSING = "-"
@@ -25,6 +27,7 @@ class Column(NamedTuple):
 
     name: str
     texts: list[str]
+    apart: "tuple[Column, ...]" = ()  # what a csv has in its place: one number or text a cell
 
 
 Rows = Sequence[Sequence[str]]
@@ -32,11 +35,13 @@ Rows = Sequence[Sequence[str]]
 
 def table(columns: Iterable[Column], notes: Iterable[str], form: str = "text") -> str:
     """A table in one of `FORMS`, an empty line, and notes; `csv` has no notes."""
-    names, texts = zip(*columns, strict=True)
+    if form == "csv":
+        columns = [it for column in columns for it in column.apart or (column,)]
+    names, texts, _ = zip(*columns, strict=True)
     rows = list(zip(*texts, strict=True))
     if form == "text":
         return "\n".join([*_text_lines(names, rows), "", *notes])
-    headings = [name.replace("_", " ") for name in names]
+    headings = [name.replace("_", " ").strip() for name in names]
     lines = FORMS[form](headings, [[" ".join(text.split()) for text in row] for row in rows])
     mark = {"latex": "%", "markdown": "-"}.get(form)
     after = ["", *(f"{mark} {note.strip()}" for note in notes)] if mark else []
@@ -108,8 +113,16 @@ def half_width_column(dataset: xr.Dataset, name: str, heading: str) -> Column:
 
 def stated_column(heading: str, *columns: Iterable[Any]) -> Column:
     """A column of numbers with half widths, or with reasons why they have none; all by case."""
-    rows = zip(*columns, strict=True)
-    return column(heading, (stated(*row) if np.isfinite(row[0]) else MISSING for row in rows))
+    rows = list(zip(*columns, strict=True))
+    texts = [stated(*row) if np.isfinite(row[0]) else MISSING for row in rows]
+    apart = (
+        column(heading, (known_digits(*row[:2]) if np.isfinite(row[0]) else "" for row in rows)),
+        column(
+            f"{heading}_+-", (known_digits(half, half) if half > 0.0 else "" for _, half, _ in rows)
+        ),
+        column(f"{heading}_no U", (words_of([reason]) for *_, reason in rows)),
+    )
+    return Column(heading, texts, apart)
 
 
 def with_runs(dataset: xr.Dataset, columns: Iterable[Column]) -> Iterable[Column]:

@@ -24,6 +24,8 @@ from harness.references.reference import COMPARED, NEEDED, Conditions, Reference
 from harness.references.registry import REFERENCES, band_of, reference_of
 from harness.study.compared import OWN_LABEL, own_attributes, stored_own_reference
 from mpm_warp.fields.names import did_you_mean
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.clay_law import PARAMETER
 
 
 class NothingToCompareError(HarnessError):
@@ -51,7 +53,7 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
     constant_su = (
         (dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
         & (dataset.get("remoulded_strength_ratio", xr.DataArray(1.0)) == 1.0)
-        & dataset.get("cone_factor_by_compression", xr.DataArray(np.nan)).isnull()
+        & dataset.get(PARAMETER, xr.DataArray("tresca")).isin(list(CRITERIA))
     )
     return {
         **{name: dataset[stored] for name, stored in parameter_names(dataset).items()},

@@ -45,6 +45,7 @@ from harness.compare.finest_error import error_name
 from harness.compare.spread import spread_notes
 from harness.references.reference import COMPARED, Reference
 from harness.references.registry import ENVELOPE, envelope, envelope_applies
+from mpm_warp.scenes.strength_modes import BY_GIVEN
 
 MOST_CASES = 3
 """A note lists up to so many cases; of more it gives the number."""
@@ -255,8 +256,11 @@ def which_strength(dataset: xr.Dataset) -> str:
     if not has_own.any():
         return in_shear
     if not has_own.all():
-        return f"{in_shear}; for a law with several strengths it is that of the law's main test"
-    in_test = "that test" if ", " in named else "the main test of each law"  # one has a name
+        main = "that of the law's main test, unless su is given"
+        return f"{in_shear}; for a law with several strengths it is {main}"
+    if named.endswith(BY_GIVEN):
+        return f"{named}, N_ke too; other columns: by other su"
+    in_test = "that test" if ", " in named else "the main test of each law, unless su is given"
     return f"{named}: by su in {in_test}, N_ke too; other columns: by other su"
 
 

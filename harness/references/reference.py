@@ -29,7 +29,7 @@ SYMBOLS: Mapping[str, str] = {
     "Delta": "(sigma_v0 - sigma_h0) / (2 su)",
     "apex_angle": "of the cone [degree]",
     "friction": "Coulomb coefficient",
-    "constant_su": "1 where su depends on neither rate, strain nor kind of test, else 0",
+    "constant_su": "1 in Tresca or von Mises clay whose su nothing changes, else 0",
 }
 """What formulas, points and ranges may use beside parameters of the scene."""
 SYMBOL_OF: Mapping[str, str] = {
@@ -159,7 +159,8 @@ class Reference:
             return self._at_point(at) if self.formula is None else _number(self.formula, at)
 
         given = [_quantity(conditions, name) for name in self._variables]
-        values: xr.DataArray = xr.apply_ufunc(value, *given, vectorize=True, output_dtypes=[float])
+        with np.errstate(all="ignore"):  # a formula without a value, as a root of -1, is NaN
+            values = xr.apply_ufunc(value, *given, vectorize=True, output_dtypes=[float])
         return xr.DataArray(values)
 
     def _at_point(self, at: Mapping[str, Any]) -> float:

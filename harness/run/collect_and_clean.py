@@ -32,15 +32,16 @@ from harness.archive.conventions import (
     HALF_WIDTH,
     OUTDATED,
     TRACEBACK,
+    Role,
     over_cases,
     reasons_of,
     uncertainty_of,
+    with_role,
     without_half_width,
 )
 from harness.archive.netcdf_files import read_attributes
 from harness.archive.provenance import (
     SOURCES,
-    other_version,
     tell_of_other_version,
 )
 from harness.archive.study_files import read_study, study_file, write_study
@@ -52,6 +53,7 @@ from harness.compare.compared import (
 )
 from harness.compare.finest_error import with_finest_error
 from harness.errors import counted, tell
+from harness.run.replaced import tell_of_replaced
 from harness.study.cases import Case
 from harness.study.study import Study
 from mpm_warp.fields.declaration import Value
@@ -77,53 +79,21 @@ def collect_and_write(study: Study, out: Path) -> xr.Dataset:
     dataset = with_tolerances(dataset, study.compared.tolerances)
     try:
         dataset = with_references(dataset, study.compared.references)
+        _tell_of_no_value(dataset)
     except NothingToCompareError as error:
         tell(str(error))
     dataset = with_experience(dataset, study.compared.experience)
-    _tell_of_replaced(study_file(out, study), dataset)
+    tell_of_replaced(study_file(out, study), dataset, case_folder(out, study))
     write_study(study_file(out, study), dataset)
     return dataset
 
 
-def _tell_of_replaced(path: Path, dataset: xr.Dataset) -> None:
-    """Print one line if the file that is about to be replaced has another study or other cases.
-
-    Two study files of the same name in different folders have the same file of results, and so do
-    two runs of a study with different settings.
-    """
-    try:
-        before = read_attributes(path).get("title", "no title")
-        if before != dataset.attrs["title"]:
-            tell(
-                f'{path}: was of a study with another title, "{before}"; its cases are kept, and '
-                "`harness collect` of it writes its file again; `--out FOLDER` keeps two of one "
-                "name apart"
-            )
-            return
-        earlier = read_study(path)
-        of_study = {str(key) for key in over_cases(dataset, "case_key")}
-        missed = _completed_keys(earlier) - _completed_keys(dataset)
-        if others := missed - of_study:
-            remedy = (
-                "`harness collect` with each --set of then gathers them again; `--out FOLDER` "
-                "keeps two runs apart"
-            )
-            tell(
-                f"{path}: had {counted(len(others), 'other result')}, kept in the files of the "
-                f"cases; {other_version(earlier) or remedy}"
-            )
-        if lost := missed & of_study:
-            tell(
-                f"{path}: had {counted(len(lost), 'result')} that no case has any more; "
-                "`harness run` computes what is missing"
-            )
-    except ArchiveError:
-        return  # there is no file, or it is damaged
-
-
-def _completed_keys(dataset: xr.Dataset) -> set[str]:
-    is_completed = over_cases(dataset, "status") == COMPLETED
-    return {str(key) for key in over_cases(dataset, "case_key")[is_completed]}
+def _tell_of_no_value(dataset: xr.Dataset) -> None:
+    """Print one line for each reference that has a value for none of the cases."""
+    for name in with_role(dataset, Role.REFERENCE):
+        if dataset[name].isnull().all():
+            reference, validity = name.removeprefix(f"{Role.REFERENCE}_"), dataset[name].validity
+            tell(f"reference {reference}: has a value for none of the cases ({validity})")
 
 
 def _with_errors(dataset: xr.Dataset, study: Study) -> xr.Dataset:

@@ -20,7 +20,7 @@ from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.declaration import Value, own_parameters_of
-from mpm_warp.fields.flat import values_of
+from mpm_warp.fields.flat import values_of, without_own_of
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000
@@ -83,8 +83,9 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             text = [f"{name}={value}" for name, value in values.items()]
             label = ", ".join([*of_many, *text]) or part.name
             try:
+                fixed = without_own_of(part.fixed.keys() & values.keys(), part.fixed)
                 complete, refusal = complete_parameters(
-                    part.scene, {**part.fixed, **values}, part.derived
+                    part.scene, {**fixed, **values}, part.derived
                 )
                 if refusal is not None and design.kind != LATIN_HYPERCUBE:
                     raise StudyError(f"{where}: {label}: {refusal}")

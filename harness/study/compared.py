@@ -7,6 +7,7 @@ the scene in SI units, and of `SYMBOLS`.
 
 import json
 import re
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from pathlib import Path
@@ -237,7 +238,19 @@ def _checked_formula(table: Table, text: str | None) -> list[str]:
         raise table.refuse("formula", str(error)) from None
     if formula.is_condition:
         raise table.refuse("formula", "is a condition; it must give a number")
+    if not formula.names:
+        _check_constant(table, formula)
     return sorted(formula.names)
+
+
+def _check_constant(table: Table, formula: Expression) -> None:
+    """Refuse a formula of numbers alone that is no cone factor."""
+    try:
+        value = formula.value({})
+    except ExpressionError as error:
+        raise table.refuse("formula", str(error)) from None
+    if not (is_number(value) and value > 0.0):
+        raise table.refuse("formula", f"is {value!r}; a cone factor is a number > 0")
 
 
 def _checked_points(table: Table) -> list[str]:
@@ -251,7 +264,15 @@ def _checked_points(table: Table) -> list[str]:
     lengths = {len(column) for column in points.values.values()}
     if FACTOR not in points.values or len(points.values) < 2 or len(lengths) > 1:
         raise table.refuse("points", f"must be columns of one length: symbols, and {FACTOR}")
-    return [name for name in points.values if name != FACTOR]
+    if min(points.values[FACTOR]) <= 0.0:
+        raise points.refuse(FACTOR, "a cone factor must be > 0")
+    names = [name for name in points.values if name != FACTOR]
+    places = list(zip(*(points.values[name] for name in names), strict=True))
+    place, count = Counter(tuple(f"{it:.9g}" for it in place) for place in places).most_common(1)[0]
+    if count > 1:
+        at = ", ".join(map(" = ".join, zip(names, place, strict=True)))
+        raise table.refuse("points", f"has {count} values at {at}; a place has one")
+    return names
 
 
 def _checked_ranges(ranges: Table) -> Mapping[str, Any]:

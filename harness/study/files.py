@@ -18,6 +18,7 @@ from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, text_key
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.checks import shown
+from mpm_warp.fields.flat import without_own_of
 from mpm_warp.fields.names import nearest_name
 from mpm_warp.materials.clay_law import LAW, PARAMETER
 from mpm_warp.scenes import scene_names
@@ -188,11 +189,8 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
         tables = (own.get(key) for key in ASSIGNING_TABLES if not (keeps and key == "vary"))
         said = {key for table in tables if isinstance(table, dict) for key in table}
         if isinstance(table := result.get(name), dict):
-            result[name] = {
-                key: value
-                for key, value in table.items()
-                if key not in said and key.partition(".")[0] not in said
-            }
+            kept = without_own_of(said, table)
+            result[name] = {key: value for key, value in kept.items() if key not in said}
     if isinstance(scenes := result.get("scenes"), dict):
         of_all = {key: own[key] for key in SCENE_KEYS if key in own}
         result["scenes"] = {
@@ -211,34 +209,45 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
     return result
 
 
-def flat_tables(values: Mapping[str, Any]) -> dict[str, Any]:
+def flat_tables(document: Table) -> dict[str, Any]:
     """The tables of a study in which parameters of a law have names as "material.its_parameter".
 
     A study may also have them in one table, material = { law = "its_name", its_parameter = 1 }.
     """
-    flat = dict(values)
-    for key in {*ASSIGNING_TABLES, "scenes", "case"} & values.keys():
-        match values[key]:
+    flat = dict(document.values)
+    for key in {*ASSIGNING_TABLES, "scenes", "case"} & flat.keys():
+        where = f"{document.where} [{key}]"
+        match flat[key]:
             case dict() as table if key == "scenes":
                 flat[key] = {
-                    name: flat_tables(own) if isinstance(own, dict) else own
+                    name: flat_tables(Table(f"{where} [{name}]", own))
+                    if isinstance(own, dict)
+                    else own
                     for name, own in table.items()
                 }
             case dict() as table:
-                flat[key] = flat_material(table)
+                flat[key] = flat_material(where, table)
             case list() as tables:
-                flat[key] = [flat_material(it) if isinstance(it, dict) else it for it in tables]
+                flat[key] = [
+                    flat_material(f"{document.where} [[case]] {number}:", own)
+                    if isinstance(own, dict)
+                    else own
+                    for number, own in enumerate(tables, 1)
+                ]
     return flat
 
 
-def flat_material(table: Mapping[str, Any]) -> dict[str, Any]:
+def flat_material(where: str, table: Mapping[str, Any]) -> dict[str, Any]:
     """The entries of a table in which those of a law have names as "material.its_parameter"."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        if key == PARAMETER and isinstance(value, dict):
-            flat |= {key if own == LAW else f"{key}.{own}": it for own, it in value.items()}
-        else:
-            flat[key] = value
+        is_law = key == PARAMETER and isinstance(value, dict)
+        entries = {f"{key}.{own}": it for own, it in value.items()} if is_law else {key: value}
+        for given, own in entries.items():
+            name = PARAMETER if given == f"{PARAMETER}.{LAW}" else given
+            if name in flat:
+                raise StudyError(f"{where} {name}: is given twice; keep one of them")
+            flat[name] = own
     return flat
 
 

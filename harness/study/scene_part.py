@@ -25,7 +25,7 @@ from mpm_warp.errors import UnknownSceneError
 from mpm_warp.fields.checks import Range as Within
 from mpm_warp.fields.checks import shown
 from mpm_warp.fields.declaration import Parameter, Value
-from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.flat import parameters_of, without_own_of
 from mpm_warp.fields.names import nearest_parameter
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
@@ -110,14 +110,14 @@ def read_part(name: str, scene: Scene, table: Table, design: Design, given: Tabl
             cases.
     """
     known = table.known
+    for one in (table.table("fixed"), table.table("vary"), given):
+        one.check_variants()
     fixed = _fixed(table.table("fixed"))
-    varied = _varied(table.table("vary"), design, fixed)
-    derived = _derived(table.table("derived"))
+    varied = without_own_of(given.values, _varied(table.table("vary"), design, fixed))
+    fixed = without_own_of(given.values, fixed)
+    derived = without_own_of(given.values, _derived(table.table("derived")))
     listed = _listed(table, design)
     for key, value in given.values.items():
-        for table_of_own in (fixed, varied, derived):  # a new law has no parameters of the old one
-            for own in [it for it in table_of_own if it.startswith(f"{key}.")]:
-                del table_of_own[own]
         derived.pop(key, None)
         if not isinstance(value, (list, dict)):
             fixed[key] = given.value(key)
@@ -138,7 +138,11 @@ def read_part(name: str, scene: Scene, table: Table, design: Design, given: Tabl
         fixed=fixed,
         varied=varied,
         listed=tuple(
-            {key: value for key, value in case.items() if key not in given.values}
+            {
+                key: value
+                for key, value in without_own_of(given.values, case).items()
+                if key not in given.values
+            }
             for case in listed
         ),
         derived=derived,
@@ -268,5 +272,6 @@ def _listed(table: Table, design: Design) -> tuple[Combination, ...]:
         if not isinstance(case, dict):
             raise StudyError(f"{table.where} case {number} = {shown(case)}: must be a table")
         here = Table(f"{table.where} [[case]] {number}:", case, table.known)
+        here.check_variants()
         listed.append(here.all_values())
     return tuple(listed)

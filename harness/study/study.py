@@ -101,10 +101,10 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
             f"--scene {study}` writes one, `harness run my_study.toml` runs it"
         )
     path = find_study(study)
-    assignments = flat_material(dict(parse_setting(setting) for setting in settings))
+    assignments = _assignments(settings)
     values: dict[str, Any] = {}
     for file, said in lineage(path):
-        own = flat_tables(with_profile(file, said))
+        own = flat_tables(Table(f"{file}:", with_profile(file, said)))
         values = merged(values, own, {**values, **own}.get("design", FULL))
         # Each base is checked by itself, so that its mistakes are reported with its file name.
         read = _read(file, values, assignments if file == path else {})
@@ -140,8 +140,12 @@ def is_scene(subject: str) -> bool:
 
 def study_of_scene(scene: str, settings: Iterable[str] = ()) -> Study:
     """A study of one scene with its defaults and these settings; it has no file and no results."""
-    assignments = flat_material(dict(parse_setting(setting) for setting in settings))
-    return _read(Path(scene), {"title": scene, "scene": scene}, assignments)
+    return _read(Path(scene), {"title": scene, "scene": scene}, _assignments(settings))
+
+
+def _assignments(settings: Iterable[str]) -> dict[str, Any]:
+    """The values of settings by parameter, in flat form."""
+    return flat_material("--set", dict(map(parse_setting, settings)))
 
 
 def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) -> Study:
@@ -153,13 +157,6 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
     scenes = _scenes(document)
     own = document.table("scenes")
     own.allow(*scenes)
-    known = {
-        name: definition
-        for scene in scenes.values()
-        for name, definition in parameters_of(scene).items()
-    }
-    for key in settings:
-        Table("--set", settings, known).definition(key)
     shared = {key: value for key, value in values.items() if key in SCENE_KEYS}
     parts = []
     for name, scene in scenes.items():
@@ -175,6 +172,9 @@ def _read(path: Path, values: Mapping[str, Any], settings: Mapping[str, Any]) ->
             parameters_of(scene),
         )
         parts.append(_part(name, scene, of_scene, of_all, design, own_settings))
+    known = {name: it for part in parts for name, it in part.parameters.items()}
+    for key in settings:
+        Table("--set", settings, known).definition(key)
     timing = document.table("timing")
     timing.allow("repeats")
     return Study(

@@ -114,12 +114,28 @@ class Table:
         """The checked values of all parameters in the table."""
         return {key: self.value(key) for key in self.values}
 
+    def check_variants(self) -> None:
+        """Refuse a law that is unknown or cannot be loaded, before parameters that only it has."""
+        for key, definition in self.known.items():
+            if definition.variants is None:
+                continue
+            given = self.values.get(key)
+            for name in given if isinstance(given, list) else [given]:
+                if isinstance(name, str):
+                    try:
+                        definition.variants.parameters(definition.checked(name))
+                    except ParameterError as refusal:
+                        raise StudyError(f"{self.where} {refusal}") from None
+
     def several(self, key: str) -> tuple[Value, ...]:
         """The checked values of a parameter that is given as a list; all must differ."""
         definition, values = self.definition(key), self.values[key]
         if not isinstance(values, list) or not values:
             remedy = "; a single value belongs under [fixed]" if isinstance(values, Value) else ""
             raise self.refuse(key, f"must be a list of values, or a range{remedy}")
+        if definition.variants is not None and any(isinstance(value, dict) for value in values):
+            one = f"vary what one of them has as {key}.its_parameter = [..]"
+            raise self.refuse(key, f"a list has names alone; {one}")
         checked = tuple(self._checked(value, definition) for value in values)
         if len(set(checked)) < len(checked):
             (twice, _), *_ = Counter(checked).most_common(1)

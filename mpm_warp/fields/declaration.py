@@ -26,8 +26,7 @@ Value = float | int | str | bool
 Schema = dict[str, Any]
 TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
 WORDS = {float: "a number", int: "an integer", bool: "true or false", str: "a text"}
-LARGEST = 1e300
-LARGEST_INTEGER = 2**63
+LARGEST = {float: 1e300, int: 2**63}
 """Sizes that no number may reach; files of results hold integers of 64 bits."""
 
 
@@ -146,7 +145,7 @@ class Parameter:
             near = (
                 did_you_mean(value, map(str, self.choices or ())) if isinstance(value, str) else ""
             )
-            raise Refused(f"must be {self.allowed}{near}")
+            raise Refused(f"must be {self.allowed}{_size_limit(value, self.kind)}{near}")
         return converted
 
     def _contains(self, value: Value) -> bool:
@@ -161,13 +160,21 @@ def _converted(value: object, kind: type) -> Value | None:
         value = value.item()
     if isinstance(value, bool):
         return value if kind is bool else None
-    if isinstance(value, int) and abs(value) >= LARGEST_INTEGER:
+    if _size_limit(value, kind):
         return None
     if kind is float and isinstance(value, float | int):
-        return float(value) if abs(value) < LARGEST else None
+        return float(value) if math.isfinite(value) else None
     if kind is int and isinstance(value, float) and value.is_integer():
         return int(value)
     return value if kind in (int, str) and isinstance(value, kind) else None
+
+
+def _size_limit(value: object, kind: type) -> str:
+    """The end of a message on a number that is too large; "" for any other value."""
+    most = LARGEST.get(kind)
+    if most is None or not isinstance(value, float | int) or not abs(value) >= most:
+        return ""
+    return f", smaller than {most:g}"
 
 
 def parameter(

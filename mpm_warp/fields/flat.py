@@ -6,13 +6,15 @@ A parameter whose value has a name and parameters of its own, as a law of clay, 
 
 import dataclasses
 import functools
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Container, Iterable, Mapping
+from typing import Any, TypeVar
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.checks import FINITE
 from mpm_warp.fields.declaration import Parameter, Value, Variants, own_parameters_of
 from mpm_warp.fields.names import nearest_parameter
+
+T = TypeVar("T")
 
 
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
@@ -78,9 +80,32 @@ def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
+def without_own_of(replaced: Container[str], values: Mapping[str, T]) -> dict[str, T]:
+    """The entries in flat form without own values of the `replaced`, as "material.its_parameter".
+
+    A law that is given anew, by its name or as a table, has no parameters of the one before.
+    """
+    return {
+        name: value
+        for name, value in values.items()
+        if "." not in name or name.partition(".")[0] not in replaced
+    }
+
+
 def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter]) -> None:
     """Check that these parameters of a scene are known; the error says what to give instead."""
     for name in names:
         if name not in known:
-            nearest = nearest_parameter(name, parameters_of(scene))
-            raise ParameterError(name, f"unknown parameter {name!r}{nearest}")
+            flat = parameters_of(scene)
+            remedy = (
+                _with_its_variant(scene, name) if name in flat else nearest_parameter(name, flat)
+            )
+            raise ParameterError(name, f"unknown parameter {name!r}{remedy}")
+
+
+def _with_its_variant(scene: type, name: str) -> str:
+    """How a parameter "material.its_parameter" is given in Python."""
+    of_all, _, own = name.partition(".")
+    variants = own_parameters_of(scene)[of_all].variants
+    assert variants is not None
+    return f"; give it with its {variants.key}, {of_all} = {{{variants.key!r}: .., {own!r}: ..}}"

@@ -242,6 +242,8 @@ class Anisotropic(PerfectlyPlastic):
             if name == "strength_horizontal" and self.strength_horizontal is None:
                 across = (self.strength_compression + self.strength_extension) / math.sqrt(3.0)
                 complete(self, strength_horizontal=across)
+            if getattr(self, name) is None:
+                raise SceneError(f"Anisotropic: {name} is missing")
             check_number(f"Anisotropic: {name}", getattr(self, name), POSITIVE, unit="Pa")
         compression, extension = self.strength_compression, self.strength_extension
         room = 2.0 * self.strength_simple_shear

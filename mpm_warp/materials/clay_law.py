@@ -22,7 +22,7 @@ from typing import Any, Self
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.declaration import Parameter, Value, Variants, own_parameters_of
 from mpm_warp.fields.names import nearest_name
-from mpm_warp.materials.material import Material, built_name, register_name
+from mpm_warp.materials.material import Material, class_name, register_name
 
 GROUP = "mpm_warp.materials"
 GIVEN = ("density", "shear_modulus", "poissons_ratio", "strength")
@@ -146,7 +146,7 @@ def _given(kind: type[Material]) -> frozenset[str]:
 def _name_of(kind: type[Material]) -> str:
     """Name of a law by its class; that of one without an entry point is its full path."""
     of_entries = (name for name in laws() if laws()[name].value.endswith(f":{kind.__qualname__}"))
-    return next((name for name in of_entries if law_class(name) is kind), built_name(kind))
+    return next((name for name in of_entries if law_class(name) is kind), class_name(kind))
 
 
 @functools.cache

@@ -291,12 +291,16 @@ def register_name(kind: type[Material], name: str) -> None:
 
 
 def built_name(part: object) -> str:
-    """The name of the class of a material or part, as results record it.
+    """The name of the class of a material or part, as results record it."""
+    return class_name(type(part))
+
+
+def class_name(kind: type) -> str:
+    """The name of the class of a material or part.
 
     It is the class name in snake case, `penetrometer_contact`. A law of another package has the
     name of its entry point, or else its full path, `their_package.clay.HardeningClay`.
     """
-    kind = type(part)
     if kind in _REGISTERED:
         return _REGISTERED[kind]
     if kind.__module__.partition(".")[0] == __package__.partition(".")[0]:

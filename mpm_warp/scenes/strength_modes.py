@@ -4,6 +4,7 @@ The strength of a law with its own strength depends on the mode of the test. A f
 resistance or pressure over one of these strengths, and has a meaning only together with its mode.
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ MODES = {
     "extension": "triaxial_extension",
 }
 """Modes in the names of results, and their element tests."""
+BY_GIVEN = "by the su given"
+"""End of the long name of a factor over an su that is not the law's own."""
 STEP_COUNT = 2000
 """Steps of an element test; G at half of the strength is within 1 % of that with 10,000 steps."""
 
@@ -30,7 +33,8 @@ def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variab
 
     The given factors N are over su of the scene; results are {} for other laws.
     """
-    if test.own_strength is None:
+    own = test.own_strength
+    if own is None:
         return {}
     clay = test.own_clay
     strengths = ((mode, clay.undrained_strength(name)) for mode, name in MODES.items())
@@ -44,6 +48,8 @@ def by_mode(test: FieldClayScene, **factors: xr.Variable) -> dict[str, xr.Variab
         known["average"] = sum(known.values()) / len(known)
         tests["average"] = "the mean of compression, simple shear and extension"
     of_scene = clay.reference_test.removeprefix("triaxial_").replace("_", " ")
+    if not math.isclose(test.undrained_shear_strength, own):
+        of_scene = BY_GIVEN
     for name, factor in factors.items():
         meaning = factor.attrs["long_name"]
         found[name] = factor.copy()

@@ -33,7 +33,7 @@ LARGEST_PART = "largest_part_of_uncertainty"
 """Name of the variable that says which part of U is the largest, and what makes it smaller."""
 
 NOT_CORRECTED = "nothing is corrected"
-CARRIED_ON = "corrected as in tresca, for mesh, speed, window and bound alone"
+CARRIED_ON = "corrected by the laws of Tresca clay, for mesh, speed, window and Poisson's ratio"
 """What a reason says of the correction, where there is no uncertainty."""
 
 

@@ -68,6 +68,16 @@ def test_a_formula_that_is_0_has_no_deviation_and_no_remark(computed: Computed) 
     assert np.isinf(result.deviation_our_lab[1:]).all()
 
 
+def test_one_without_a_value_anywhere_is_told(
+    computed: Computed, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A warning of NumPy is an error of every test."""
+    for text in ('"sqrt(-1 - alpha_c)"', '"Ir"\nrange = { Delta = 1 }'):
+        computed(f"{STUDY}{FORMULA}".replace('"Ir"', text))
+        (told,) = capsys.readouterr().err.splitlines()
+        assert told.startswith("harness: reference it: has a value for none of the cases (")
+
+
 def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) -> None:
     table = result_table(computed(STUDY))
     (outside, *_), (within, *_) = (

@@ -32,6 +32,13 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
         ("particles_per_cell", 5, "one of 4, 9, 16, 25"),
         ("particles_per_cell", 4.5, "one of 4, 9, 16, 25"),
         ("material", "tresk", "did you mean 'tresca'"),
+        (
+            "material.swelling_slope",
+            0.1,
+            "; give it with its law, material = {'law': .., 'swelling_slope': ..}",
+        ),
+        ("material.swelling_slop", 0.1, "did you mean 'material.swelling_slope'"),
+        ("cone_radius", 1e300, "must be a number >= 1e-06 and <= 1000, smaller than 1e+300"),
         ("material", 3, "one of 'tresca', 'von_mises'"),
     ],
 )

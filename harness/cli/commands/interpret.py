@@ -190,7 +190,8 @@ def read_points(path: Path) -> list[tuple[float, float]]:
     mark = ";" if lines and ";" in lines[0] else ","
     reader = csv.DictReader(lines, delimiter=mark, skipinitialspace=True)
     try:
-        rows, titles = list(reader), reader.fieldnames or ()
+        reader.fieldnames = titles = [title.strip() for title in reader.fieldnames or ()]
+        rows = list(reader)
     except csv.Error as error:
         raise HarnessError(f"{path}: is no table: {error}") from None
     if not {*LABORATORY} <= {*titles}:

@@ -114,6 +114,8 @@ def test_exact_shear_is_that_of_statics() -> None:
     assert np.isnan(exact_shear(result(friction_coefficient=[0.1]))).all()
     assert np.isnan(exact_shear(result(remoulded_strength_ratio=[0.2]))).all()
     assert np.isnan(exact_shear(result(rate_factor=[0.1]))).all()
+    laws = result(material=["tresca", "von_mises", "anisotropic", "a_law_of_their_own"])
+    assert np.isfinite(exact_shear(laws)).values.tolist() == [True, True, False, False]
 
 
 @pytest.mark.parametrize("missing", ["cone_factor", "rigidity_index", "adhesion_factor"])
@@ -175,11 +177,11 @@ def test_table_brackets_formulas_outside_their_validity(name: str) -> None:
 
 
 def test_formulas_do_not_apply_where_su_depends_on_the_test() -> None:
-    dataset = result(adhesion_factor=[0.0, 1.0])
+    dataset = result(material=["anisotropic", "tresca"])
     dataset["cone_factor"].attrs["long_name"] = "cone factor, compression"
     by_mode = dataset.assign(
-        cone_factor_by_compression=("adhesion_factor", [9.0, np.nan]),
-        cone_factor_by_average=("adhesion_factor", [12.0, np.nan]),
+        cone_factor_by_compression=("material", [9.0, np.nan]),
+        cone_factor_by_average=("material", [12.0, np.nan]),
     )
     text = cone_factor_table(with_references(by_mode, THREE))
     directed, same_in_all = rows(text)
@@ -256,7 +258,16 @@ def test_bands_are_no_results_that_are_compared(two: Two) -> None:
     [
         ("cone factor", [np.nan, np.nan], "su is the strength in pure shear"),
         ("cone factor, simple shear", [9.0, 10.0], "cone factor, simple shear: by su in that test"),
-        ("cone factor", [9.0, 10.0], "cone factor: by su in the main test of each law, N_ke too"),
+        (
+            "cone factor, by the su given",
+            [9.0, 10.0],
+            "cone factor, by the su given, N_ke too; other columns: by other su",
+        ),
+        (
+            "cone factor",
+            [9.0, 10.0],
+            "cone factor: by su in the main test of each law, unless su is given, N_ke too",
+        ),
         (
             "cone factor",
             [np.nan, 10.0],

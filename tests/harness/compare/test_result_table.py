@@ -55,7 +55,11 @@ FORMS = {
         r"completed \\",
         "% +-: half",
     ],
-    "csv": ["adhesion factor,bearing capacity,", "0,5.75 +- 0.02,5.69,1.00%,1.0,completed"],
+    "csv": [
+        "adhesion factor,bearing capacity,bearing capacity +-,bearing capacity no U,",
+        "0,5.75,0.02,,5.69,1.00%,1.0,completed",
+        "1,6.10,,,6.05,1.00%,2.0,completed",
+    ],
 }
 
 

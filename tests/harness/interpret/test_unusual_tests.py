@@ -281,9 +281,9 @@ def test_rows_longer_than_the_header_and_depths_in_another_unit_are_refused(
 
 
 def test_points_of_a_laboratory_are_all_in_the_picture(folder: Path) -> None:
-    """Read with a blank after the comma too; the panel reaches to the strongest and the deepest."""
+    """Read with blanks around the comma too; the panel reaches to the strongest and the deepest."""
     strongest = 3.0 * float(STRENGTH.max())
-    for mark in (", ", ";", ","):
+    for mark in (", ", " , ", ";", ","):
         text = f"depth [m]{mark}strength [kPa]\n5{mark}{strongest / 1e3}\n"
         (folder / "lab.csv").write_text(text)
         assert read_points(folder / "lab.csv") == [(5.0, pytest.approx(strongest))]

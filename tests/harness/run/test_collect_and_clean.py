@@ -116,6 +116,44 @@ def test_results_of_other_settings_are_not_replaced_silently(
     assert "other result" not in of_small("collect").err
 
 
+@pytest.mark.parametrize("status", ["missing", "damaged", "unreadable"])
+def test_a_file_with_results_that_would_be_lost_is_kept(
+    status: str, small: Study, out: Path, folder: Path, of_small: Command
+) -> None:
+    keep(small, out)
+    of_small("collect")
+    path = out / "small.nc"
+    before = path.read_bytes()
+    lost = case_file(folder, small.cases[0])
+    match status:
+        case "missing":
+            lost.unlink()
+        case "damaged":
+            damage(lost)
+        case "unreadable":
+            lost.write_bytes(b"of another program")
+    for name in ("small_before.nc", "small_before_2.nc"):
+        path.write_bytes(before)
+        told = of_small("collect", code=1).err
+        assert (
+            f"{path}: had 1 result of cases that are {status} now; kept as it was in {name}; "
+            in told
+        )
+        assert (out / name).read_bytes() == before
+    assert "kept as it was" not in of_small("collect", code=1).err
+
+
+def test_results_of_other_settings_whose_files_are_gone_are_kept(
+    small: Study, out: Path, folder: Path, of_small: Command
+) -> None:
+    keep(small, out)
+    of_small("collect")
+    case_file(folder, small.cases[2]).unlink()
+    told = of_small("collect", "--set", "adhesion_factor=[0, 0.5]").err
+    assert "had 1 result of cases that are missing now; kept as it was in small_before.nc" in told
+    assert read_study(out / "small_before.nc").cone_factor.size == 3
+
+
 @pytest.mark.parametrize("content", ["noise", "site", "classic"])
 @pytest.mark.parametrize("command", ["collect", "run"])
 def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(

@@ -32,6 +32,31 @@ OF_A_CONE = [
     (f"[vary]\ndensity = {[*range(1, 60_001), 60_000]}", "60000.0 is listed twice"),
     ("[vary]\ndensity = [[1]]", "[vary] density = [1] is not allowed: must be a number"),
     ("[fixed]\ndensity = 1\n[vary]\ndensity = [1]", "as well"),
+    # Laws.
+    (
+        '[vary]\nmaterial = ["tresca", { law = "anisotropic" }]',
+        "a list has names alone; vary what one of them has as material.its_parameter = [..]",
+    ),
+    (
+        '[fixed]\n"material.swelling_slope" = 0.04\nmaterial = { swelling_slope = 0.03 }',
+        "s.toml: [fixed] material.swelling_slope: is given twice; keep one of them",
+    ),
+    (
+        '[scenes.cone_penetration.fixed]\nmaterial = "tresca"\n"material.law" = "von_mises"',
+        "s.toml: [scenes] [cone_penetration] [fixed] material: is given twice",
+    ),
+    (
+        'design = "list"\n[[case]]\n"material.law" = "tresca"\nmaterial = "tresca"',
+        "s.toml: [[case]] 1: material: is given twice",
+    ),
+    (
+        '[fixed]\nmaterial = { law = "modified_cm_clay", cohesion = 1 }',
+        "material = 'modified_cm_clay' is not allowed: must be one of",
+    ),
+    (
+        'design = "list"\n[[case]]\nmaterial = { law = "modified_cm_clay", cohesion = 1 }',
+        "[[case]] 1: material = 'modified_cm_clay' is not allowed: must be one of",
+    ),
     # Ranges.
     ("[vary]\nmaterial = { from = 1, to = 2 }", "unknown parameter 'material.from'"),
     (
@@ -55,6 +80,10 @@ OF_A_CONE = [
     ('[derived]\ndensity = "2 * density"', "is derived too"),
     ('[derived]\nadhesion_factor = "rigidity_index"', "adhesion_factor = 100.0 is not allowed"),
     ('[fixed]\ndensity = 1\n[derived]\ndensity = "2"', "is under [fixed] as well"),
+    (
+        '[derived]\nadhesion_factor = "reference_strain_rate"',
+        "reference_strain_rate has no value here, unless the study gives it one",
+    ),
     ('[derived]\ndensity = "1e400"', "[derived] density: '1e400' has no value: it is inf"),
     ('exclude = ["density + 1"]', "exclude: 'density + 1' is 1701.0, neither true nor false"),
     (
@@ -189,6 +218,17 @@ OF_A_CONE = [
         OURS.replace('formula = "Ir"', "points = { It = [1], Nc = [2] }"),
         "unknown parameter or symbol 'It'",
     ),
+    (
+        OURS.replace('formula = "Ir"', "points = { Ir = [50, 60, 50], Nc = [9, 10, 11] }"),
+        "has 2 values at Ir = 50; a place has one",
+    ),
+    (
+        OURS.replace('formula = "Ir"', "points = { Ir = [50, 60], Nc = [9, 0] }"),
+        "[points] Nc = [9, 0]: a cone factor must be > 0",
+    ),
+    (OURS.replace('"Ir"', '"2 - 3"'), "formula = '2 - 3': is -1.0; a cone factor is a number > 0"),
+    (OURS.replace('"Ir"', "\"'a'\""), "a cone factor is a number > 0"),
+    (OURS.replace('"Ir"', '"sqrt(-1)"'), "'sqrt(-1)' has no value"),
     ("references = 3", "must be a table"),
 ]
 """What a study of a cone says beside title and scene, and what the answer has in it."""

@@ -334,3 +334,33 @@ def test_only_cases_of_a_law_have_its_parameters_and_another_law_replaces_them(
     path.write_text(fixed)
     (again,) = load_study(str(path), ["material=tresca"]).cases
     assert again.key == plain.key
+
+
+SLOPES = ("material.compression_slope", "material.swelling_slope")
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ['material={law="modified_cam_clay", swelling_slope=0.04}'],
+        ["material=modified_cam_clay", "material.swelling_slope=0.04"],
+        ["material.swelling_slope=0.04", "material=modified_cam_clay"],
+        ["material.law=modified_cam_clay", "material.swelling_slope=0.04"],
+    ],
+)
+def test_a_law_that_is_given_anew_has_no_parameters_of_the_one_before(
+    tmp_path: Path, settings: list[str]
+) -> None:
+    """In a setting, whatever the order, and in a case of a list."""
+    (by_default,) = study_in(tmp_path, f'{POINT}[fixed]\nmaterial = "modified_cam_clay"\n').cases
+    expected = by_default.parameters[SLOPES[0]], 0.04
+    assert expected[0] not in (None, 0.3)
+    table = 'material = {{ law = "modified_cam_clay", compression_slope = 0.3{} }}\n'
+    base = f"{POINT}[fixed]\n{table.format('')}"
+    assert values(study_in(tmp_path, base, *settings), *SLOPES) == [expected]
+    listed = f'design = "list"\n[[case]]\n{table.format(", swelling_slope = 0.02")}'
+    study = study_in(tmp_path, base.replace("[fixed]", f"{listed}[fixed]"), *settings)
+    assert values(study, *SLOPES) == [expected]
+    own = listed.replace("compression_slope = 0.3, ", "").replace("0.02", "0.04")
+    study = study_in(tmp_path, base.replace("[fixed]", f"{own}[fixed]"))
+    assert values(study, *SLOPES) == [expected]

@@ -102,6 +102,12 @@ def test_the_rigidity_index_is_that_of_a_law_whose_stiffness_alone_is_its_own() 
             kind(material=OfOneStiffness(), rigidity_index=50.0)
 
 
+def test_a_law_without_an_entry_point_is_named_by_its_class() -> None:
+    test = ConePenetration(material=OfOneStiffness())
+    assert test.material.name.endswith("test_other_laws.OfOneStiffness")
+    assert "OfOneStiffness" in repr(test)
+
+
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(offered: Path) -> None:
     run = command(offered, "run", "study.toml", "--out", "results", "--workers", "1")
     assert run.returncode == 0, run.stdout + run.stderr
@@ -152,6 +158,7 @@ def test_the_law_is_described_and_its_values_are_checked(offered: Path) -> None:
         "material.swelling_slope=true": "must be a number > 0; meaning: slope kappa",
         "material.yield_stress=1": "unknown parameter 'material.yield_stress'",
         "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
+        'material={law="lost", bond=1}': "the entry point 'nowhere:Clay' cannot be loaded",
     }
     for setting, message in refused.items():
         run = command(offered, "run", "study.toml", "--out", "no", "--set", setting)

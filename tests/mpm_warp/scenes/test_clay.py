@@ -64,6 +64,15 @@ def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None
     assert FACTOR.attrs["long_name"] == "cone factor"
 
 
+def test_a_factor_over_an_su_that_is_given_says_so() -> None:
+    own = cone_test(**DIRECTED)
+    for su, said in ((1.0, "compression"), (1.25, "by the su given")):
+        given = cone_test(**DIRECTED, undrained_shear_strength=su * own.undrained_shear_strength)
+        found = by_mode(given, cone_factor=FACTOR)
+        assert found["cone_factor"].attrs["long_name"] == f"cone factor, {said}"
+        assert float(found["cone_factor_by_compression"]) == pytest.approx(9.0 * su)
+
+
 def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
     strong = {name: 10.0 * su for name, su in STRENGTHS.items()}
     test = cone_test(material=Anisotropic(**strong), remoulded_strength_ratio=0.5, ductility=10.0)
