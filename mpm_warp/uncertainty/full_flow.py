@@ -7,8 +7,8 @@ unknowns of
 
 with h the width of the cells at the body over its radius, V the speed over sqrt(su / rho), and E
 the extent of the window over that of the case. The powers are between those observed
-(`measured/full_flow_effects.csv`). The term with C is there because the error of the speed is larger
-with wider cells. At a pole of the body the first chord is the longest. This adds an error in
+(`measured/full_flow_effects.csv`). The term with C is there because the error of the speed is
+larger with wider cells. At a pole of the body the first chord is the longest. This adds an error in
 proportion to h, which is a part of the uncertainty.
 """
 
