@@ -49,7 +49,7 @@ from mpm_warp.scenes.catalogue import (
     scene_class,
     scene_names,
 )
-from mpm_warp.scenes.cavity.cavity import CavityCylinder, CavitySphere
+from mpm_warp.scenes.cavity.shapes import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
 from mpm_warp.scenes.elastic.columns import ElasticColumnWave, GravityColumn

@@ -1,16 +1,23 @@
-"""Dataclasses that check and convert their declared fields as they are made."""
+"""Dataclasses that check and convert their declared fields, and their groups of such fields."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import Field
 from types import UnionType
-from typing import Any, ClassVar, get_args, get_origin
+from typing import Any, ClassVar, NoReturn, Self, get_args, get_origin
 
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields.checks import check_array, check_kind
-from mpm_warp.fields.declaration import Derived, Parameter, Refused, own_parameters_of
+from mpm_warp.fields.checks import check_array, check_kind, in_words
+from mpm_warp.fields.declaration import (
+    Derived,
+    Parameter,
+    Refused,
+    group_with,
+    groups_of,
+    own_parameters_of,
+)
 
 
 class Checked:
@@ -33,6 +40,65 @@ class Checked:
             raise SceneError(f"{type(self).__name__}: {refusal}") from None
 
 
+class Group:
+    """The base of frozen dataclasses of parameters that belong together.
+
+    A scene is composed of groups. Each checks its own parameters. A value that was not given, or is
+    `Derived`, becomes the default, or that of `derived`.
+
+    Raises:
+        mpm_warp.errors.ParameterError: a value is not allowed.
+    """
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    def __post_init__(self) -> None:
+        check_fields(self, self.derived)
+
+    def derived(self) -> Mapping[str, float]:
+        """Default values of parameters that depend on others of the group."""
+        return {}
+
+    @property
+    def kept(self) -> Self:
+        """The group with its derived values as if they were given, to be handed to a scene."""
+        values = ((field.name, getattr(self, field.name)) for field in dataclasses.fields(self))
+        derived = {name: float(value) for name, value in values if isinstance(value, Derived)}
+        return dataclasses.replace(self, **derived)
+
+    def refuse(self, name: str, why: str) -> NoReturn:
+        """See `refuse`."""
+        refuse(self, name, why)
+
+
+def refuse(owner: object, name: str, why: str) -> NoReturn:
+    """Raise `ParameterError` with "name = value is not allowed", followed by `why`."""
+    value = in_words(getattr(owner, name))
+    raise ParameterError(name, f"{name} = {value} is not allowed{why}")
+
+
+def compose(owner: Any, given: Mapping[str, Any]) -> None:
+    """Set all fields of a dataclass from values of parameters, by their flat names, and groups.
+
+    A group that is given takes the values that are given beside it.
+
+    Raises:
+        ParameterError: a value of a group is not allowed, or there is no value.
+    """
+    for field in dataclasses.fields(owner):
+        name, kind = field.name, groups_of(type(owner)).get(field.name)
+        if kind is None:
+            value = given.get(name, field.default)
+            if value is dataclasses.MISSING:
+                raise ParameterError(name, f"{name}: must be given")
+        else:
+            own = {key: given[key] for key in own_parameters_of(kind) if key in given}
+            if name in given:
+                check_kind(name, given[name], kind)
+            value = dataclasses.replace(given[name], **own) if name in given else kind(**own)
+        complete(owner, **{name: value})
+
+
 def check_fields(owner: Any, derived: Callable[[], Mapping[str, float]] | None = None) -> None:
     """Check and convert all fields of a dataclass, in its ``__post_init__``.
 
@@ -43,9 +109,11 @@ def check_fields(owner: Any, derived: Callable[[], Mapping[str, float]] | None =
         ParameterError: the value of a declared field is not allowed.
         SceneError: another field has a wrong type.
     """
-    declared = own_parameters_of(type(owner))
+    declared, groups = own_parameters_of(type(owner)), groups_of(type(owner))
     for field in dataclasses.fields(owner):
         name, value = field.name, getattr(owner, field.name)
+        if name in groups:
+            continue  # it has checked itself
         if name not in declared:
             if derived is not None:
                 raise TypeError(f"{type(owner).__name__}.{name} is not made by `parameter`")
@@ -72,12 +140,14 @@ def complete(owner: object, **values: object) -> None:
         object.__setattr__(owner, name, value)
 
 
-def fill_in(scene: object, derived: Mapping[str, float]) -> None:
-    """Check derived values and set the parameters of a scene that were not given."""
-    definitions = own_parameters_of(type(scene))
+def fill_in(owner: object, derived: Mapping[str, float]) -> None:
+    """Check derived values and set the parameters that were not given, in their groups."""
+    definitions = own_parameters_of(type(owner))
     for name, value in derived.items():
-        if isinstance(getattr(scene, name), Derived | None):
-            complete(scene, **{name: Derived(definitions[name].checked(value))})
+        group = group_with(type(owner), name)
+        holder = owner if group is None else getattr(owner, group)
+        if isinstance(getattr(holder, name), Derived | None):
+            complete(holder, **{name: Derived(definitions[name].checked(value))})
 
 
 def _check_shape(owner: object, definition: Parameter, values: object) -> None:

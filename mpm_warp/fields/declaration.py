@@ -4,8 +4,9 @@ The fields of a frozen dataclass are made by :func:`parameter`: parameters of a 
 numbers and arrays of a part, keys of a file. Conversion, the error of one line, help, the JSON
 schema and the lines of a new file all follow from the declaration.
 
-Parameters that several scenes share are in a dataclass, a group, that the scenes inherit;
-:func:`redefined` changes a parameter in one scene.
+Parameters that belong together are a dataclass, a group, and a scene has it as a field, made by
+:func:`group`. Outside they are as flat as if they were its own. :func:`redefined` declares a
+parameter again with changes.
 """
 
 import dataclasses
@@ -206,9 +207,14 @@ def parameter(
     return dataclasses.field(default=default, metadata=definition)
 
 
-def redefined(group: type, name: str, **changes: Any) -> Any:
-    """Declare a parameter of a group again with changed arguments of :func:`parameter`."""
-    declared = dict({field.name: field for field in dataclasses.fields(group)}[name].metadata)
+def group() -> Any:
+    """Declare a field that is a group of parameters; its type, a dataclass, says which."""
+    return dataclasses.field(metadata={"group": True})
+
+
+def redefined(owner: type, name: str, **changes: Any) -> Any:
+    """Declare a parameter of a dataclass again with changed arguments of :func:`parameter`."""
+    declared = dict({field.name: field for field in dataclasses.fields(owner)}[name].metadata)
     return parameter(**declared | dataclasses.asdict(declared.pop("bounds")) | changes)
 
 
@@ -220,19 +226,43 @@ _DECLARED: dict[type, Mapping[str, Parameter]] = {}
 
 
 def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
-    """The declared fields of a dataclass, by name, in their order."""
+    """The declared fields of a dataclass and of its groups, by name, in their order.
+
+    Raises:
+        TypeError: two groups have a parameter of one name.
+    """
     if owner not in _DECLARED:
-        _DECLARED[owner] = {
-            field.name: definition_of(owner, field)
-            for field in dataclasses.fields(owner)
-            if "meaning" in field.metadata
-        }
+        declared: dict[str, Parameter] = {}
+        for field in dataclasses.fields(owner):
+            own: Mapping[str, Parameter] = {}
+            if field.metadata.get("group"):
+                own = own_parameters_of(_hint(owner, field))
+            elif "meaning" in field.metadata:
+                own = {field.name: definition_of(owner, field)}
+            if twice := own.keys() & declared.keys():
+                raise TypeError(f"{owner.__name__} has two parameters {min(twice)!r}")
+            declared |= own
+        _DECLARED[owner] = declared
     return _DECLARED[owner]
+
+
+@functools.cache
+def groups_of(owner: type) -> Mapping[str, Any]:
+    """The classes of the groups of a dataclass, by the names of their fields."""
+    declared = (it for it in dataclasses.fields(owner) if it.metadata.get("group"))
+    return {field.name: _hint(owner, field) for field in declared}
+
+
+@functools.cache
+def group_with(owner: type, name: str) -> str | None:
+    """The field of the group that has a parameter; None where no group has it."""
+    groups = groups_of(owner).items()
+    return next((it for it, kind in groups if name in own_parameters_of(kind)), None)
 
 
 def definition_of(owner: type, field: Field[Any]) -> Parameter:
     """The declaration of a field made by :func:`parameter`."""
-    hint = _type_hints(owner)[field.name] if isinstance(field.type, str) else field.type
+    hint = _hint(owner, field)
     kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
     declared = dict(field.metadata)
     return Parameter(
@@ -241,6 +271,10 @@ def definition_of(owner: type, field: Field[Any]) -> Parameter:
         optional=NoneType in kinds,
         **declared,
     )
+
+
+def _hint(owner: type, field: Field[Any]) -> Any:
+    return _type_hints(owner)[field.name] if isinstance(field.type, str) else field.type
 
 
 def bounds_schema(allowed: Range) -> Schema:

@@ -27,11 +27,11 @@ from typing import Any, ClassVar, NoReturn, Self
 import numpy as np
 import xarray as xr
 
-from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
+from mpm_warp.errors import SceneError, UnknownSceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields.checked import check_fields
-from mpm_warp.fields.checks import check_kind, check_known, in_words
-from mpm_warp.fields.declaration import Value, own_parameters_of
+from mpm_warp.fields.checked import check_fields, compose, refuse
+from mpm_warp.fields.checks import check_kind, check_known
+from mpm_warp.fields.declaration import Value, group_with, groups_of, own_parameters_of
 from mpm_warp.fields.flat import check_names, nested_values, parameters_of
 from mpm_warp.fields.names import nearest_name
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
@@ -118,18 +118,33 @@ class CatalogueScene(ShownByParameters, ABC):
     snapshots_over: ClassVar[str | None] = None
     """Parameter with the length of a run, over which snapshots are taken; or None."""
 
-    def __new__(cls, **values: object) -> Self:
-        """Refuse an unknown name and suggest another, which `__init__` would not do."""
-        check_names(cls, values, own_parameters_of(cls))
-        return super().__new__(cls)
+    def __init_subclass__(cls, **options: object) -> None:
+        """Give each scene the `__init__` below, in place of the one that `dataclass` makes."""
+        super().__init_subclass__(**options)
+        cls.__init__ = CatalogueScene.__init__  # type: ignore[method-assign]
+
+    def __init__(self, **given: Any) -> None:
+        """Take parameters by their flat names, and whole groups of them by those of their fields.
+
+        An unknown name is refused, and another suggested.
+        """
+        flat = [name for name in given if name not in groups_of(type(self))]
+        check_names(type(self), flat, own_parameters_of(type(self)))
+        compose(self, given)
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         check_fields(self, self.derived)
 
+    def __getattr__(self, name: str) -> Any:
+        """A parameter of one of the groups."""
+        if (group := group_with(type(self), name)) is None:
+            object.__getattribute__(self, name)  # raises again, also what a property raised
+        return getattr(getattr(self, str(group)), name)
+
     def refuse(self, name: str, why: str) -> NoReturn:
-        """Raise `ParameterError` with "name = value is not allowed", followed by `why`."""
-        value = in_words(getattr(self, name))
-        raise ParameterError(name, f"{name} = {value} is not allowed{why}")
+        """See `mpm_warp.fields.checked.refuse`."""
+        refuse(self, name, why)
 
     @classmethod
     def catalogue_name(cls) -> str:

@@ -1,15 +1,16 @@
-"""Scenes in undrained clay: perfectly plastic, softening or with a rate effect, or of any law."""
+"""The clay of a scene: perfectly plastic, softening or with a rate effect, or of any law."""
 
 import math
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields.checked import fill_in
-from mpm_warp.fields.declaration import Derived, parameter
+from mpm_warp.fields.checked import Group
+from mpm_warp.fields.declaration import Derived, group, own_parameters_of, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.clay_law import LAWS, ClayLaw
@@ -28,13 +29,12 @@ STRAIN_RATE: dict[str, Any] = {"unit": "s-1", "minimum": 1e-12, "maximum": 1e6}
 
 
 @dataclass(frozen=True, kw_only=True)
-class ClayScene(CatalogueScene):
-    """A scene in clay of one stiffness and one strength, or of a law with parameters of its own.
+class Clay(Group):
+    """Clay of one stiffness and one strength, or of a law with parameters of its own.
 
     Raises:
         mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
-            strain rate, a remoulded strength without a ductility, a strength that falls too
-            steeply, or a law that is not allowed.
+            strain rate, a remoulded strength without a ductility, or a law that is not allowed.
     """
 
     rigidity_index: float = parameter(
@@ -73,16 +73,6 @@ class ClayScene(CatalogueScene):
         maximum=1e6,
     )
 
-    @property
-    def is_criterion(self) -> bool:
-        """Whether the law is a yield criterion, without parameters of its own."""
-        return self.material.name in CRITERIA
-
-    @property
-    def strength_changes(self) -> bool:
-        """Whether the clay softens or has a rate effect."""
-        return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
-
     def __post_init__(self) -> None:
         super().__post_init__()
         law = self.material
@@ -98,29 +88,35 @@ class ClayScene(CatalogueScene):
                 raise ParameterError(
                     needed, f"{name} = {value:g} needs {needed}, {what}: give both"
                 )
-        self.check_clay()
+        self.check_stiffness()
 
-    def check_clay(self) -> None:
-        """Complete the parameters by the law; `ParameterError` where it does not allow them."""
-        try:
-            self._follow_law()
-            _ = self.clay
-        except SceneError as refusal:
-            key = "ductility" if self.is_criterion else "material"
-            raise ParameterError(key, str(refusal)) from None
+    @property
+    @abstractmethod
+    def undrained_shear_strength(self) -> float:
+        """Su of intact clay at the reference strain rate [Pa]."""
+
+    @property
+    def is_criterion(self) -> bool:
+        """Whether the law is a yield criterion, without parameters of its own."""
+        return self.material.name in CRITERIA
+
+    @property
+    def strength_changes(self) -> bool:
+        """Whether the clay softens or has a rate effect."""
+        return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
 
     @property
     def own_strength(self) -> float | None:
         """Strength [Pa] in the `reference_test` of a law that has its own; None for other laws.
 
-        It is su of the scene where this is not given.
+        It is su of the clay where this is not given.
         """
         if not self.material.has_own_strength:
             return None
-        return self.own_clay.undrained_strength(self.own_clay.reference_test)
+        return self.by_law.undrained_strength(self.by_law.reference_test)
 
     @property
-    def own_clay(self) -> Material:
+    def by_law(self) -> Material:
         """The intact clay, for the strength, stiffness and stress that the law itself gives."""
         strength = 1.0 if self.material.has_own_strength else self.undrained_shear_strength
         try:
@@ -133,52 +129,53 @@ class ClayScene(CatalogueScene):
         except SceneError as refusal:
             raise ParameterError("material", str(refusal)) from None
 
-    def _follow_law(self) -> None:
-        """Set su, rigidity index and Delta by a law that gives them, and what depends on them."""
-        own_strength = self.own_strength
-        if own_strength is None and not self.material.has_own_stiffness:
-            return
-        if own_strength is not None and isinstance(self.undrained_shear_strength, Derived):
-            fill_in(self, {"undrained_shear_strength": own_strength})
-        strength = self.undrained_shear_strength
+    @property
+    def own_anisotropy(self) -> float | None:
+        """Stress anisotropy Delta of the ground that the law gives, by K0; None for other laws."""
+        if not (self.material.has_own_strength or self.material.has_own_stiffness):
+            return None
+        deviator = self.by_law.deviator_at_rest
+        return None if deviator is None else deviator / (2.0 * self.undrained_shear_strength)
+
+    def derived(self) -> Mapping[str, float]:
+        """Strength and rigidity index of a law that has them."""
+        found: dict[str, float] = {}
+        strength, own = self.undrained_shear_strength, self.own_strength
+        if own is not None and isinstance(strength, Derived):
+            found["undrained_shear_strength"] = strength = own
         if self.material.has_own_stiffness:
-            own = self.own_clay.ground_shear_modulus / strength
-            fill_in(self, {"rigidity_index": own})
-            if not math.isclose(self.rigidity_index, own):
-                has_own = f" with material = {self.material.name!r}, whose stiffness is its own"
-                self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
-        if (deviator := self.own_clay.deviator_at_rest) is not None:
-            if not hasattr(self, "stress_anisotropy"):
-                raise ParameterError(
-                    "material",
-                    "this scene starts from stresses that are equal in all directions: give "
-                    "isotropic_overconsolidation_ratio, without K0",
-                )
-            fill_in(self, {"stress_anisotropy": deviator / (2.0 * strength)})
-        fill_in(self, self.derived())
+            found["rigidity_index"] = self.by_law.ground_shear_modulus / strength
+        return found
 
-    @property
-    @abstractmethod
-    def undrained_shear_strength(self) -> float:
-        """Su of intact clay at the reference strain rate [Pa]."""
+    def check_stiffness(self) -> None:
+        """Refuse a rigidity index beside a law with another stiffness of its own."""
+        if not self.material.has_own_stiffness:
+            return
+        own = self.by_law.ground_shear_modulus / self.undrained_shear_strength
+        if not math.isclose(self.rigidity_index, own):
+            has_own = f" with material = {self.material.name!r}, whose stiffness is its own"
+            self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
 
-    @property
-    @abstractmethod
-    def clay(self) -> Material:
-        """The clay of the run, made by `clay_with`."""
-
-    @property
-    def stress_at_rest(self) -> Floats:
-        """Initial stress (rr, zz, rz, tt) in excess of the vertical stress [Pa], shape [4]."""
-        delta = getattr(self, "stress_anisotropy", 0.0)
-        return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
-
-    def clay_with(
-        self, *, density: float, speed_up: float, greatest_poissons_ratio: float = 0.5
+    def built(
+        self,
+        *,
+        density: float,
+        speed_up: float,
+        stress_at_rest: Floats,
+        greatest_poissons_ratio: float = 0.5,
     ) -> Material:
-        """The clay, of a density [kg/m3]; `speed_up` is the speed of the run over the real one.
+        """The clay as it is simulated.
 
-        It scales the reference strain rate, so that the rate effect is that of the real test.
+        Args:
+            density: [kg/m3].
+            speed_up: speed of the run over the real one. It scales the reference strain rate, so
+                that the rate effect is that of the real test.
+            stress_at_rest: of the ground, as of a `Scene` [Pa], shape [4].
+            greatest_poissons_ratio: bound of Poisson's ratio.
+
+        Raises:
+            ParameterError: the stress at rest is beyond the strength.
+            SceneError: the law does not allow a value.
         """
         strength = self.undrained_shear_strength
         given: dict[str, Any] = {
@@ -189,7 +186,7 @@ class ClayScene(CatalogueScene):
         }
         intact = self.material.material(**given)
         try:
-            intact.check_stress_at_rest(self.stress_at_rest)
+            intact.check_stress_at_rest(stress_at_rest)
         except SceneError as refusal:
             raise ParameterError("stress_anisotropy", f"stress_anisotropy: {refusal}") from None
         if not (self.strength_changes and isinstance(intact, PerfectlyPlastic)):
@@ -206,8 +203,8 @@ class ClayScene(CatalogueScene):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FieldClayScene(ClayScene):
-    """A scene in clay of a given strength, which something penetrates at a given real speed."""
+class FieldClay(Clay):
+    """Clay of a given strength, which something penetrates at a given real speed."""
 
     undrained_shear_strength: float = parameter(
         Derived(20e3),
@@ -226,3 +223,62 @@ class FieldClayScene(ClayScene):
         minimum=1e-9,
         maximum=1e3,
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class StressAtRest(Group):
+    """The stress of the ground before a test, in excess of the vertical stress."""
+
+    stress_anisotropy: float = parameter(
+        Derived(0.0),
+        "stress anisotropy Delta in the ground before: vertical less horizontal stress over 2 su",
+        above=-1,
+        below=1,
+    )
+
+    def stress(self, strength: float) -> Floats:
+        """Initial stress (rr, zz, rz, tt) in clay of a strength su [Pa], shape [4]."""
+        return 2.0 * self.stress_anisotropy * strength * np.array([1.0, 0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class ClayScene(CatalogueScene):
+    """A scene in one clay.
+
+    Raises:
+        mpm_warp.errors.ParameterError: on construction, also where the law does not allow a value
+            or the stress at rest.
+    """
+
+    clay: Clay = group()
+
+    def derived(self) -> Mapping[str, float]:
+        """The stress anisotropy of a law that gives K0."""
+        anisotropy = self.clay.own_anisotropy
+        if anisotropy is None:
+            return {}
+        if "stress_anisotropy" not in own_parameters_of(type(self)):
+            raise ParameterError(
+                "material",
+                "this scene starts from stresses that are equal in all directions: give "
+                "isotropic_overconsolidation_ratio, without K0",
+            )
+        return {"stress_anisotropy": anisotropy}
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        try:
+            _ = self.soil
+        except SceneError as refusal:
+            key = "ductility" if self.clay.is_criterion else "material"
+            raise ParameterError(key, str(refusal)) from None
+
+    @property
+    @abstractmethod
+    def soil(self) -> Material:
+        """The clay as it is simulated, made by `Clay.built`."""
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Initial stress (rr, zz, rz, tt) in excess of the vertical stress [Pa], shape [4]."""
+        return np.zeros(4)

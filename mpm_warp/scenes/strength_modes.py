@@ -14,7 +14,7 @@ from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.materials.material import EFFECTIVE_STRESS
 from mpm_warp.results import labelled, variable
 from mpm_warp.scenes.catalogue import scene_class
-from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.clay_tower import FieldClayScene
 
 MODES = {
     "compression": "triaxial_compression",

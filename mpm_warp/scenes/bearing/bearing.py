@@ -112,7 +112,7 @@ class Bearing(CatalogueScene):
         return self.displacement / self.rigidity_index * RADIUS
 
     @property
-    def clay(self) -> UndrainedClay:
+    def soil(self) -> UndrainedClay:
         """Weightless, uniform soil."""
         return CRITERIA[self.material](
             shear_modulus=self.rigidity_index * STRENGTH,
@@ -124,7 +124,7 @@ class Bearing(CatalogueScene):
     @property
     def speed(self) -> float:
         """Speed of the body [m/s]."""
-        return self.speed_ratio / self.rigidity_index * self.clay.shear_wave_speed
+        return self.speed_ratio / self.rigidity_index * self.soil.shear_wave_speed
 
     def fixed(self, grid: Grid) -> Fixed:
         """Nodes on the axis, the side and the bottom."""
@@ -140,7 +140,7 @@ class Bearing(CatalogueScene):
         grid = self.grid()
         return Scene(
             grid=grid,
-            material=self.clay,
+            material=self.soil,
             bulk_viscosity=0.2,
             parts=(self.fixed(grid), self.contact(grid)),
         )

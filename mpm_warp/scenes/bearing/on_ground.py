@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from mpm_warp.fields.declaration import parameter, redefined
+from mpm_warp.fields.checked import Group
+from mpm_warp.fields.declaration import group, parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, graded, nodal_areas
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.materials.variation import Variation
@@ -27,11 +28,10 @@ SLIP_LINE_SOURCE = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class OnGround(Bearing):
-    """A rigid body at the surface of soil of strength su0 + k z, with the depth z.
+class GrowingStrength(Group):
+    """Ground of strength su0 + k z, with the depth z; its shear modulus is the same everywhere.
 
-    Adhesion is in proportion to the strength of the adjacent soil. The shear modulus is the same at
-    all depths; no limit load depends on it.
+    No limit load depends on the modulus. Adhesion is in proportion to the strength beside it.
     """
 
     strength_gradient_ratio: float = parameter(
@@ -41,30 +41,8 @@ class OnGround(Bearing):
         maximum=10,
     )
 
-    @property
-    @abstractmethod
-    def slip_lines(self) -> SlipLines | None:
-        """The slip lines of the problem; None where they do not give the exact load."""
-
-    @property
-    def surface_height(self) -> float:
-        """Height z of the surface of the ground in the grid [m]."""
-        return 0.0
-
-    @property
-    def exact(self) -> Exact | None:
-        """See `Bearing`; over su0."""
-        return None if self.slip_lines is None else (self.slip_lines.limit_load, SLIP_LINE_SOURCE)
-
-    @property
-    def final_displacement(self) -> float:
-        """See `Bearing`; in proportion to the strength half a radius deep."""
-        return (1.0 + 0.5 * self.strength_gradient_ratio) * super().final_displacement
-
-    @property
-    def clay(self) -> UndrainedClay:
-        """The soil of `Bearing`, its strength growing with depth."""
-        uniform = super().clay
+    def soil(self, uniform: UndrainedClay, *, surface_height: float) -> UndrainedClay:
+        """Soil whose strength grows from a height z of the grid [m] on, the surface, downward."""
         if self.strength_gradient_ratio == 0.0:
             return uniform
         deepest = 1.0 + self.strength_gradient_ratio * LARGEST_DEPTH / RADIUS
@@ -72,13 +50,23 @@ class OnGround(Bearing):
             depth=np.array([0.0, LARGEST_DEPTH]),
             strength_ratio=np.array([1.0, deepest]),
             stiffness_ratio=np.ones(2),
-            origin_depth=self.surface_height,
+            origin_depth=surface_height,
         )
         return replace(uniform, variation=growth)
 
+    @property
+    def strength_ratio(self) -> float:
+        """Strength half a radius deep over that at the surface."""
+        return 1.0 + 0.5 * self.strength_gradient_ratio
 
-@dataclass(frozen=True, kw_only=True)
-class Footing(OnGround):
+
+def exact_load(lines: SlipLines | None) -> Exact | None:
+    """The load over area and su0 by slip lines, and its source; None without them."""
+    return None if lines is None else (lines.limit_load, SLIP_LINE_SOURCE)
+
+
+@dataclass(frozen=True, kw_only=True, init=False)
+class Footing(Bearing):
     """A rigid footing; in plane strain the radius is half the width."""
 
     source: ClassVar[str]
@@ -92,6 +80,7 @@ class Footing(OnGround):
         least_order=0.9,
     )
 
+    ground: GrowingStrength = group()
     adhesion_factor: float = parameter(0.0, "adhesion factor of the footing", choices=(0.0, 1.0))
 
     @property
@@ -102,8 +91,8 @@ class Footing(OnGround):
     @property
     def exact(self) -> Exact | None:
         """See `Bearing`; over su0."""
-        if self.strength_gradient_ratio > 0.0:
-            return super().exact
+        if self.ground.strength_gradient_ratio > 0.0:
+            return exact_load(self.slip_lines)
         return self.smooth_and_rough[int(self.adhesion_factor)], self.source
 
     @property
@@ -113,9 +102,19 @@ class Footing(OnGround):
             return None
         return SlipLines(
             half_angle=0.5 * math.pi,
-            strength_gradient_ratio=self.strength_gradient_ratio,
+            strength_gradient_ratio=self.ground.strength_gradient_ratio,
             planar=self.planar,
         )
+
+    @property
+    def soil(self) -> UndrainedClay:
+        """See `Bearing`."""
+        return self.ground.soil(super().soil, surface_height=0.0)
+
+    @property
+    def final_displacement(self) -> float:
+        """See `Bearing`; in proportion to the strength."""
+        return self.ground.strength_ratio * super().final_displacement
 
     def grid(self) -> Grid:
         """Columns of one width below the footing; cells grow beside it and with depth."""
@@ -148,7 +147,7 @@ class Footing(OnGround):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class CircularFooting(Footing):
     """A rigid disc on weightless Tresca soil."""
 
@@ -161,7 +160,7 @@ class CircularFooting(Footing):
     )
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class StripFooting(Footing):
     """Half of a rigid strip on weightless Tresca soil; r is the distance from its middle."""
 
@@ -179,8 +178,8 @@ PSI_ROUNDING = 1e-12
 """Rounding of the angle psi at the face [rad]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ConeBearing(OnGround):
+@dataclass(frozen=True, kw_only=True, init=False)
+class ConeBearing(Bearing):
     """A cone that starts with its shoulder at the surface.
 
     With the half angle a, the face is R / sin(a) long and moves into the soil by sin(a) times the
@@ -199,17 +198,18 @@ class ConeBearing(OnGround):
         least_order=1.0,
     )
 
+    ground: GrowingStrength = group()
     adhesion_factor: float = redefined(
         ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
     )
     apex_angle: float = redefined(ConeTest, "apex_angle")
     cells_per_radius: int = redefined(
-        OnGround,
+        Bearing,
         "cells_per_radius",
         meaning="cells per radius of the cone, one radius from its rim; at the rim 4 times as many",
     )
     displacement: float = redefined(
-        OnGround,
+        Bearing,
         "displacement",
         meaning="displacement over radius times G/su, of a cone of 60 degrees; that of others "
         "is in proportion to 1 / sin^2 of half the apex angle",
@@ -221,9 +221,19 @@ class ConeBearing(OnGround):
         lines = SlipLines(
             half_angle=math.radians(0.5 * self.apex_angle),
             adhesion_factor=self.adhesion_factor,
-            strength_gradient_ratio=self.strength_gradient_ratio,
+            strength_gradient_ratio=self.ground.strength_gradient_ratio,
         )
         return lines if lines.face_psi >= -PSI_ROUNDING else None
+
+    @property
+    def exact(self) -> Exact | None:
+        """See `Bearing`; over su0."""
+        return exact_load(self.slip_lines)
+
+    @property
+    def soil(self) -> UndrainedClay:
+        """See `Bearing`."""
+        return self.ground.soil(super().soil, surface_height=self.surface_height)
 
     @property
     def cell_size(self) -> float:
@@ -234,7 +244,7 @@ class ConeBearing(OnGround):
     def final_displacement(self) -> float:
         """See `Bearing`."""
         ratio = math.sin(math.radians(30.0)) / math.sin(0.5 * self._penetrometer.apex_angle)
-        return ratio**2 * super().final_displacement
+        return ratio**2 * (self.ground.strength_ratio * super().final_displacement)
 
     @property
     def surface_height(self) -> float:

@@ -1,22 +1,18 @@
 """Cylindrical and spherical cavities that expand in undrained clay, against exact pressures."""
 
-import dataclasses
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar
 
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields.declaration import Value, parameter, redefined
+from mpm_warp.fields.declaration import group, parameter, redefined
 from mpm_warp.grid.fitted import Floats, Grid, graded
 from mpm_warp.grid.polar import PolarGrid
-from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import UndrainedClay
-from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import (
@@ -28,10 +24,9 @@ from mpm_warp.sampling import (
     soil_scene,
 )
 from mpm_warp.scene import Part, Scene
-from mpm_warp.scenes.catalogue import Progress, Verification, compared
+from mpm_warp.scenes.catalogue import Progress
 from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
-from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene
-from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.clay import STRAIN_RATE, Clay, ClayScene
 from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 
@@ -41,6 +36,19 @@ SAMPLE_COUNT = 150
 
 
 @dataclass(frozen=True, kw_only=True)
+class ClayAroundCavity(Clay):
+    """Clay whose strength is the unit of stress, unless its law has a strength of its own."""
+
+    rigidity_index: float = redefined(Clay, "rigidity_index", minimum=10, maximum=2000)
+    poissons_ratio: float = redefined(Clay, "poissons_ratio", default=0.495, minimum=0.4)
+
+    @property
+    def undrained_shear_strength(self) -> float:
+        """See `Clay`."""
+        return STRENGTH if self.own_strength is None else self.own_strength
+
+
+@dataclass(frozen=True, kw_only=True, init=False)
 class Cavity(ClayScene):
     """A cavity in clay. Its wall moves outward, and the grid follows it.
 
@@ -62,8 +70,7 @@ class Cavity(ClayScene):
     von_mises_strength: ClassVar[float]
     """Shear stress (s1 - s3) / 2 at which von Mises soil around the cavity yields, over su."""
 
-    rigidity_index: float = redefined(ClayScene, "rigidity_index", minimum=10, maximum=2000)
-    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.495, minimum=0.4)
+    clay: ClayAroundCavity = group()
     expansion_rate: float = parameter(
         1.0,
         "real speed of the wall over the initial radius, for the rate effect",
@@ -96,7 +103,7 @@ class Cavity(ClayScene):
     @property
     def plastic_radius(self) -> float:
         """Approximate radius of the plastic zone at the end [m]."""
-        return float(self.expansion * self.rigidity_index ** (1.0 / self.exponent) * RADIUS)
+        return float(self.expansion * self.clay.rigidity_index ** (1.0 / self.exponent) * RADIUS)
 
     def columns(self, outer_radius: float) -> Floats:
         """Columns of the grid, closest together at the wall."""
@@ -105,21 +112,18 @@ class Cavity(ClayScene):
         return columns / span
 
     @property
-    def undrained_shear_strength(self) -> float:
-        """Strength su of the clay [Pa]; a law may have its own."""
-        return STRENGTH if self.own_strength is None else self.own_strength
-
-    @property
-    def clay(self) -> Material:
+    def soil(self) -> Material:
         """The clay around the cavity, with strain rates as in the real expansion."""
-        return self.clay_with(
-            density=DENSITY, speed_up=self.wall.speed / (self.expansion_rate * RADIUS)
+        return self.clay.built(
+            density=DENSITY,
+            speed_up=self.wall.speed / (self.expansion_rate * RADIUS),
+            stress_at_rest=self.stress_at_rest,
         )
 
     @property
     def wall(self) -> MovingWall:
         """The wall, which reaches its speed after 0.3 of the initial radius."""
-        speed = self.speed_ratio * math.sqrt(self.undrained_shear_strength / DENSITY)
+        speed = self.speed_ratio * math.sqrt(self.clay.undrained_shear_strength / DENSITY)
         return MovingWall(speed=speed, ramp_travel=0.3 * RADIUS)
 
     @property
@@ -130,7 +134,7 @@ class Cavity(ClayScene):
 
     def build(self) -> Scene:
         """The soil around the cavity and the moving wall."""
-        grid, material = self.grid(), self.clay
+        grid, material = self.grid(), self.soil
         return Scene(
             grid=grid,
             material=material,
@@ -143,15 +147,15 @@ class Cavity(ClayScene):
     @property
     def exact(self) -> ExactCavity | None:
         """The exact pressures; None for a law of another package."""
-        clay = self.clay
-        if not isinstance(clay, UndrainedClay) or not self.is_criterion:
+        soil, law = self.soil, self.clay.material.name
+        if not isinstance(soil, UndrainedClay) or not self.clay.is_criterion:
             return None
         return ExactCavity(
-            clay=clay,
-            rigidity_index=self.rigidity_index,
+            clay=soil,
+            rigidity_index=self.clay.rigidity_index,
             wall=self.wall,
             exponent=self.exponent,
-            strength_share=self.von_mises_strength if self.material.name == "von_mises" else 1.0,
+            strength_share=self.von_mises_strength if law == "von_mises" else 1.0,
         )
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
@@ -172,7 +176,7 @@ class Cavity(ClayScene):
             times.append(simulation.time)
             radii.append(float(simulation.array("wall.motion")[0, 2]))
             middle = 0.5 * (radii[-2] + radii[-1]) / RADIUS
-            unit_force = area * middle ** (self.exponent - 1) * self.undrained_shear_strength
+            unit_force = area * middle ** (self.exponent - 1) * self.clay.undrained_shear_strength
             return middle, nodal_forces[-1].sum() / unit_force
 
         def curve(expansion: Floats, pressure: Floats) -> xr.Dataset:
@@ -231,121 +235,3 @@ def pore_pressure_profile(simulation: Simulation, exact: ExactCavity | None) -> 
         labelled(dims=("distance",), excess_pore_pressure_exact=of_profile)
         | labelled(role="error", pore_pressure_error=error)
     )
-
-
-MOST_ANISOTROPY = 0.5
-"""Largest |Delta| of Tresca soil around a cylinder. Up to it the vertical stress stays between the
-radial and the hoop stress."""
-
-
-def verifications(largest_error: float, resolutions: tuple[int, ...]) -> tuple[Verification, ...]:
-    """Perfectly plastic soils, and clays with a rate effect or softening, at two resolutions."""
-    perfectly_plastic: tuple[dict[str, Value], ...] = (
-        {"rigidity_index": 50.0, "material": "tresca"},
-        {"rigidity_index": 500.0, "material": "tresca"},
-        {"rigidity_index": 50.0, "material": "von_mises"},
-    )
-    changing: tuple[dict[str, Value], ...] = (
-        {"rate_factor": 0.1, "reference_strain_rate": 0.01},
-        {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
-        {"remoulded_strength_ratio": 0.2, "ductility": 1.0},
-    )
-    at = partial(compared, "cells_per_radius", resolutions, pore_pressure_error=0.02)
-    return at(*perfectly_plastic, error=largest_error) + at(*changing, error=0.01)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CavityCylinder(Cavity):
-    """A cylinder with a vertical axis, in one row of cells between smooth ends.
-
-    The pressure is in excess of the initial horizontal stress. The vertical stress does not affect
-    Tresca soil while it is the intermediate principal stress; the limits of the stress anisotropy
-    ensure this.
-    """
-
-    summary = "pressure of an expanding cylindrical cavity in undrained clay"
-    version = 6
-    verifications = verifications(0.015, (4, 8))
-    exponent = 2
-    von_mises_strength = 1.0
-
-    stress_anisotropy: float = redefined(
-        ConeInGround,
-        "stress_anisotropy",
-        meaning="stress anisotropy Delta of the ground at rest: vertical less horizontal stress "
-        "over 2 su; 0 in von Mises soil, -0.5 to 0.5 in Tresca soil",
-    )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        delta, ratio = self.stress_anisotropy, self.remoulded_strength_ratio
-        material = self.material.name
-        unknown = "there is no exact pressure"
-        is_beyond = material in CRITERIA and abs(delta) > MOST_ANISOTROPY
-        for refused, allowed in (
-            (delta and material == "von_mises", f"0 where material is {material}: {unknown}"),
-            (delta and ratio != 1.0, f"0 where remoulded_strength_ratio is {ratio}: {unknown}"),
-            (is_beyond, f">= {-MOST_ANISOTROPY:g} and <= {MOST_ANISOTROPY:g} in Tresca soil"),
-        ):
-            if refused:
-                self.refuse("stress_anisotropy", f": must be {allowed}")
-
-    @property
-    def stress_at_rest(self) -> Floats:
-        """See `ClayScene`; in excess of the horizontal stress."""
-        over_horizontal = 2.0 * self.stress_anisotropy * self.undrained_shear_strength
-        return np.array([0.0, -over_horizontal, 0.0, 0.0])
-
-    def grid(self) -> Grid:
-        """One row of cells, to twice the plastic radius: `FarField` assumes elastic soil."""
-        outer = 2.0 * self.plastic_radius
-        return Grid(
-            columns=self.columns(outer),
-            rows=np.array([0.0, self.cell_size]),
-            surface_radius=np.full(2, RADIUS),
-            fitted_radius=outer,
-        )
-
-    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
-        """Nothing moves along the axis; springs stand for the elastic ground around the grid."""
-        fixed = Fixed.on(grid, vertical=["everywhere"])
-        far_field = FarField.around(grid, material)
-        # Dashpots would resist the steady outward flow, and there are no waves to absorb.
-        return fixed, dataclasses.replace(far_field, dashpot=0.0 * far_field.dashpot)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CavitySphere(Cavity):
-    """A sphere in a polar grid of the quarter plane from the axis to the equator.
-
-    The grid ends without traction at six times the radius of the plastic zone. The missing ground
-    lowers the pressure by 4/3 su / 6^3, a thousandth of the limit.
-
-    The initial stress is isotropic. With stress anisotropy soil would not move along the rays, and
-    no exact pressure is known.
-
-    Where the clay softens, soil is guided along the rays, as the exact pressure assumes. Softening
-    Tresca soil that is free to flow leaves them and resists less.
-    """
-
-    summary = "pressure of an expanding spherical cavity in clay under equal stress"
-    version = 6
-    verifications = verifications(0.02, (4, 6))
-    exponent = 3
-    von_mises_strength = math.sqrt(0.75)
-
-    def grid(self) -> PolarGrid:
-        """Rays from the axis to the equator, to six times the plastic radius."""
-        outer = 6.0 * self.plastic_radius
-        row_count = max(2, round(0.5 * math.pi * self.cells_per_radius))
-        return PolarGrid(
-            columns=self.columns(outer),
-            rows=np.linspace(0.0, 0.5 * math.pi, row_count + 1),
-            surface_radius=np.full(row_count + 1, RADIUS),
-            fitted_radius=outer,
-        )
-
-    def boundaries(self, grid: Grid, material: Material) -> tuple[Part, ...]:
-        """Nothing moves across the axis or the equator; the grid ends without traction."""
-        fixed = Fixed.on(grid, radial=["bottom"], vertical=["top"])
-        return (RadialMotion(), fixed) if self.remoulded_strength_ratio < 1.0 else (fixed,)

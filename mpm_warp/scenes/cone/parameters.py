@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from mpm_warp.fields.declaration import Derived, parameter
-from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.clay_tower import FieldClayScene
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.uncertainty.laws import ErrorLaws, slope_ratio
 

@@ -17,7 +17,7 @@ from mpm_warp.results import curves, labelled, variable
 from mpm_warp.sampling import Samples, even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.clay import Clay
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from mpm_warp.scenes.limits import LARGEST_ERROR, LARGEST_LACK, Limit, Limits, limited
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
@@ -70,7 +70,7 @@ class GravityColumn(CatalogueScene):
     limits = limited(error="more cell_count")
 
     cell_count: int = parameter(40, "cells along the height", minimum=2, maximum=1000)
-    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
+    poissons_ratio: float = redefined(Clay, "poissons_ratio", default=0.3)
     settlement_ratio: float = parameter(1e-4, "settlement over height", minimum=1e-9, maximum=1e-3)
 
     @property

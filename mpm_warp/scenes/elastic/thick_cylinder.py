@@ -16,7 +16,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.clay import Clay
 from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 
@@ -54,7 +54,7 @@ class ThickCylinder(CatalogueScene):
     )
     cell_count: int = parameter(40, "cells across the wall", minimum=2, maximum=1000)
     radius_ratio: float = parameter(3.0, "outer over inner radius", minimum=1.1, maximum=100)
-    poissons_ratio: float = redefined(ClayScene, "poissons_ratio", default=0.3)
+    poissons_ratio: float = redefined(Clay, "poissons_ratio", default=0.3)
 
     @property
     def material(self) -> LinearElastic:

@@ -24,7 +24,7 @@ from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import upward_force
-from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.clay_tower import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround
 from mpm_warp.scenes.cone.penetration import RESISTANCE_OVER_STRENGTH, penetration_axis
 from mpm_warp.simulation import Simulation

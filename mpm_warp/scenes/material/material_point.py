@@ -18,7 +18,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields.declaration import Value, parameter, redefined
+from mpm_warp.fields.declaration import Value, group, parameter, redefined
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.einav_randolph import EinavRandolph
@@ -33,8 +33,7 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import Drawn, Quantity, curves, labelled
 from mpm_warp.sampling import Samples, even_steps, follow
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.clay import STRAIN_RATE, ClayScene, FieldClayScene
-from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.clay import STRAIN_RATE, Clay, ClayScene, FieldClay, StressAtRest
 from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
@@ -70,12 +69,19 @@ STRESS_PATH = Drawn(
 
 
 @dataclass(frozen=True, kw_only=True)
+class ClayOfPoints(Clay):
+    """Clay of a given strength."""
+
+    undrained_shear_strength: float = redefined(
+        FieldClay, "undrained_shear_strength", meaning="undrained shear strength su"
+    )
+
+
+@dataclass(frozen=True, kw_only=True, init=False)
 class PointScene(ClayScene):
     """Points of clay without a grid, each strained at a constant rate for one second."""
 
-    undrained_shear_strength: float = redefined(
-        FieldClayScene, "undrained_shear_strength", meaning="undrained shear strength su"
-    )
+    clay: ClayOfPoints = group()
     step_count: int = parameter(10_000, "strain steps of each path", minimum=1, maximum=1_000_000)
 
     def step_count_bound(self, plan: Plan) -> int:
@@ -83,7 +89,7 @@ class PointScene(ClayScene):
         return self.step_count
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class MaterialPoint(PointScene):
     """Clay strained and rotated by the stress update of the simulator, without a grid.
 
@@ -108,9 +114,9 @@ class MaterialPoint(PointScene):
     limits = limited(error="more step_count", yield_excess="more step_count")
 
     @property
-    def clay(self) -> Material:
-        """The material of the points; strain rates are those of the run."""
-        return self.clay_with(density=1.0, speed_up=1.0)
+    def soil(self) -> Material:
+        """The clay of the points; strain rates are those of the run."""
+        return self.clay.built(density=1.0, speed_up=1.0, stress_at_rest=self.stress_at_rest)
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`."""
@@ -121,18 +127,18 @@ class MaterialPoint(PointScene):
     @property
     def loads_solvers(self) -> bool:
         """See `CatalogueScene`: for clay that changes on its paths."""
-        return isinstance(self.clay, EinavRandolph)
+        return isinstance(self.soil, EinavRandolph)
 
     def build(self) -> StrainPaths:
         """The paths of known stress, and then random ones that start without stress."""
-        paths, strength = self._paths, self.undrained_shear_strength
+        paths, strength = self._paths, self.clay.undrained_shear_strength
         random = np.random.default_rng(0).uniform(-1.0, 1.0, (RANDOM_PATHS, 5))
         rates = np.concatenate([[path.gradient for path in paths], random])
         start = np.zeros((len(rates), 4))
-        if self.is_criterion:
+        if self.clay.is_criterion:
             start[: len(paths)] = [path.start for path in paths]
         return StrainPaths(
-            material=self.clay, gradient=rates, stress=start * strength, step_count=self.step_count
+            material=self.soil, gradient=rates, stress=start * strength, step_count=self.step_count
         )
 
     @property
@@ -141,24 +147,25 @@ class MaterialPoint(PointScene):
 
         A law of another package follows those of Tresca clay of the same stiffness and strength.
         """
-        clay = self.clay
-        if not self.is_criterion:
-            clay = MaterialPoint(
-                rigidity_index=self.rigidity_index,
-                undrained_shear_strength=self.undrained_shear_strength,
-            ).clay
-        assert isinstance(clay, UndrainedClay)
-        return known_paths(clay)
+        soil = self.soil
+        if not self.clay.is_criterion:
+            soil = MaterialPoint(
+                rigidity_index=self.clay.rigidity_index,
+                undrained_shear_strength=self.clay.undrained_shear_strength,
+            ).soil
+        assert isinstance(soil, UndrainedClay)
+        return known_paths(soil)
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Strain the points, and compare the final stresses with the exact ones."""
         steps = even_steps(self.step_count)
         recorded = follow(simulation, steps, simulation.advance_to_step, [], progress)
         paths = self._paths
-        stress = simulation.array("particle.stress")[: len(paths)] / self.undrained_shear_strength
+        stress = simulation.array("particle.stress")[: len(paths)]
+        stress /= self.clay.undrained_shear_strength
         axes = {"path": [path.name for path in paths], "component": ["rr", "zz", "rz", "tt"]}
         shown = labelled(dims=tuple(axes), stress=(stress, "1", "stress over su"))
-        if not self.is_criterion:
+        if not self.clay.is_criterion:
             shear = 0.5 * np.hypot(stress[:, 0] - stress[:, 1], 2.0 * stress[:, 2]).max()
             greatest = (shear, "1", "greatest shear stress in the plane over su")
             shown |= labelled(role="headline", shear_stress=greatest)
@@ -174,7 +181,7 @@ class MaterialPoint(PointScene):
         return recorded.assign_coords(axes).assign(shown)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class ElementTest(PointScene):
     """A strain-controlled laboratory test of one material point of any law."""
 
@@ -195,7 +202,7 @@ class ElementTest(PointScene):
         "in plane strain, or horizontal shear around a pressuremeter",
         choices=tuple(TESTS),
     )
-    stress_anisotropy: float = redefined(ConeInGround, "stress_anisotropy")
+    ground: StressAtRest = group()
     greatest_shear_strain: float = parameter(
         1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
     )
@@ -207,9 +214,18 @@ class ElementTest(PointScene):
     )
 
     @property
-    def clay(self) -> Material:
-        """The soil, with strain rates as in the real test; a run takes one second."""
-        return self.clay_with(density=1.0, speed_up=self.greatest_shear_strain / self.strain_rate)
+    def stress_at_rest(self) -> Floats:
+        """See `ClayScene`."""
+        return self.ground.stress(self.clay.undrained_shear_strength)
+
+    @property
+    def soil(self) -> Material:
+        """The clay, with strain rates as in the real test; a run takes one second."""
+        return self.clay.built(
+            density=1.0,
+            speed_up=self.greatest_shear_strain / self.strain_rate,
+            stress_at_rest=self.stress_at_rest,
+        )
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`."""
@@ -218,7 +234,7 @@ class ElementTest(PointScene):
     def build(self) -> StrainPaths:
         """The point and its path."""
         return StrainPaths(
-            material=self.clay,
+            material=self.soil,
             gradient=self.greatest_shear_strain * np.array([TESTS[self.test]]),
             stress=self.stress_at_rest[None],
             step_count=self.step_count,
@@ -226,7 +242,7 @@ class ElementTest(PointScene):
 
     def record(self, simulation: Simulation, progress: Progress) -> xr.Dataset:
         """Shear the point, and take strength and stiffness from its curves."""
-        names = self.clay.state
+        names = self.soil.state
 
         def take() -> list[float]:
             stress = simulation.array("particle.stress")[0]
@@ -293,7 +309,7 @@ class ElementTest(PointScene):
             small_strain_rigidity_index=(at_first / strength, "1", "G at small strain over su"),
             half_strength_rigidity_index=(halfway / strength, "1", "G at 50 % over su"),
         )
-        exact = self.clay.undrained_strength(self.test)
+        exact = self.soil.undrained_strength(self.test)
         if exact is not None:
             error = (abs(strength / exact - 1.0), "1", "error of the strength")
             found |= labelled(strength_exact=(exact, "Pa", "shear strength, exact"))

@@ -12,7 +12,7 @@ from mpm_warp.fields.declaration import Derived, Value, parameter, redefined
 from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import PARAMETER
-from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.clay_tower import FieldClayScene
 from mpm_warp.scenes.cone.parameters import ConeInGround, FittedToCone
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.table import (

@@ -38,7 +38,7 @@ from mpm_warp.fields.plain_numbers import plain_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import LAWS, PARAMETER
 from mpm_warp.materials.material import Material
-from mpm_warp.scenes.clay import FieldClayScene
+from mpm_warp.scenes.clay_tower import FieldClayScene
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 UNITS: Mapping[str, Mapping[str, float]] = {

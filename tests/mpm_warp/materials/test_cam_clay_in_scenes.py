@@ -87,14 +87,14 @@ def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, start: 
     given: dict[str, Any] = {} if cylinder else {"cells_per_radius": 6}
     scene = kind(material=ModifiedCamClay(**ratios), expansion=2.0, **given)
     result = scene.run()
-    m, k, material = scene.exponent, 1.0 if cylinder else 4.0 / 3.0, scene.clay
+    m, k, material = scene.exponent, 1.0 if cylinder else 4.0 / 3.0, scene.soil
     direction = np.array([1.5, -1.5, 0.0] if cylinder else [2.0, -1.0, -1.0]) / 3.0
     q = material.deviator_at_rest or 0.0
     deviator = np.array([-q / 3.0, -q / 3.0, 2.0 * q / 3.0])
     path = integrated(material, direction, 1.1 * m * math.log(2.0), deviator=deviator)
     expansion = float(result.expansion[-1])
     total, _ = cavity_wall(material, path, m * math.log(expansion), factor=k)
-    pressure = float(result.cavity_pressure[-1]) * scene.undrained_shear_strength
+    pressure = float(result.cavity_pressure[-1]) * scene.clay.undrained_shear_strength
     assert pressure == pytest.approx(total, rel=0.01)
     distance = float(result.distance[0])
     rest = distance**m - 1.0 + 2.0 ** -float(m)

@@ -169,7 +169,7 @@ def test_by_the_lode_angle_every_direction_has_one_friction_angle(M: float, test
     expected = 9.0 + 8.0 * sine**2 / (1.0 - sine**2)
     assert invariants[0] * invariants[1] / invariants[2] == pytest.approx(expected, rel=1e-6)
     half = 0.5 * (s[2] - s[0])
-    assert scene.clay.undrained_strength(test) == pytest.approx(half, rel=1e-5)
+    assert scene.soil.undrained_strength(test) == pytest.approx(half, rel=1e-5)
     if test == "triaxial_extension":
         assert 2.0 * half / p == pytest.approx(6.0 * sine / (3.0 + sine), rel=1e-6)
 

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -14,19 +15,20 @@ from tests.mpm_warp.scenes.conftest import scene
 
 cone_test = partial(scene, "cone_penetration")
 SU = {"undrained_shear_strength": 1e4}
+REST = np.zeros(4)
 
 
 def test_clay_whose_strength_nothing_changes_is_perfectly_plastic() -> None:
     """Whatever reference and ductility are: they belong to nothing then."""
     point = MaterialPoint(reference_strain_rate=0.1, ductility=10.0, **SU)
     expected = Tresca(shear_modulus=1e6, poissons_ratio=0.49, density=1700.0, strength=1e4)
-    assert point.clay_with(speed_up=3.0, density=1700.0) == expected
+    assert point.clay.built(speed_up=3.0, density=1700.0, stress_at_rest=REST) == expected
 
 
 def test_strain_rates_are_those_of_reality() -> None:
     """A run that is three times as fast takes three times the rate for that of reference."""
     point = MaterialPoint(rate_factor=0.1, reference_strain_rate=0.1, **SU)
-    clay = point.clay_with(speed_up=3.0, density=1700.0)
+    clay = point.clay.built(speed_up=3.0, density=1700.0, stress_at_rest=REST)
     assert isinstance(clay, EinavRandolph)
     assert clay.reference_strain_rate == pytest.approx(0.3)
 

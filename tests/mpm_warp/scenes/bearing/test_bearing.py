@@ -15,7 +15,7 @@ from mpm_warp import (
 )
 from mpm_warp.planning import make_plan
 from mpm_warp.scenes.bearing.bearing import RADIUS, STRENGTH
-from mpm_warp.scenes.bearing.on_ground import Footing, OnGround
+from mpm_warp.scenes.bearing.on_ground import Footing
 from tests.mpm_warp.scenes.conftest import order_and_errors
 
 pytestmark = pytest.mark.slow
@@ -73,7 +73,9 @@ def test_footing(footing: type[Footing], adhesion_factor: float) -> None:
     ("scene", "cells", "at_rim"),
     [(ConeBearing, 4, 16), (CircularFooting, 12, 12), (StripFooting, 12, 12)],
 )
-def test_strength_that_grows_with_depth(scene: type[OnGround], cells: int, at_rim: int) -> None:
+def test_strength_that_grows_with_depth(
+    scene: type[Footing | ConeBearing], cells: int, at_rim: int
+) -> None:
     """The rim is known to half a cell: a body so much wider bears, by its own exact load, more."""
     exact, wider = (
         scene(strength_gradient_ratio=kappa).exact[0] for kappa in (1.0, 1.0 + 0.5 / at_rim)
@@ -92,7 +94,7 @@ def test_adhesion_is_that_of_the_soil_beside_it() -> None:
     adhesion = make_plan(scene.build()).arrays["contact.adhesion"].initial
     mean_strength = STRENGTH * (1.0 + kappa / 3.0 * math.sqrt(3.0))
     assert adhesion.sum() == pytest.approx(0.5 * mean_strength * 0.5 * RADIUS**2 / 0.5)
-    assert ConeBearing().clay.variation is None
+    assert ConeBearing().soil.variation is None
 
 
 def test_a_load_that_still_rises_has_no_limit() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mpm_warp import InaccurateRun, ParameterError, RadialMotion, Simulation
-from mpm_warp.scenes.cavity.cavity import CavityCylinder, CavitySphere
+from mpm_warp.scenes.cavity.shapes import CavityCylinder, CavitySphere
 
 pytestmark = pytest.mark.slow
 

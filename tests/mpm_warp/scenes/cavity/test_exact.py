@@ -7,8 +7,8 @@ import pytest
 
 from mpm_warp import EinavRandolph, Tresca
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.cavity.cavity import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cavity.exact import cavity_pressure, strain_rate
+from mpm_warp.scenes.cavity.shapes import CavityCylinder, CavitySphere
 from mpm_warp.scenes.material.strain_paths import shear_stress
 from tests.mpm_warp.conftest import changing_clay
 

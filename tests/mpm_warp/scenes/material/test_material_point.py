@@ -51,7 +51,7 @@ def test_stress_of_clay_that_changes_its_strength(material: str, changed: dict[s
 
 
 def test_the_number_of_paths_is_known_before_they_are() -> None:
-    assert len(known_paths(MaterialPoint().clay)) == PATH_COUNT
+    assert len(known_paths(MaterialPoint().soil)) == PATH_COUNT
 
 
 def test_a_stress_that_is_not_finite_ends_the_run() -> None:

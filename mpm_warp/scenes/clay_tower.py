@@ -1,0 +1,228 @@
+"""Scenes in undrained clay: perfectly plastic, softening or with a rate effect, or of any law."""
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp.fields.checked import fill_in
+from mpm_warp.fields.declaration import Derived, parameter
+from mpm_warp.grid.fitted import Floats
+from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.clay_law import LAWS, ClayLaw
+from mpm_warp.materials.einav_randolph import EinavRandolph
+from mpm_warp.materials.material import Material
+from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
+from mpm_warp.scenes.catalogue import CatalogueScene
+
+NEEDED = (
+    ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),
+    ("remoulded_strength_ratio", 1.0, "ductility", "the plastic shear strain of 95 % of the loss"),
+)
+"""A parameter and its neutral value; a parameter needed for any other value, and its meaning."""
+STRAIN_RATE: dict[str, Any] = {"unit": "s-1", "minimum": 1e-12, "maximum": 1e6}
+"""Unit and limits of all parameters that are strain rates."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClayScene(CatalogueScene):
+    """A scene in clay of one stiffness and one strength, or of a law with parameters of its own.
+
+    Raises:
+        mpm_warp.errors.ParameterError: on construction, also for a rate factor without a reference
+            strain rate, a remoulded strength without a ductility, a strength that falls too
+            steeply, or a law that is not allowed.
+    """
+
+    rigidity_index: float = parameter(
+        Derived(100.0), "rigidity index G/su", minimum=2, maximum=5000
+    )
+    material: ClayLaw = parameter(
+        "tresca",
+        "law of the clay: a yield criterion, or a law with parameters of its own, see `harness "
+        "describe LAW`; von_mises: sqrt(J2) = su, as Tresca in pure shear",
+        variants=LAWS,
+    )
+    poissons_ratio: float = parameter(0.49, "Poisson's ratio", minimum=0, maximum=0.4999)
+    rate_factor: float = parameter(
+        0.0,
+        "rate factor mu: relative increase of su per log cycle of strain rate above the reference; "
+        "usual: 0.05 to 0.2",
+        minimum=0,
+        maximum=1,
+    )
+    reference_strain_rate: float | None = parameter(
+        None,
+        "shear strain rate at which su holds, in real time; to be given with a rate_factor",
+        **STRAIN_RATE,
+    )
+    remoulded_strength_ratio: float = parameter(
+        1.0,
+        "strength of remoulded over that of intact clay, 1 / sensitivity; 1: no softening",
+        above=0,
+        maximum=1,
+    )
+    ductility: float | None = parameter(
+        None,
+        "plastic shear strain xi_95 to 95 % of the loss of strength, usual: 10 to 50; to be given "
+        "with a remoulded_strength_ratio",
+        above=0,
+        maximum=1e6,
+    )
+
+    @property
+    def is_criterion(self) -> bool:
+        """Whether the law is a yield criterion, without parameters of its own."""
+        return self.material.name in CRITERIA
+
+    @property
+    def strength_changes(self) -> bool:
+        """Whether the clay softens or has a rate effect."""
+        return self.rate_factor > 0.0 or self.remoulded_strength_ratio < 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        law = self.material
+        if self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
+            raise ParameterError(
+                "material",
+                f"material = {law.name!r} has a strength of its own: rate_factor and "
+                "remoulded_strength_ratio are of other clay",
+            )
+        for name, without, needed, what in NEEDED:
+            value = getattr(self, name)
+            if value != without and getattr(self, needed) is None:
+                raise ParameterError(
+                    needed, f"{name} = {value:g} needs {needed}, {what}: give both"
+                )
+        self.check_clay()
+
+    def check_clay(self) -> None:
+        """Complete the parameters by the law; `ParameterError` where it does not allow them."""
+        try:
+            self._follow_law()
+            _ = self.clay
+        except SceneError as refusal:
+            key = "ductility" if self.is_criterion else "material"
+            raise ParameterError(key, str(refusal)) from None
+
+    @property
+    def own_strength(self) -> float | None:
+        """Strength [Pa] in the `reference_test` of a law that has its own; None for other laws.
+
+        It is su of the scene where this is not given.
+        """
+        if not self.material.has_own_strength:
+            return None
+        return self.own_clay.undrained_strength(self.own_clay.reference_test)
+
+    @property
+    def own_clay(self) -> Material:
+        """The intact clay, for the strength, stiffness and stress that the law itself gives."""
+        strength = 1.0 if self.material.has_own_strength else self.undrained_shear_strength
+        try:
+            return self.material.material(
+                density=1.0,
+                shear_modulus=self.rigidity_index,
+                poissons_ratio=self.poissons_ratio,
+                strength=strength,
+            )
+        except SceneError as refusal:
+            raise ParameterError("material", str(refusal)) from None
+
+    def _follow_law(self) -> None:
+        """Set su, rigidity index and Delta by a law that gives them, and what depends on them."""
+        own_strength = self.own_strength
+        if own_strength is None and not self.material.has_own_stiffness:
+            return
+        if own_strength is not None and isinstance(self.undrained_shear_strength, Derived):
+            fill_in(self, {"undrained_shear_strength": own_strength})
+        strength = self.undrained_shear_strength
+        if self.material.has_own_stiffness:
+            own = self.own_clay.ground_shear_modulus / strength
+            fill_in(self, {"rigidity_index": own})
+            if not math.isclose(self.rigidity_index, own):
+                has_own = f" with material = {self.material.name!r}, whose stiffness is its own"
+                self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
+        if (deviator := self.own_clay.deviator_at_rest) is not None:
+            if not hasattr(self, "stress_anisotropy"):
+                raise ParameterError(
+                    "material",
+                    "this scene starts from stresses that are equal in all directions: give "
+                    "isotropic_overconsolidation_ratio, without K0",
+                )
+            fill_in(self, {"stress_anisotropy": deviator / (2.0 * strength)})
+        fill_in(self, self.derived())
+
+    @property
+    @abstractmethod
+    def undrained_shear_strength(self) -> float:
+        """Su of intact clay at the reference strain rate [Pa]."""
+
+    @property
+    @abstractmethod
+    def clay(self) -> Material:
+        """The clay of the run, made by `clay_with`."""
+
+    @property
+    def stress_at_rest(self) -> Floats:
+        """Initial stress (rr, zz, rz, tt) in excess of the vertical stress [Pa], shape [4]."""
+        delta = getattr(self, "stress_anisotropy", 0.0)
+        return 2.0 * delta * self.undrained_shear_strength * np.array([1.0, 0.0, 0.0, 1.0])
+
+    def clay_with(
+        self, *, density: float, speed_up: float, greatest_poissons_ratio: float = 0.5
+    ) -> Material:
+        """The clay, of a density [kg/m3]; `speed_up` is the speed of the run over the real one.
+
+        It scales the reference strain rate, so that the rate effect is that of the real test.
+        """
+        strength = self.undrained_shear_strength
+        given: dict[str, Any] = {
+            "shear_modulus": self.rigidity_index * strength,
+            "poissons_ratio": min(self.poissons_ratio, greatest_poissons_ratio),
+            "density": density,
+            "strength": strength,
+        }
+        intact = self.material.material(**given)
+        try:
+            intact.check_stress_at_rest(self.stress_at_rest)
+        except SceneError as refusal:
+            raise ParameterError("stress_anisotropy", f"stress_anisotropy: {refusal}") from None
+        if not (self.strength_changes and isinstance(intact, PerfectlyPlastic)):
+            return intact
+        return EinavRandolph(
+            **given | {"strength": intact.strength},
+            criterion=type(intact),
+            shape=intact.shape,
+            rate_factor=self.rate_factor,
+            reference_strain_rate=(self.reference_strain_rate or 1.0) * speed_up,
+            remoulded_strength_ratio=self.remoulded_strength_ratio,
+            ductility=self.ductility or 1.0,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldClayScene(ClayScene):
+    """A scene in clay of a given strength, which something penetrates at a given real speed."""
+
+    undrained_shear_strength: float = parameter(
+        Derived(20e3),
+        "undrained shear strength su in pure shear",
+        unit="Pa",
+        minimum=1e-3,
+        maximum=1e9,
+    )
+    density: float = parameter(
+        1700.0, "density of the clay", unit="kg m-3", minimum=1e-3, maximum=1e9
+    )
+    penetration_speed: float = parameter(
+        0.02,
+        "speed of the real penetration, for the rate effect; the speed of the run is speed_ratio",
+        unit="m s-1",
+        minimum=1e-9,
+        maximum=1e3,
+    )
