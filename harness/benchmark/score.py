@@ -16,8 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.benchmark.cases import BenchmarkCase, Result, Submission
-from harness.references.reference import USUAL, Criterion
+from harness.references.reference import USUAL
 from harness.references.registry import REFERENCES
+from harness.references.strength import Criterion, of_law
 from harness.study.tables import StudyError
 from mpm_warp.fields.names import nearest_name
 
@@ -87,9 +88,9 @@ def formulas(cases: Sequence[BenchmarkCase]) -> list[Submission]:
                 "alpha_s": adhesion,
                 "Delta": float(case.fixed.get("stress_anisotropy", 0.0)),
                 "constant_su": 0.0 if changes else 1.0,
+                **of_law(str(case.fixed.get("material", Criterion.TRESCA))),
             }
-            is_other = "material" in case.fixed and reference.criterion != Criterion.VON_MISES
-            if reference.applies(conditions) and not is_other:
+            if reference.applies(conditions) and reference.readings(conditions) == (reference,):
                 value = float(reference.evaluate(conditions))
                 results[case.name] = Result(value, math.nan, math.nan)
         if results:

@@ -20,12 +20,28 @@ from harness.archive.conventions import (
 )
 from harness.errors import HarnessError
 from harness.references.band import Band
-from harness.references.reference import COMPARED, NEEDED, Conditions, Reference
-from harness.references.registry import REFERENCES, band_of, reference_of
+from harness.references.reference import COMPARED, NEEDED, Reference
+from harness.references.registry import REFERENCES, band_of, reference_of, without_mode
+from harness.references.strength import (
+    CRITERION,
+    STATED,
+    Conditions,
+    Criterion,
+    StrengthMode,
+    in_test_of,
+)
 from harness.study.compared import OWN_LABEL, own_attributes, stored_own_reference
 from mpm_warp.fields.names import did_you_mean
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.clay_law import PARAMETER
+
+STRENGTH_BY = {
+    StrengthMode.PURE_SHEAR: "strength_by_simple_shear",
+    StrengthMode.TRIAXIAL_COMPRESSION: "strength_by_compression",
+}
+"""Results with the su of a law that has its own."""
+BY_COMPRESSION = f"{COMPARED}_by_compression"
+"""Result with the cone factor over su in triaxial compression."""
 
 
 class NothingToCompareError(HarnessError):
@@ -50,10 +66,11 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
 
     face = as_built("adhesion_factor", dataset["adhesion_factor"])
     shaft = as_built("shaft_adhesion_factor", face)
+    law = dataset.get(PARAMETER, xr.DataArray(Criterion.TRESCA.value))
     constant_su = (
         (dataset.get("rate_factor", xr.DataArray(0.0)) == 0.0)
         & (dataset.get("remoulded_strength_ratio", xr.DataArray(1.0)) == 1.0)
-        & dataset.get(PARAMETER, xr.DataArray("tresca")).isin(list(CRITERIA))
+        & law.isin([*CRITERIA])
     )
     return {
         **{name: dataset[stored] for name, stored in parameter_names(dataset).items()},
@@ -64,13 +81,26 @@ def conditions_of(dataset: xr.Dataset) -> Conditions:
         "apex_angle": dataset.get("apex_angle", xr.DataArray(60.0)),
         "friction": as_built("friction_coefficient", xr.DataArray(0.0)),
         "constant_su": constant_su.astype(float),
+        CRITERION: law,
+        **{mode: _in_test(dataset, law, mode) for mode in STATED},
     }
+
+
+def _in_test(dataset: xr.Dataset, law: xr.DataArray, mode: StrengthMode) -> xr.DataArray:
+    """The su of a test over that of each case; NaN where the law is not known to have one."""
+    by_law: xr.DataArray = xr.apply_ufunc(
+        lambda name: in_test_of(str(name), mode), law, vectorize=True, output_dtypes=[float]
+    )
+    own = dataset.get(STRENGTH_BY.get(mode, ""), xr.DataArray(np.nan))
+    return by_law.fillna(own / dataset.get("undrained_shear_strength", np.nan))
 
 
 def with_references(dataset: xr.Dataset, references: Sequence[Reference]) -> xr.Dataset:
     """Add `reference_<id>` and `deviation_<id>` = computed / reference - 1 of each reference.
 
-    Their dims are those of `cone_factor`. The attribute `validity` states the range, outside which
+    Their dims are those of `cone_factor`. A reference is evaluated by its own su, and given over
+    that of the case. One that does not state its test is there by each test that it may mean, where
+    this matters: `reference_<id>_<test>`. The attribute `validity` states the range, outside which
     some references have a value too.
     """
     if not references:
@@ -78,13 +108,14 @@ def with_references(dataset: xr.Dataset, references: Sequence[Reference]) -> xr.
     computed, conditions = cone_factor_of(dataset), conditions_of(dataset)
     fields = ("source", "criterion", "su_mode", "method", "how_known", "validity")
     added = {}
-    for reference in references:
+    for reference in (it for given in references for it in given.readings(conditions)):
         # Plain values, because arithmetic on arrays would pass on the attributes of a parameter.
         value = reference.evaluate(conditions).broadcast_like(computed)
         values = value.transpose(*computed.dims).values
         known = {"units": "1", **{name: str(getattr(reference, name)) for name in fields}}
         known |= {"formula": reference.text} if reference.formula is not None else {}
-        known |= own_attributes(reference) if reference.id not in REFERENCES else {}
+        is_own = without_mode(reference.id) not in REFERENCES
+        known |= own_attributes(reference) if is_own else {}
         label = f"cone factor of {reference.label}"
         with np.errstate(divide="ignore"):  # a formula of a study's own may be 0
             deviations = computed.values / values - 1
@@ -103,28 +134,19 @@ def stored_references(dataset: xr.Dataset) -> tuple[Reference, ...]:
 
 
 def _stored(dataset: xr.Dataset, name: str) -> Reference:
-    reference_id = name.removeprefix(f"{Role.REFERENCE}_")
-    if OWN_LABEL in dataset[name].attrs:
-        return stored_own_reference(reference_id, dataset[name].attrs)
-    return reference_of(reference_id)
+    """A reference, or a reading of it, from the variable that holds its values."""
+    reading_id, attributes = name.removeprefix(f"{Role.REFERENCE}_"), dataset[name].attrs
+    if OWN_LABEL in attributes:
+        return stored_own_reference(reading_id, attributes)
+    reference = reference_of(without_mode(reading_id))
+    is_read = reading_id != reference.id
+    return reference.read_as(StrengthMode(attributes["su_mode"])) if is_read else reference
 
 
 def where_it_applies(dataset: xr.Dataset, reference_id: str) -> xr.DataArray:
     """Whether a reference stored in `dataset` is valid for each of its cases."""
     reference = _stored(dataset, f"{Role.REFERENCE}_{reference_id}")
     return reference.applies(conditions_of(dataset))
-
-
-def exact_shear(dataset: xr.Dataset) -> xr.DataArray:
-    """Shear part of the cone factor by statics: adhesion factor / tan(half the apex angle).
-
-    It is exact if the whole face slips and only adhesion resists. It is NaN with friction, and in
-    clay whose strength, and so its adhesion, changes.
-    """
-    conditions = conditions_of(dataset)
-    exact = conditions["alpha_c"] / np.tan(np.radians(conditions["apex_angle"]) / 2)
-    slips = (conditions["constant_su"] == 1.0) & (conditions["friction"] == 0.0)
-    return xr.DataArray(exact).where(slips)
 
 
 def cone_factor_of(dataset: xr.Dataset) -> xr.DataArray:
@@ -141,7 +163,11 @@ BOUND = "bound"
 
 
 def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset:
-    """Add bands of experience to a result: `experience_<id>`, least and greatest over `bound`."""
+    """Add bands of experience to a result: `experience_<id>`, least and greatest over `bound`.
+
+    They are over su in triaxial compression. Where that is not the su of the cases, the cone factor
+    by it is added too.
+    """
     if not entry_ids:
         return dataset
     bands = {}
@@ -161,7 +187,22 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
         }
         bands[f"{Role.EXPERIENCE}_{entry.id}"] = (BOUND, list(entry.bounds), attributes)
     ends = (BOUND, ["least", "greatest"], {"long_name": "end of a band"})
-    return dataset.assign_coords({BOUND: ends}).assign(bands)
+    return _with_factor_by_compression(dataset).assign_coords({BOUND: ends}).assign(bands)
+
+
+def _with_factor_by_compression(dataset: xr.Dataset) -> xr.Dataset:
+    if COMPARED not in dataset or BY_COMPRESSION in dataset or not {*NEEDED} <= {*dataset}:
+        return dataset
+    ratio = conditions_of(dataset)[StrengthMode.TRIAXIAL_COMPRESSION]
+    if over_cases(dataset, ratio == 1.0).all():
+        return dataset
+    factor = dataset[COMPARED]
+    attributes = {
+        "units": "1",
+        "long_name": "cone factor, compression",
+        "description": "over su in triaxial compression",
+    }
+    return dataset.assign({BY_COMPRESSION: (factor / ratio).assign_attrs(attributes)})
 
 
 def stored_experience(dataset: xr.Dataset) -> tuple[Band, ...]:
@@ -198,26 +239,32 @@ def misses(dataset: xr.Dataset) -> dict[str, list[str]]:
 
 
 def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
-    numbers = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
-    applies: object = True
-    if (deviation := f"{Role.DEVIATION}_{name}") in dataset:
-        value, given = dataset[deviation], dataset[COMPARED]
-        applies = where_it_applies(dataset, name)
-    elif name in numbers:
-        value = given = dataset[name]
-    else:
-        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
-    size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
-    size = size.where(dataset["status"] == COMPLETED)  # other cases may have incomplete curves
-    sizes, held = over_cases(dataset, size), over_cases(dataset, applies)
-    # In a study of several scenes, leave out a scene whose completed cases lack the variable.
-    scenes, done = np.array(scenes_of(dataset)), over_cases(dataset, "status") == COMPLETED
-    having = given.attrs.get(GIVEN_BY, " ".join(scenes)).split()
-    held = held & ~np.isin(scenes, [*({*scenes[done]} - {*having})])
-    if not held.any():
-        return [f"{name}: applies to no case"]
-    return [
-        f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"
-        for label, size, is_held in zip(labels_of(dataset), sizes, held, strict=True)
-        if is_held and not size <= limit
+    deviations = [
+        it
+        for it in with_role(dataset, Role.DEVIATION)
+        if name in (bare := it.removeprefix(f"{Role.DEVIATION}_"), without_mode(bare))
     ]
+    numbers = [str(name) for name in dataset.data_vars if dataset[name].dtype.kind in "iuf"]
+    if not deviations and name not in numbers:
+        return [f"{name}: is neither a reference nor a result here{did_you_mean(name, numbers)}"]
+    lines, applied = [], False
+    for variable in deviations or [name]:
+        value, held = dataset[variable], over_cases(dataset, True)
+        if deviations:
+            applies = where_it_applies(dataset, variable.removeprefix(f"{Role.DEVIATION}_"))
+            held = over_cases(dataset, applies)
+        size = abs(value).max([dim for dim in value.dims if dim not in case_dims(dataset)])
+        size = size.where(dataset["status"] == COMPLETED)  # others may have incomplete curves
+        # In a study of several scenes, leave out a scene whose completed cases lack the variable.
+        scenes, done = np.array(scenes_of(dataset)), over_cases(dataset, "status") == COMPLETED
+        given = dataset[COMPARED] if deviations else value
+        having = given.attrs.get(GIVEN_BY, " ".join(scenes)).split()
+        held = held & ~np.isin(scenes, [*({*scenes[done]} - {*having})])
+        applied |= held.any()
+        rows = zip(labels_of(dataset), over_cases(dataset, size), held, strict=True)
+        lines += [
+            f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"
+            for label, size, is_held in rows
+            if is_held and not size <= limit
+        ]
+    return lines if applied else [f"{name}: applies to no case"]

@@ -1,7 +1,7 @@
 """The result of a study as a text table: beside published cone factors, or exact solutions."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -36,7 +36,6 @@ from harness.compare.compared import (
     NothingToCompareError,
     conditions_of,
     cone_factor_of,
-    exact_shear,
     experience_notes,
     stored_references,
 )
@@ -46,6 +45,7 @@ from harness.compare.spread import spread_notes
 from harness.references.reference import COMPARED, Reference
 from harness.references.registry import ENVELOPE, envelope, envelope_applies
 from mpm_warp.scenes.strength_modes import BY_GIVEN
+from harness.references.strength import Conditions, in_test
 
 MOST_CASES = 3
 """A note lists up to so many cases; of more it gives the number."""
@@ -112,7 +112,7 @@ def cone_factor_table(dataset: xr.Dataset, form: str = "text") -> str:
     columns = [
         *_cone_factor_columns(dataset),
         *(_reference_column(dataset, reference) for reference in references),
-        _envelope_column(dataset),
+        *_envelope_columns(dataset),
     ]
     notes = [
         *_resolution_notes(dataset),
@@ -135,33 +135,35 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
         )
         yield stated_column("u2_over su", pressure, half_widths, _reasons_of_pressure(dataset))
     if "cone_factor_shear" in dataset:
-        shear, exact = dataset["cone_factor_shear"], exact_shear(dataset)
-        deviations = over_cases(dataset, shear / exact.where(exact > 0) - 1)
-        yield numbers_column(dataset, shear, ".3f", "shear_part")
-        pairs = zip(over_cases(dataset, exact), deviations, strict=True)
-        yield column("exact_shear", (_with_deviation(*pair, digits=3) for pair in pairs))
+        yield numbers_column(dataset, "cone_factor_shear", ".3f", "shear_part")
 
 
 def _reference_column(dataset: xr.Dataset, reference: Reference) -> Column:
-    stored = (f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION))
-    columns = (
-        over_cases(dataset, array) for array in (*stored, reference.applies(conditions_of(dataset)))
+    conditions = conditions_of(dataset)
+    quantities = (
+        *(f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION)),
+        reference.applies(conditions),
+        reference.has_criterion(conditions),
     )
+    other = f" {reference.criterion_name}"
+    rows = zip(*(over_cases(dataset, quantity) for quantity in quantities), strict=True)
     texts = [
-        _bracketed(_with_deviation(value, deviation), inside)
-        if inside or np.isfinite(value)
+        _bracketed(_with_deviation(value, deviation) + ("" if is_alike else other), applies)
+        if applies or np.isfinite(value)
         else "[outside]"
-        for value, deviation, inside in zip(*columns, strict=True)
+        for value, deviation, applies, is_alike in rows
     ]
     return column(reference.id, texts)
 
 
-def _envelope_column(dataset: xr.Dataset) -> Column:
+def _envelope_columns(dataset: xr.Dataset) -> Iterable[Column]:
+    """The place in the envelope; none where no case has two references of its criterion."""
     conditions = conditions_of(dataset)
     quantities = (COMPARED, *envelope(conditions), envelope_applies(conditions))
-    rows = zip(*(over_cases(dataset, quantity) for quantity in quantities), strict=True)
-    texts = [_bracketed(_place(*numbers), applies) for *numbers, applies in rows]
-    return column("in the_envelope", texts)
+    rows = [*zip(*(over_cases(dataset, quantity) for quantity in quantities), strict=True)]
+    if any(np.isfinite(lower) for _, lower, _, _ in rows):
+        texts = [_bracketed(_place(*numbers), applies) for *numbers, applies in rows]
+        yield column("in the_envelope", texts)
 
 
 def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
@@ -175,7 +177,7 @@ def _bracketed(text: str, inside: bool) -> str:
 
 
 def _place(value: float, lower: float, upper: float) -> str:
-    if not np.isfinite(value):
+    if not np.isfinite(value) or not np.isfinite(lower):
         return MISSING
     return "below" if value < lower else "above" if value > upper else "yes"
 
@@ -228,30 +230,46 @@ def _resolution_notes(dataset: xr.Dataset) -> list[str]:
     return [f"finest two ({RESOLUTION} {coarse:g} to {fine:g}): cone factor {', '.join(texts)}"]
 
 
-def _notes(dataset: xr.Dataset, references: Iterable[Reference]) -> list[str]:
-    shown = {reference.id: reference for reference in (*references, *ENVELOPE)}.values()
-    members = ", ".join(reference.id for reference in ENVELOPE)
-    return [
+def _notes(dataset: xr.Dataset, references: Sequence[Reference]) -> list[str]:
+    notes = [
         f"cone factor: +- {HALF_WIDTH}; without +- the error is not known",
         f"computed: {which_strength(dataset)}",
-        "exact shear: adhesion_factor / tan(apex_angle / 2); deviation of the shear part from it",
-        f"envelope: least to greatest of {members}; it is no confidence interval",
-        "literature: value, computed / literature - 1; [outside the validity of the reference]",
-        *(
-            f"  {reference.id}: {reference.source}; {reference.definition}; {reference.validity}"
-            for reference in shown
-        ),
-        f"how known: {'; '.join(dict.fromkeys(reference.how_known for reference in shown))}",
     ]
+    if not references:
+        return notes
+    members, conditions = ", ".join(it.id for it in ENVELOPE), conditions_of(dataset)
+    known = dict.fromkeys(reference.how_known for reference in references)
+    envelope_of = f"envelope: least to greatest of those of {members} that have its criterion"
+    outside = "[outside the validity of the reference, or of another criterion, which is named]"
+    return [
+        *notes,
+        f"{envelope_of}; it is no confidence interval",
+        f"literature: over su of the case, computed / literature - 1; {outside}",
+        *(
+            f"  {reference.id}: {reference.source}; {reference.definition}"
+            f"{_ratio(dataset, reference, conditions)}; {reference.validity}"
+            for reference in references
+        ),
+        f"how known: {'; '.join(known)}",
+    ]
+
+
+def _ratio(dataset: xr.Dataset, reference: Reference, conditions: Conditions) -> str:
+    """The su of a reference over that of the cases, in words; "" where it is the same."""
+    ratios = over_cases(dataset, in_test(conditions, reference.su_mode))
+    known = np.unique(ratios[np.isfinite(ratios)])
+    if np.all(known == 1.0):
+        return ""
+    return f", which is {' or '.join(f'{ratio:.3g}' for ratio in known)} times su here"
 
 
 def which_strength(dataset: xr.Dataset) -> str:
     """Which strength su the cone factors are divided by, in words."""
     named = str(cone_factor_of(dataset).attrs.get("long_name", ""))
-    factors, by_test = (
-        over_cases(dataset, name).astype(float) for name in (COMPARED, f"{COMPARED}_by_compression")
+    factors, strengths = (
+        over_cases(dataset, name).astype(float) for name in (COMPARED, "strength_by_compression")
     )
-    has_own = np.isfinite(by_test[np.isfinite(factors)])
+    has_own = np.isfinite(strengths[np.isfinite(factors)])
     in_shear = "su is the strength in pure shear, for von_mises too (sqrt(J2) = su)"
     if not has_own.any():
         return in_shear

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import Role, over_cases, with_role
-from harness.compare.compared import stored_experience
+from harness.compare.compared import BY_COMPRESSION, stored_experience
 from harness.pictures.convergence import refined
 from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.plot_parts import STYLED, label_ends, once, panels, series
@@ -23,9 +23,6 @@ from harness.pictures.map import is_map
 from harness.pictures.sounding import STRETCH
 from harness.pictures.studied import Studied
 from harness.references.reference import COMPARED, NEEDED
-
-BY_COMPRESSION = f"{COMPARED}_by_compression"
-"""Cone factors by su in triaxial compression."""
 
 
 @STYLED

@@ -19,10 +19,10 @@ from harness.references.reference import (
     COMPARED,
     NEEDED,
     SYMBOL_OF,
-    Conditions,
-    Quantity,
     Reference,
 )
+from harness.references.strength import Conditions, Quantity
+from mpm_warp.materials.clay_law import PARAMETER
 
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, used in turn, so that overlapping bands can be told apart."""
@@ -76,8 +76,9 @@ def draw_literature(
     """Draw envelope and references beside series, each given by its cases and its colour.
 
     If they are the same for all series, each reference is a curve with a colour and a label: solid
-    where it is valid, dashed elsewhere; the ends of these curves are returned. Otherwise each
-    series has its own envelope and references, in its colour and where they are valid.
+    where it is valid and has the criterion of the case, dashed elsewhere; the ends of these curves
+    are returned. Otherwise each series has its own envelope and references, in its colour and where
+    they are valid.
     """
     references = stored_references(studied.dataset)
     found = [_over_axis(studied, along, cases, references) for cases, _ in shown]
@@ -105,8 +106,9 @@ def draw_literature(
         for reference, (value, applies), own in drawn:
             axes.plot(here.x, np.where(applies, value, np.nan), color=own, **_marks(reference))
             if not applies[np.isfinite(value)].all():
-                label = once(axes, "outside its validity")
-                axes.plot(here.x, value, color=own, lw=0.9, ls=DASHES[0], alpha=0.7, label=label)
+                style = {"lw": 0.9, "ls": DASHES[0], "alpha": 0.7, **_marks(reference)}
+                label = once(axes, "outside its validity or criterion")
+                axes.plot(here.x, value, color=own, label=label, **style)
             ends += end_of(here.x, value, plain(shortened(reference.label, MOST_LETTERS)), own)
     return ends
 
@@ -154,7 +156,6 @@ def _conditions_over(
     """
     name, dataset = along.name, studied.dataset
     if along.categories:
-        # References do not depend on texts, so their values are constant along this axis.
         x, attributes = np.linspace(-0.5, len(along.categories) - 0.5, FINE), {}
     else:
         x, attributes = _with_points(_fine(along), dataset, name), dataset[name].attrs
@@ -168,7 +169,11 @@ def _conditions_over(
     places = np.unravel_index(cases[0], dataset["status"].shape)
     first = dict(zip(dataset["status"].dims, map(int, places), strict=True))
     one = dataset.isel(first).drop_vars([*following, name])
-    one = one.assign_coords({name: xr.Variable(name, x, attributes)})
+    at = x
+    if along.categories and parameter_of(name) == PARAMETER:  # references have a criterion
+        nearest = np.rint(x).astype(int).clip(0, len(along.categories) - 1)
+        at = np.array(along.categories)[nearest]
+    one = one.assign_coords({name: xr.Variable(name, at, attributes)})
     for it, values in following.items():
         between = _interpolated(x, along, along.numbers[cases], values)
         one = one.assign_coords({it: (name, between, dataset[it].attrs)})

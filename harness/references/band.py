@@ -11,7 +11,8 @@ from enum import StrEnum
 from typing import Any, Self
 
 from harness.expressions import Expression
-from harness.references.reference import StrengthMode, span
+from harness.references.reference import span
+from harness.references.strength import StrengthMode
 
 
 class Factor(StrEnum):

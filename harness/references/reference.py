@@ -5,19 +5,24 @@ Those that ship are in entries.toml; a study defines its own in the same way.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import Any, Self, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
-import numpy as np
 import xarray as xr
 
 from harness.expressions import Expression, ExpressionError
+from harness.references.strength import (
+    CRITERION,
+    MAY_MEAN,
+    Conditions,
+    Criterion,
+    StrengthMode,
+    by_su_in,
+    in_test,
+    of_law,
+)
 from mpm_warp.fields.declaration import Value
 
-Quantity: TypeAlias = float | np.ndarray | xr.DataArray
-Conditions: TypeAlias = Mapping[str, Quantity]
-"""Values of `SYMBOLS`, and of parameters of the scene in SI units, by name."""
 COMPARED = "cone_factor"
 """The result that references are compared with."""
 NEEDED = ("rigidity_index", "adhesion_factor")
@@ -45,30 +50,13 @@ USUAL: Conditions = {
     "apex_angle": 60.0,
     "friction": 0.0,
     "constant_su": 1.0,
+    **of_law(Criterion.TRESCA),
 }
-"""Values of symbols for a smooth cone in clay of a constant strength."""
+"""Conditions of a smooth cone in Tresca clay of a constant strength."""
 FACTOR = "Nc"
 """Column of points with the cone factor."""
 SAME = 1e-9
 """Conditions are those of a point if they differ by less than this share."""
-
-
-class Criterion(StrEnum):
-    """Yield criterion of an analysis."""
-
-    NOT_STATED = "not_stated"
-    TRESCA = "tresca"
-    VON_MISES = "von_mises"
-    MODIFIED_CAM_CLAY = "modified_cam_clay"
-
-
-class StrengthMode(StrEnum):
-    """The test that su is the strength in."""
-
-    NOT_STATED = "not_stated"
-    PURE_SHEAR = "pure_shear"
-    TRIAXIAL_COMPRESSION = "triaxial_compression"
-    PLANE_STRAIN = "plane_strain"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,12 +99,17 @@ class Reference:
     @property
     def definition(self) -> str:
         """Criterion and meaning of su, in words."""
-        criterion, test = (it.replace("_", " ") for it in (self.criterion, self.su_mode))
-        known = criterion.replace("tresca", "Tresca").replace("mises", "Mises")
         return (
-            f"{'criterion ' if self.criterion is Criterion.NOT_STATED else ''}{known}, "
-            f"{'test of su' if self.su_mode is StrengthMode.NOT_STATED else 'su in'} {test}"
+            f"{'criterion ' if self.criterion is Criterion.NOT_STATED else ''}{self.criterion_name}"
+            f", {'test of su' if self.su_mode is StrengthMode.NOT_STATED else 'su in'} "
+            f"{self.su_mode.replace('_', ' ')}"
         )
+
+    @property
+    def criterion_name(self) -> str:
+        """The criterion in words."""
+        words = self.criterion.replace("_", " ")
+        return words.replace("tresca", "Tresca").replace("mises", "Mises")
 
     @property
     def validity(self) -> str:
@@ -137,21 +130,48 @@ class Reference:
         names = self.points.keys() - {FACTOR} if self.formula is None else self.formula.names
         return sorted(names)
 
-    def applies(self, conditions: Conditions) -> xr.DataArray:
-        """Whether it is valid for `conditions`, element by element.
+    def readings(self, conditions: Conditions) -> tuple[Self, ...]:
+        """The reference by each test that its su may be from.
 
-        Criterion and mode of su are not checked.
+        It is the reference itself, if the test is stated or its su the same in all `conditions`.
         """
-        inside = xr.DataArray(True)
+        if self.su_mode is not StrengthMode.NOT_STATED:
+            return (self,)
+        first, *others = (in_test(conditions, mode) for mode in MAY_MEAN)
+        if all(((it == first) | (it.isnull() & first.isnull())).all() for it in others):
+            return (self,)
+        return tuple(map(self.read_as, MAY_MEAN))
+
+    def read_as(self, mode: StrengthMode) -> Self:
+        """The reference, its su from a test that it does not state."""
+        label = f"{self.label}, if su is in {mode.replace('_', ' ')}"
+        return replace(self, id=f"{self.id}_{mode}", label=label, su_mode=mode)
+
+    def has_criterion(self, conditions: Conditions) -> xr.DataArray:
+        """Whether the criterion is that of `conditions`, or is not stated, element by element."""
+        is_any = self.criterion is Criterion.NOT_STATED
+        return (xr.DataArray(conditions[CRITERION]) == str(self.criterion)) | is_any
+
+    def applies(self, conditions: Conditions) -> xr.DataArray:
+        """Whether criterion and range are those of `conditions`, element by element."""
+        return self._is_valid(conditions) & self.has_criterion(conditions)
+
+    def _is_valid(self, conditions: Conditions) -> xr.DataArray:
+        """Whether `conditions` are in the range; points have a value only at their places."""
+        own, inside = by_su_in(conditions, self.su_mode), xr.DataArray(True)
         for name, (low, high) in self.range.items():
-            quantity = _quantity(conditions, name)
+            quantity = _quantity(own, name)
             inside = inside & (quantity >= low) & (quantity <= high)
-        return inside if self.formula is not None else inside & self._value(conditions).notnull()
+        return inside if self.formula is not None else inside & self._value(own).notnull()
 
     def evaluate(self, conditions: Conditions) -> xr.DataArray:
-        """The cone factor, element by element; NaN where it has none."""
-        value = self._value(conditions)
-        return value if self.extrapolates else value.where(self.applies(conditions))
+        """The cone factor over the su of `conditions`, element by element; NaN where it has none.
+
+        The reference is evaluated by its own su.
+        """
+        ratio = in_test(conditions, self.su_mode)
+        value = ratio * self._value(by_su_in(conditions, self.su_mode))
+        return value if self.extrapolates else value.where(self._is_valid(conditions))
 
     def _value(self, conditions: Conditions) -> xr.DataArray:
         def value(*given: Value) -> float:

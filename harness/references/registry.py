@@ -11,7 +11,8 @@ import xarray as xr
 
 from harness.errors import HarnessError
 from harness.references.band import Band
-from harness.references.reference import Conditions, Reference
+from harness.references.reference import Reference
+from harness.references.strength import Conditions, StrengthMode
 from mpm_warp.fields.names import nearest_name
 
 Entry = TypeVar("Entry")
@@ -53,21 +54,37 @@ def reference_of(reference_id: str) -> Reference:
     return known(reference_id, REFERENCES, "reference")
 
 
+def without_mode(reading_id: str) -> str:
+    """The id of a reference, from that of a reading of it; see `Reference.readings`."""
+    endings = (f"_{mode}" for mode in StrengthMode if reading_id.endswith(f"_{mode}"))
+    return reading_id.removesuffix(next(endings, ""))
+
+
 def band_of(entry_id: str) -> Band:
     """The band of experience with this id."""
     return known(entry_id, BANDS, "band of experience")
 
 
 def envelope(conditions: Conditions) -> tuple[xr.DataArray, xr.DataArray]:
-    """Smallest and largest cone factor among the references of the envelope.
+    """Smallest and largest cone factor among the references of the envelope, by any reading.
 
-    It is not a confidence interval: the references differ in criterion, meaning of su and method.
+    Those of another criterion than the case's are not part of it, and one alone is no envelope:
+    NaN. It is not a confidence interval: the references differ in meaning of su and method.
     """
-    values = xr.broadcast(*(reference.evaluate(conditions) for reference in ENVELOPE))
-    of_all = xr.concat(values, "reference")
-    return of_all.min("reference", skipna=False), of_all.max("reference", skipna=False)
+    readings = [it for member in ENVELOPE for it in member.readings(conditions)]
+    values = [it.evaluate(conditions).where(it.has_criterion(conditions)) for it in readings]
+    of_all = xr.concat(xr.broadcast(*values), "reference").where(_count(conditions) > 1)
+    return of_all.min("reference"), of_all.max("reference")
 
 
 def envelope_applies(conditions: Conditions) -> xr.DataArray:
     """Whether all references of the envelope are valid, element by element."""
-    return functools.reduce(operator.and_, (member.applies(conditions) for member in ENVELOPE))
+    fails = (it.has_criterion(conditions) & ~it.applies(conditions) for it in ENVELOPE)
+    return (_count(conditions) > 1) & ~functools.reduce(operator.or_, fails)
+
+
+def _count(conditions: Conditions) -> xr.DataArray:
+    """Number of the references of the envelope that have the criterion of the case."""
+    return functools.reduce(
+        operator.add, (it.has_criterion(conditions).astype(int) for it in ENVELOPE)
+    )

@@ -18,11 +18,10 @@ from harness.references.reference import (
     COMPARED,
     FACTOR,
     SYMBOLS,
-    Criterion,
     Reference,
-    StrengthMode,
 )
-from harness.references.registry import BANDS, REFERENCES, reference_of
+from harness.references.registry import BANDS, REFERENCES, reference_of, without_mode
+from harness.references.strength import Criterion, StrengthMode
 from harness.study.files import find_study
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import LINE, StudyError, Table, is_number, text_key
@@ -211,7 +210,7 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
         raise StudyError(
             f"{table.where}: a name has lower-case letters, digits and '_', with a letter first"
         )
-    if name in REFERENCES or name in BANDS:
+    if without_mode(name) in REFERENCES or name in BANDS:
         raise StudyError(f"{table.where}: a reference that ships has this name; choose another")
     said = {it.name: table.read(it) for it in OWN_KEYS}
     names = {"range": list(_checked_ranges(table.table("range")))}

@@ -103,7 +103,7 @@ def test_the_picture_draws_it_within_its_range(computed: Computed) -> None:
 
 POINTS = STUDY.replace(
     'formula = "10 + alpha_c + apex_angle / 60"',
-    'criterion = "von_mises"\nsu_mode = "triaxial_compression"\n'
+    'criterion = "tresca"\nsu_mode = "triaxial_compression"\n'
     "points = { Ir = [50, 100, 100, 150], alpha_c = [0.5, 0.5, 1, 0.5], Nc = [9, 10, 11, 12] }",
 )
 
@@ -116,7 +116,7 @@ def test_points_are_values_of_the_cases_that_have_their_conditions(computed: Com
     assert (kept.text, kept.su_mode) == ("4 points over Ir, alpha_c", "triaxial_compression")
     table = result_table(result)
     assert table.count("[outside]") == 2
-    assert "von Mises, su in triaxial compression; Ir 80 to 200" in table
+    assert "Tresca, su in triaxial compression; Ir 80 to 200" in table
     (axes,) = figures(result)["curve"].axes
     (marks,) = (it for it in axes.lines if it.get_marker() == "D")
     shown = [point for point in np.asarray(marks.get_xydata()).tolist() if np.isfinite(point[1])]

@@ -1,6 +1,8 @@
 """The references and bands that ship: a row of a table for each entry of the file."""
 
 import itertools
+import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,13 +12,11 @@ from harness.references.band import Band, Factor
 from harness.references.listing import WIDTH, all_entries, one_entry
 from harness.references.reference import (
     USUAL,
-    Conditions,
-    Criterion,
-    Quantity,
     Reference,
-    StrengthMode,
 )
 from harness.references.registry import BANDS, ENVELOPE, REFERENCES, envelope, envelope_applies
+from harness.references.strength import Conditions, Criterion, Quantity, StrengthMode, of_law
+from mpm_warp.scenes.catalogue import scene_class
 from tests.harness.conftest import Command, Refusal
 
 IN_ENVELOPE = ("lu_2004", "teh_houlsby_1991", "yu_2000")
@@ -114,12 +114,61 @@ def test_where_a_reference_is_valid_and_that_it_has_a_value_elsewhere_too(
     assert np.isfinite(REFERENCES[name].evaluate(given))
 
 
-def test_the_envelope_is_that_of_the_three_analyses_with_adhesion() -> None:
+def test_the_envelope_has_the_criterion_of_the_case() -> None:
+    """By hand: su in triaxial compression is sqrt(3)/2 of that in pure shear, Ir 115.4701.
+
+    Teh & Houlsby then give 9.781250; Yu et al. 9.696317, or 10.725340 if their su is in pure shear.
+    """
     assert tuple(it.id for it in ENVELOPE) == IN_ENVELOPE
-    bounds = envelope(conditions(alpha_c=0.5, alpha_s=0.5))
-    np.testing.assert_allclose(bounds, (10.73, 11.42), rtol=0, atol=0.00501)
-    inside = envelope_applies(conditions(np.array([25.0, 100.0, 1000.0])))
+    rough = {"alpha_c": 0.5, "alpha_s": 0.5, **of_law("von_mises")}
+    bounds = envelope({**conditions(), **rough})
+    np.testing.assert_allclose(bounds, (9.696317, 10.725340), rtol=0, atol=1e-5)
+    indices = np.array([25.0, 100.0, 1000.0])
+    inside = envelope_applies({**conditions(indices), **rough})
     assert inside.values.tolist() == [False, True, False]
+
+
+def test_one_reference_is_no_envelope() -> None:
+    assert np.isnan(envelope(conditions())).all()
+    assert not envelope_applies(conditions())
+
+
+SPHERE = "4 / 3 * (1 + ln(Ir))"
+CYLINDER = "1 + ln(Ir)"
+
+
+@pytest.mark.parametrize(
+    ("formula", "mode", "scene"),
+    [
+        (SPHERE, StrengthMode.TRIAXIAL_COMPRESSION, "cavity_sphere"),
+        (CYLINDER, StrengthMode.PURE_SHEAR, "cavity_cylinder"),
+        (CYLINDER, StrengthMode.PLANE_STRAIN, "cavity_cylinder"),
+    ],
+)
+@pytest.mark.parametrize("law", ["tresca", "von_mises"])
+def test_limits_of_cavities_by_another_su_are_the_exact_ones(
+    formula: str, mode: StrengthMode, scene: str, law: str
+) -> None:
+    """Soil around a sphere is in triaxial states, around a cylinder in plane strain."""
+    entry = {"label": "cavity", "source": "Hill 1950", "formula": formula, "su_mode": mode}
+    value = Reference.of("cavity", entry).evaluate({**conditions(), **of_law(law)})
+    cavity: Any = scene_class(scene)(rigidity_index=100.0, material=law)
+    assert float(value) == pytest.approx(cavity.exact.limit(math.inf), rel=1e-12)
+
+
+def test_a_test_of_su_that_is_not_stated_has_the_readings_that_differ() -> None:
+    yu = REFERENCES["yu_2000"]
+    assert yu.readings(conditions()) == (yu,)
+    mises = {**conditions(), **of_law("von_mises")}
+    shear, compression = yu.readings(mises)
+    assert (shear.id, compression.id) == (
+        "yu_2000_pure_shear",
+        "yu_2000_triaxial_compression",
+    )
+    # 0.33 + 2 ln 100; 0.8660254 (0.33 + 2 ln 115.4701)
+    values = [float(it.evaluate(mises)) for it in (shear, compression)]
+    assert values == pytest.approx((9.540340, 8.511315), abs=1e-5)
+    assert all(it.applies(mises) and not it.applies(conditions()) for it in (shear, compression))
 
 
 @each_band

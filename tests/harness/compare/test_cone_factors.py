@@ -10,9 +10,11 @@ from harness.archive.conventions import Role, with_role
 from harness.compare.compared import (
     NothingToCompareError,
     conditions_of,
-    exact_shear,
+    misses,
+    stored_references,
     with_experience,
     with_references,
+    with_tolerances,
 )
 from harness.compare.differences import differences
 from harness.compare.result_table import cone_factor_table, which_strength
@@ -37,7 +39,8 @@ def result(cone_factor: float = 11.0, **varied: Sequence[object]) -> xr.Dataset:
         coords={name: (name, values) for name, values in varied.items()},
     )
     dataset["cone_factor"] = tuple(varied), np.full(shape, cone_factor)
-    dataset["cone_factor_shear"] = exact_shear(dataset).broadcast_like(dataset.cone_factor)
+    shear = np.sqrt(3.0) * dataset["adhesion_factor"]  # statics of a cone of 60 degrees
+    dataset["cone_factor_shear"] = shear.broadcast_like(dataset.cone_factor)
     dataset["cone_factor_normal"] = dataset.cone_factor - dataset.cone_factor_shear
     dataset["run_time"] = tuple(varied), np.full(shape, 12.34)
     dataset["status"] = tuple(varied), np.full(shape, "completed")
@@ -54,19 +57,25 @@ def test_reference_and_deviation_stand_over_the_dims_of_the_cone_factor() -> Non
     dataset = with_references(
         result(material=["tresca", "von_mises"], rigidity_index=[50.0, 100.0]), THREE
     )
-    reference, deviation = dataset["reference_lu_2004"], dataset["deviation_lu_2004"]
+    reference = dataset["reference_teh_houlsby_1991"]
+    deviation = dataset["deviation_teh_houlsby_1991"]
     assert reference.dims == deviation.dims == ("material", "rigidity_index")
-    # 10.31 and 11.42 are given to two decimals.
-    np.testing.assert_allclose(reference[1], (10.31, 11.42), rtol=0, atol=0.005)
+    # By hand; in von Mises clay sqrt(3)/2 of the value at Ir 57.735, 115.4701 and adhesion 0.57735.
+    by_hand = [[9.450439, 10.815628], [8.566040, 9.781250]]
+    np.testing.assert_allclose(reference, by_hand, rtol=1e-6)
     np.testing.assert_array_equal(deviation, dataset.cone_factor / reference - 1)
     for variable in (reference, deviation):
         assert variable.attrs["units"] == "1"
-        assert "Lu et al. 2004" in variable.attrs["long_name"]
+        assert "Teh & Houlsby 1991" in variable.attrs["long_name"]
         assert "Geotechnique" in variable.attrs["source"]
-        assert variable.attrs["criterion"] == "tresca"
+        assert variable.attrs["criterion"] == "von_mises"
         assert "not read" in variable.attrs["how_known"]
-        assert variable.attrs["su_mode"] == "not_stated"
+        assert variable.attrs["su_mode"] == "triaxial_compression"
         assert "50 to 500" in variable.attrs["validity"]
+    readings = {name for name in dataset if "yu_2000" in str(name)}
+    kinds, tests = ("reference", "deviation"), ("pure_shear", "triaxial_compression")
+    assert readings == {f"{kind}_yu_2000_{test}" for kind in kinds for test in tests}
+    assert [it.id for it in stored_references(dataset.isel(material=[0]))][-1] in str(readings)
 
 
 def test_attributes_of_a_parameter_do_not_leak_into_what_is_worked_out_from_it() -> None:
@@ -104,18 +113,8 @@ def test_a_cone_that_friction_makes_rough_is_compared_as_a_rough_one() -> None:
     conditions = conditions_of(dataset)
     assert conditions["friction"].values.tolist() == [0.0, 0.3]
     assert conditions["alpha_c"].values.tolist() == [1.0, 0.5]
-    np.testing.assert_allclose(exact_shear(dataset), [np.sqrt(3.0), np.nan])
-
-
-def test_exact_shear_is_that_of_statics() -> None:
-    # tan 30 degrees = 1/sqrt(3), tan 45 degrees = 1
-    dataset = result(apex_angle=[60.0, 90.0])
-    np.testing.assert_allclose(exact_shear(dataset), (np.sqrt(3) / 2, 0.5), rtol=1e-15)
-    assert np.isnan(exact_shear(result(friction_coefficient=[0.1]))).all()
-    assert np.isnan(exact_shear(result(remoulded_strength_ratio=[0.2]))).all()
-    assert np.isnan(exact_shear(result(rate_factor=[0.1]))).all()
     laws = result(material=["tresca", "von_mises", "anisotropic", "a_law_of_their_own"])
-    assert np.isfinite(exact_shear(laws)).values.tolist() == [True, True, False, False]
+    assert conditions_of(laws)["constant_su"].values.tolist() == [1.0, 1.0, 0.0, 0.0]
 
 
 @pytest.mark.parametrize("missing", ["cone_factor", "rigidity_index", "adhesion_factor"])
@@ -129,19 +128,40 @@ def test_what_cannot_be_compared_is_refused_in_one_line(missing: str) -> None:
 
 def test_table_has_one_row_a_case_with_all_of_it() -> None:
     dataset = with_references(result(adhesion_factor=[0.0, 0.5, 1.0]), [reference_of("lu_2004")])
-    dataset["cone_factor_shear"][1] *= 1.01
+    dataset["cone_factor_shear"][1] = 0.875
     text = cone_factor_table(dataset)
-    # 11 / 11.418 - 1 = -3.7 %; the envelope at adhesion factor 0 ends at 10.77, and begins
-    # at 11.91 at 1.
+    # 11 / 11.418 - 1 = -3.7 %
     assert rows(text) == [
-        "0 11.0 11.0 0.000 0.000 - 10.77 +2.2% above 12.3 completed",
-        "0.5 11.0 10.1 0.875 0.866 +1.0% 11.42 -3.7% yes 12.3 completed",
-        "1 11.0 9.27 1.732 1.732 +0.0% 12.07 -8.9% below 12.3 completed",
+        "0 11.0 11.0 0.000 10.77 +2.2% 12.3 completed",
+        "0.5 11.0 10.1 0.875 11.42 -3.7% 12.3 completed",
+        "1 11.0 9.27 1.732 12.07 -8.9% 12.3 completed",
     ]
     widths = {len(line) for line in text.partition("\n\n")[0].splitlines()[2:]}
     assert len(widths) == 1
-    assert "no confidence interval" in text
     assert "as commonly quoted; the original was not read" in text
+
+
+def test_another_criterion_is_named_in_brackets_and_another_su_is_told() -> None:
+    """The envelope in von Mises clay, by any reading of its two references, is 9.70 to 10.73."""
+    dataset = with_references(result(10.0, material=["tresca", "von_mises"]), THREE)
+    text = cone_factor_table(dataset)
+    tresca, mises = rows(text)
+    assert "11.42 -12.4% [10.82 -7.5% von Mises]" in tresca
+    assert "[11.42 -12.4% Tresca]" in mises
+    assert " 9.78 +2.2% 10.73 -6.8% 9.70 +3.1% yes " in mises
+    assert tresca.endswith(" [-] 12.3 completed")
+    assert "von Mises, su in triaxial compression, which is 0.866 or 1 times su here" in text
+    assert "no confidence interval" in text
+
+
+def test_a_tolerance_holds_for_cases_of_the_criterion_by_every_reading() -> None:
+    limits = {"lu_2004": 0.2, "yu_2000": 0.05}
+    computed = result(10.0, material=["tresca", "von_mises"])
+    dataset = with_references(computed.assign_attrs(scene="cone_penetration"), THREE)
+    beyond = misses(with_tolerances(dataset, limits))
+    assert beyond == {
+        "yu_2000": ["yu_2000: material=von_mises: 0.0676 is beyond the tolerance 0.05"],
+    }
 
 
 def test_table_of_two_varied_parameters_names_every_combination() -> None:
@@ -160,7 +180,7 @@ def test_table_shows_a_failed_case_as_failed() -> None:
         dataset[name][1] = np.nan
     dataset["status"] = "adhesion_factor", ["completed", "diverged"]
     failed = rows(cone_factor_table(dataset))[1]
-    assert failed == "1 - - - 1.732 - - - diverged"
+    assert failed == "1 - - - - diverged"
 
 
 OUTSIDE = {"rigidity_index": 25.0, "remoulded_strength_ratio": 0.2, "rate_factor": 0.1}
@@ -170,9 +190,10 @@ INSIDE = {"rigidity_index": 50.0, "remoulded_strength_ratio": 1.0, "rate_factor"
 @pytest.mark.parametrize("name", OUTSIDE)
 def test_table_brackets_formulas_outside_their_validity(name: str) -> None:
     """They are all of clay that keeps its strength."""
-    dataset = with_references(result(**{name: [OUTSIDE[name], INSIDE[name]]}), THREE)
+    varied = {name: [OUTSIDE[name], INSIDE[name]]}
+    dataset = with_references(result(**varied).assign(material="von_mises"), THREE[1:])
     outside, inside = rows(cone_factor_table(dataset))
-    assert outside.count("[") == 4
+    assert outside.count("[") == 4  # one reference by one su, another by two, and the envelope
     assert "[" not in inside
 
 
@@ -180,12 +201,14 @@ def test_formulas_do_not_apply_where_su_depends_on_the_test() -> None:
     dataset = result(material=["anisotropic", "tresca"])
     dataset["cone_factor"].attrs["long_name"] = "cone factor, compression"
     by_mode = dataset.assign(
+        undrained_shear_strength=("material", [20e3, 20e3]),
+        strength_by_compression=("material", [20e3, np.nan]),
         cone_factor_by_compression=("material", [9.0, np.nan]),
         cone_factor_by_average=("material", [12.0, np.nan]),
     )
-    text = cone_factor_table(with_references(by_mode, THREE))
+    text = cone_factor_table(with_references(by_mode, THREE[:1]))
     directed, same_in_all = rows(text)
-    assert directed.count("[") == 4
+    assert directed.count("[") == 2  # its su in pure shear is not known
     assert "[" not in same_in_all
     assert " 12.0 " in directed
     assert "for a law with several strengths it is that of the law's main test" in text
@@ -283,7 +306,7 @@ def test_which_strength_is_told_of_each_law(
     made = xr.Dataset(
         {
             "cone_factor": (dims, [10.0, 11.0, np.nan], {"long_name": long_name}),
-            "cone_factor_by_compression": (dims, [*by_compression, np.nan]),
+            "strength_by_compression": (dims, [*by_compression, np.nan]),
             "status": (dims, ["completed", "completed", "failed"]),
         }
     )

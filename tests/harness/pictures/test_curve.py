@@ -22,6 +22,11 @@ from .conftest import MADE, REFERENCES, caption_of, legend, one_at_a_time, resul
 
 LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
 ENVELOPE = "envelope of the literature (no confidence interval)"
+DASHED = "outside its validity or criterion"
+
+
+def of_von_mises(varied: dict[str, list[float]]) -> Figure:
+    return curve_figure(result(varied).assign(material=((), "von_mises", {"role": "parameter"})))
 
 
 def written(figure: Figure) -> list[str]:
@@ -44,16 +49,22 @@ def test_cone_factor_over_adhesion_shows_points_curves_and_envelope() -> None:
     (computed,) = points(figure)
     assert computed.get_xdata().tolist() == [0.0, 0.5, 1.0]
     assert computed.get_ydata().tolist() == pytest.approx([11.1, 11.2, 11.0])
-    assert legend(figure) == [ENVELOPE, "computed"]
+    assert legend(figure) == [DASHED, "computed"]
     assert set(written(figure)) == LABELS
     assert len({line.get_color() for line in curves(figure)}) == len(REFERENCES)
     lu = curves(figure)[0]
     # check values of the formula, given to two decimals
     assert lu.get_ydata()[[0, -1]] == pytest.approx([10.77, 12.07], abs=0.005)
+    assert not figure.axes[0].collections  # one reference of Tresca clay is no envelope
+
+
+def test_the_envelope_is_that_of_the_references_with_the_criterion_of_the_case() -> None:
+    """By hand, at adhesion factor 0 and 1; the least is by su in triaxial compression."""
+    figure = of_von_mises({"adhesion_factor": [0.0, 1.0]})
     (band,) = figure.axes[0].collections
-    # the envelope at adhesion factor 0 and 1
     bounds = band.get_paths()[0].get_extents()
-    assert (bounds.ymin, bounds.ymax) == pytest.approx((9.54, 12.07), abs=0.005)
+    assert (bounds.ymin, bounds.ymax) == pytest.approx((8.511315, 11.910340), abs=1e-5)
+    assert ENVELOPE in legend(figure)
 
 
 def test_a_factor_of_a_scene_without_an_adhesion_factor_is_drawn_alone() -> None:
@@ -67,7 +78,7 @@ def test_a_factor_of_a_scene_without_an_adhesion_factor_is_drawn_alone() -> None
 
 
 def test_an_envelope_for_one_value_alone_is_a_bar() -> None:
-    figure = curve_figure(result({"apex_angle": [45.0, 60.0, 90.0]}))
+    figure = of_von_mises({"apex_angle": [45.0, 60.0, 90.0]})
     (bar,) = [it for it in figure.axes[0].collections if isinstance(it, LineCollection)]
     ((begin, end),) = bar.get_segments()
     assert begin[0] == end[0] == 60.0
@@ -86,7 +97,7 @@ def test_rigidity_index_has_a_logarithmic_axis_and_dashes_outside_the_validity()
     valid = np.isfinite(solid.get_ydata())
     assert solid.get_xdata()[valid].min() == pytest.approx(50, rel=0.01)
     assert np.isfinite(dashed.get_ydata()).all()
-    assert legend(figure).count("outside its validity") == 1
+    assert legend(figure).count(DASHED) == 1
 
 
 @pytest.mark.parametrize("varied", ["ductility", "penetration_speed"])
@@ -96,7 +107,7 @@ def test_formulas_are_dashed_beside_clay_whose_strength_changes(varied: str) -> 
     drawn = [line for line in curves(figure) if np.isfinite(line.get_ydata()).any()]
     assert len(drawn) == len(REFERENCES)
     assert all(line.is_dashed() for line in drawn)
-    assert "outside its validity" in legend(figure)
+    assert DASHED in legend(figure)
     assert ENVELOPE not in legend(figure)
 
 
@@ -129,16 +140,25 @@ def test_no_line_joins_exact_values_of_texts() -> None:
 
 
 def test_second_parameter_makes_series_beside_shared_curves() -> None:
+    varied = {"density": [1500.0, 1600.0], "adhesion_factor": [0.0, 1.0]}
+    figure = curve_figure(result(varied))
+    assert len(legend(figure)) == 3
+    assert len({line.get_marker() for line in points(figure)}) == 2
+    assert len([line for line in curves(figure) if not line.is_dashed()]) == len(REFERENCES)
+
+
+def test_beside_clays_of_two_criteria_each_has_the_literature_by_its_su() -> None:
     varied = {"material": ["tresca", "von_mises"], "adhesion_factor": [0.0, 1.0]}
     figure = curve_figure(result(varied))
-    assert legend(figure) == [ENVELOPE, "material = tresca", "material = von mises"]
-    assert len({line.get_marker() for line in points(figure)}) == 2
-    assert len(curves(figure)) == len(REFERENCES)
+    assert ENVELOPE in legend(figure)
+    tresca, mises = (line.get_color() for line in points(figure))
+    valid = [it for it in curves(figure) if np.isfinite(it.get_ydata()).any()]
+    # Lu et al. by two su; Teh & Houlsby, and Yu et al. by two su
+    assert [it.get_color() for it in valid] == [tresca, tresca, mises, mises, mises]
 
 
 def test_where_the_literature_depends_on_the_series_each_has_its_own_in_its_colour() -> None:
-    varied = {"adhesion_factor": [0.0, 1.0], "rigidity_index": [50.0, 300.0]}
-    figure = curve_figure(result(varied))
+    figure = of_von_mises({"adhesion_factor": [0.0, 1.0], "rigidity_index": [50.0, 300.0]})
     colours = [line.get_color() for line in points(figure)]
     drawn = [line.get_color() for line in curves(figure) if len(line.get_xdata())]
     assert drawn == [colour for colour in colours for _ in REFERENCES]

@@ -114,12 +114,7 @@ def test_a_reference_has_the_effect_of_its_values_in_valid_cases() -> None:
         "latin_hypercube",
     )
     figure = effects_figure(dataset)
-    assert legend(figure) == [
-        "computed",
-        "Lu et al. 2004",
-        "Teh & Houlsby 1991",
-        "Yu et al. 2000",
-    ]
+    assert legend(figure) == ["computed", "Lu et al. 2004"]  # the others are of von Mises clay
     adhesion = next(it for it in figure.axes if it.get_xlabel().startswith("adhesion"))
     lu = next(it for it in adhesion.lines if it.get_label() == "Lu et al. 2004")
     # Lu et al. give 1.3 times the adhesion factor, for a rigidity index of at least 50
