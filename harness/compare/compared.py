@@ -260,7 +260,7 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
         given = dataset[COMPARED] if deviations else value
         having = given.attrs.get(GIVEN_BY, " ".join(scenes)).split()
         held = held & ~np.isin(scenes, [*({*scenes[done]} - {*having})])
-        applied |= held.any()
+        applied = applied or bool(held.any())
         rows = zip(labels_of(dataset), over_cases(dataset, size), held, strict=True)
         lines += [
             f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"

@@ -44,8 +44,8 @@ from harness.compare.finest_error import error_name
 from harness.compare.spread import spread_notes
 from harness.references.reference import COMPARED, Reference
 from harness.references.registry import ENVELOPE, envelope, envelope_applies
-from mpm_warp.scenes.strength_modes import BY_GIVEN
 from harness.references.strength import Conditions, in_test
+from mpm_warp.scenes.strength_modes import BY_GIVEN
 
 MOST_CASES = 3
 """A note lists up to so many cases; of more it gives the number."""

@@ -26,7 +26,8 @@ DASHED = "outside its validity or criterion"
 
 
 def of_von_mises(varied: dict[str, list[float]]) -> Figure:
-    return curve_figure(result(varied).assign(material=((), "von_mises", {"role": "parameter"})))
+    dataset = result(varied).assign(material=((), "von_mises", {"role": "parameter"}))
+    return cast("Figure", curve_figure(dataset))
 
 
 def written(figure: Figure) -> list[str]:
@@ -140,9 +141,9 @@ def test_no_line_joins_exact_values_of_texts() -> None:
 
 
 def test_second_parameter_makes_series_beside_shared_curves() -> None:
-    varied = {"density": [1500.0, 1600.0], "adhesion_factor": [0.0, 1.0]}
+    varied = {"accuracy": ["quick", "fine"], "adhesion_factor": [0.0, 1.0]}
     figure = curve_figure(result(varied))
-    assert len(legend(figure)) == 3
+    assert legend(figure) == [DASHED, "accuracy = quick", "accuracy = fine"]
     assert len({line.get_marker() for line in points(figure)}) == 2
     assert len([line for line in curves(figure) if not line.is_dashed()]) == len(REFERENCES)
 
