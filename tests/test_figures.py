@@ -53,7 +53,7 @@ FIGURES = [
     ),
     Figure(
         "mpm_warp/materials/README.md",
-        "Nc as simulated is {:.2f} as built",
+        "Nc as simulated is {:.2f}.",
         "strength_anisotropy",
         ("material.strength_extension=[10e3]", "material.strength_simple_shear=[15e3]"),
         (SIMULATED,),
