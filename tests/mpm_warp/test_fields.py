@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp import ParameterError, parameter, scene_class, scene_names
+from mpm_warp import ConePenetration, ParameterError, parameter, scene_class, scene_names
 from mpm_warp.fields.checked import check_fields
 from mpm_warp.fields.declaration import Derived
 from mpm_warp.fields.flat import parameters_of
 from mpm_warp.fields.names import did_you_mean, known_names, nearest_name
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,10 @@ import dataclasses
 
 import pytest
 
-from mpm_warp.errors import SceneError
+from mpm_warp import Damping, Gravity, Part, Scene, SceneError, Window, scene_class, scene_names
 from mpm_warp.materials.material import PROPERTIES
-from mpm_warp.parts.forces import Damping, Gravity
-from mpm_warp.parts.window import Window
 from mpm_warp.plan.plan import Plan
 from mpm_warp.planning import SHARE_COUNT, make_plan
-from mpm_warp.scene import Part, Scene
-from mpm_warp.scenes import scene_class, scene_names
 
 STAGES = ["particles_to_grid", "cell_stress", "momentum", "cell_rates", "grid_to_particles"]
 

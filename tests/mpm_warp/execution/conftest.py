@@ -2,9 +2,8 @@
 
 import pytest
 
+from mpm_warp import ConePenetration, ThickCylinder
 from mpm_warp.execution.replay import ThreadChoice
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
 
 CONE = ConePenetration(
     cells_per_radius=4, domain_radius=10, domain_above=4, domain_below=4, adhesion_factor=0.5

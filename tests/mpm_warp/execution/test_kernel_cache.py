@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 import warp as wp
 
+from mpm_warp import GravityColumn, Simulation
 from mpm_warp.errors import KernelCacheError
 from mpm_warp.execution.kernel_cache import DIGEST, load_kernels
 from mpm_warp.kernel_types import kernel
-from mpm_warp.scenes.elastic.columns import GravityColumn
-from mpm_warp.simulation import Simulation
 
 pytestmark = pytest.mark.slow
 

@@ -16,12 +16,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp.errors import ParameterError, SceneError
+from mpm_warp import BallPenetration, ConePenetration, ParameterError, SceneError, Sounding, Tresca
 from mpm_warp.materials import clay_law
-from mpm_warp.materials.tresca import Tresca
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.full_flow.penetration import BallPenetration
-from mpm_warp.scenes.sounding.sounding import Sounding
 from tests.conftest import finished
 from tests.mpm_warp.conftest import layers
 from tests.mpm_warp.materials import bonded_clay

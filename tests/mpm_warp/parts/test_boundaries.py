@@ -14,6 +14,8 @@ from mpm_warp.scene import Part, Scene
 from mpm_warp.simulation import Simulation
 from tests.mpm_warp.conftest import axis_and_ends
 
+ONE = np.ones((1, 2))
+
 
 def after_a_step(scene: Scene, *parts: Part) -> Simulation:
     """A run of one step from a uniform velocity (3, 7) m/s, so short that no stress matters."""
@@ -24,19 +26,13 @@ def after_a_step(scene: Scene, *parts: Part) -> Simulation:
     return simulation
 
 
-def test_gravity_pulls_downward_alike_on_all_nodes(floating: Scene) -> None:
-    simulation = after_a_step(floating, Gravity(1e6))
-    change = simulation.array("node.velocities")[:, :2] - [3.0, 7.0]
-    expected = [0.0, -1e6 * simulation.plan.time_step]
-    np.testing.assert_allclose(change, np.tile(expected, (len(change), 1)), atol=1e-9)
-
-
-def test_damping_is_implicit_in_time(floating: Scene) -> None:
-    """v / (1 + dt c), however large dt c is."""
+def test_gravity_pulls_downward_and_damping_is_implicit_in_time(floating: Scene) -> None:
+    """v / (1 + dt c), however large dt c is; alike at all nodes."""
     step = after_a_step(floating).plan.time_step
-    simulation = after_a_step(floating, Damping(3.0 / step))
-    velocity = simulation.array("node.velocities")[:, :2]
-    np.testing.assert_allclose(velocity, np.tile([0.75, 1.75], (len(velocity), 1)), rtol=1e-9)
+    damped, pulled = [0.75, 1.75], [3.0, 7.0 - 1e6 * step]
+    for part, expected in ((Damping(3.0 / step), damped), (Gravity(1e6), pulled)):
+        velocity = after_a_step(floating, part).array("node.velocities")[:, :2]
+        np.testing.assert_allclose(velocity, np.tile(expected, (len(velocity), 1)), atol=1e-9)
 
 
 def test_a_nodal_load_accelerates_its_nodes_by_their_mass(floating: Scene) -> None:
@@ -49,22 +45,20 @@ def test_a_nodal_load_accelerates_its_nodes_by_their_mass(floating: Scene) -> No
     np.testing.assert_allclose(impulse, expected, atol=1e-6 * np.abs(expected).max())
 
 
-def with_soil_in_one_cell(scene: Scene, *parts: Part) -> Simulation:
-    """A run all of whose particles are gone from the other cells."""
-    simulation = Simulation(scene.with_parts(*parts))
+def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElastic) -> None:
+    """Not a number there would stay in the far field after soil has come back."""
+    far, load = FarField.around(floating.grid, elastic), NodalLoad(nodes=np.array([0]), forces=ONE)
+    simulation = Simulation(floating.with_parts(far, load, Gravity(10.0)))
+    # All of it is in one cell.
     simulation.array("particle.cell")[:] = [2, 2]
-    simulation.array("particle.position")[:] = scene.grid.place(
-        np.array(2), np.array(2), np.array(0.5), np.array(0.5)
-    )
-    return simulation
-
-
-def test_a_node_without_soil_has_neither_load_nor_weight(floating: Scene) -> None:
-    load = NodalLoad(nodes=np.array([0]), forces=np.ones((1, 2)))
-    simulation = with_soil_in_one_cell(floating, load, Gravity(10.0))
+    middle = floating.grid.place(np.array(2), np.array(2), np.array(0.5), np.array(0.5))
+    simulation.array("particle.position")[:] = middle
+    simulation.assign("far_field.displacement", 1.0)
     simulation.advance(1)
-    assert simulation.array("node.mass")[0] == 0.0
-    np.testing.assert_array_equal(simulation.array("node.velocities")[0], 0.0)
+    bare = [0, *far.nodes]
+    assert not simulation.array("node.mass")[bare].any()
+    np.testing.assert_array_equal(simulation.array("node.velocities")[bare], 0.0)
+    np.testing.assert_array_equal(simulation.array("far_field.displacement"), 1.0)
 
 
 def test_fixed_nodes_are_at_rest_along_what_is_held(floating: Scene, rectilinear: Grid) -> None:
@@ -78,8 +72,8 @@ def test_fixed_nodes_are_at_rest_along_what_is_held(floating: Scene, rectilinear
     np.testing.assert_allclose(velocity[1:-1, 1:], np.tile([3.0, 7.0], (2, 4, 1)), rtol=1e-6)
 
 
-def test_its_springs_are_those_of_an_elastic_cavity(
-    rectilinear: Grid, elastic: LinearElastic
+def test_a_far_field_is_that_of_an_elastic_cavity_around_a_round_grid_with_upright_sides(
+    rectilinear: Grid, spherical: Scene, elastic: LinearElastic
 ) -> None:
     """u = p r / 2 G on all of the side: stiffness over area is 2 G / r."""
     far = FarField.around(rectilinear, elastic)
@@ -90,14 +84,13 @@ def test_its_springs_are_those_of_an_elastic_cavity(
     pressure = elastic.density * elastic.pressure_wave_speed
     np.testing.assert_allclose(far.dashpot.sum(axis=0), [pressure * area, shear * area])
     np.testing.assert_array_equal(rectilinear.node_positions[far.nodes, 0], radius)
-
-
-def test_its_dashpots_are_no_harder_than_those_of_soil_that_may_change_its_volume(
-    rectilinear: Grid, elastic: LinearElastic
-) -> None:
+    # Dashpots are no harder than those of soil that may change its volume.
     clay = dataclasses.replace(elastic, poissons_ratio=0.4999)
-    far = FarField.around(rectilinear, clay)
-    np.testing.assert_allclose(far.dashpot[:, 0], 3.3 * far.dashpot[:, 1], rtol=1e-12)
+    dashpot = FarField.around(rectilinear, clay).dashpot
+    np.testing.assert_allclose(dashpot[:, 0], 3.3 * dashpot[:, 1], rtol=1e-12)
+    for grid in (dataclasses.replace(rectilinear, planar=True), spherical.grid):
+        with pytest.raises(SceneError, match=r"FarField.around: not together with"):
+            FarField.around(grid, elastic)
 
 
 def test_the_far_field_pushes_back_like_an_elastic_cavity(cone: Scene) -> None:
@@ -128,17 +121,6 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(empty: Scene) -> None:
     )
 
 
-def test_a_node_without_soil_is_left_alone(floating: Scene, elastic: LinearElastic) -> None:
-    """Not a number there would stay in the far field after soil has come back."""
-    far = FarField.around(floating.grid, elastic)
-    simulation = with_soil_in_one_cell(floating, far)
-    simulation.assign("far_field.displacement", 1.0)
-    simulation.advance(1)
-    assert not simulation.array("node.mass")[far.nodes].any()
-    np.testing.assert_array_equal(simulation.array("far_field.displacement"), 1.0)
-    np.testing.assert_array_equal(simulation.array("node.velocities")[far.nodes], 0.0)
-
-
 def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(spherical: Scene) -> None:
     """A velocity that is the same everywhere keeps its part along each ray, to rounding."""
     simulation = after_a_step(spherical, RadialMotion(), *spherical.parts)
@@ -164,11 +146,3 @@ def test_nodes_along_lines_of_a_grid_are_held(rectilinear: Grid) -> None:
     np.testing.assert_array_equal(by_name.free, by_mask.free)
     with pytest.raises(SceneError, match="Fixed: line = 'left' must be one of bottom, top, side"):
         Fixed.on(rectilinear, radial=["left"])
-
-
-def test_a_far_field_is_around_a_round_grid_with_upright_sides(
-    rectilinear: Grid, spherical: Scene, elastic: LinearElastic
-) -> None:
-    for grid in (dataclasses.replace(rectilinear, planar=True), spherical.grid):
-        with pytest.raises(SceneError, match=r"FarField.around: not together with"):
-            FarField.around(grid, elastic)

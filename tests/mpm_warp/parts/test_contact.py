@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,11 +106,15 @@ def test_parting_is_physics_where_the_ground_presses_less_than_soil_can_pull(
 
 
 def after_a_step(scene: Scene, speed: float, **changes: object) -> tuple[Simulation, Floats]:
-    """A run of one step without a window, and the velocity of the soil past the body [m/s]."""
+    """A run of one step without a window, and the velocity of the soil past the body [m/s].
+
+    Past a body at rest the soil moves up.
+    """
     contact = dataclasses.replace(scene[SurfaceContact], speed=speed, **changes)
     # The contact alone, in a step so short that no stress matters.
     alone = dataclasses.replace(scene, parts=(contact,), time_step_fraction=1e-6)
     simulation = Simulation(alone)
+    simulation.array("particle.velocity")[:, 1] = float(not speed)
     simulation.advance(1)
     return simulation, simulation.array("node.velocities")[contact.nodes, :2] + [0.0, speed]
 
@@ -128,68 +134,41 @@ def test_soil_slides_along_a_smooth_body_and_does_not_enter_it(
     np.testing.assert_array_equal(impulse[:, 1], 0.0)
 
 
-def test_adhesion_acts_for_the_length_of_a_step(cone: Scene, surface: SurfaceContact) -> None:
-    """The shear impulse where soil slips is adhesion times area times step, at any speed."""
-    for speed in (2.0, 4.0):
-        simulation, _ = after_a_step(cone, speed)
-        shear = np.abs(simulation.array("contact.impulse")[1:, 1])  # at the tip nothing slips
-        limit = simulation.plan.time_step * surface.adhesion_forces[1:]
-        np.testing.assert_allclose(shear, limit, rtol=1e-9)
+RUBS: dict[str, Any] = {"friction": 0.3, "adhesion": 0.0}
 
 
-def test_friction_is_that_of_the_total_stress(cone: Scene, surface: SurfaceContact) -> None:
-    """The in-situ stress presses too, though the simulation leaves it out."""
-    simulation, _ = after_a_step(
-        cone, 1e12, friction=0.3, adhesion_forces=0.0 * surface.adhesion_forces
-    )
-    normal, shear = simulation.array("contact.impulse")[1:].T
-    in_situ = simulation.plan.time_step * surface.in_situ_stress * surface.normal_areas[1:]
-    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
-    # On the shaft that stress is all that presses.
-    assert np.abs(normal[-2:]).max() < 1e-9 * in_situ[-2:].min()
-
-
-def test_friction_follows_the_pressure_over_a_way_of_a_cell(
-    cone: Scene, surface: SurfaceContact
+@pytest.mark.parametrize(
+    ("cells", "given", "expected"),
+    [
+        pytest.param(1e-8, {}, lambda it: it.adhesion, id="adhesion"),
+        pytest.param(1e3, {}, lambda it: it.adhesion, id="adhesion, fast"),
+        # The in-situ stress presses too, though the simulation leaves it out.
+        pytest.param(1e3, RUBS, lambda it: 0.3 * (it.in_situ + it.normal), id="friction"),
+        # It follows the pressure over a way of a cell, and at once where there is no way.
+        pytest.param(0.25, RUBS, lambda it: 0.3 * (it.in_situ + 0.25 * it.normal), id="on the way"),
+        pytest.param(0.0, RUBS, lambda it: 0.3 * (it.in_situ + it.normal), id="at rest"),
+        # However rough the surface is, and whatever presses.
+        pytest.param(1e3, RUBS | {"strength": 2.0}, lambda it: 2.0 * it.adhesion, id="bounded"),
+    ],
+)
+def test_the_shear_of_a_step_in_which_soil_slips(
+    cone: Scene, surface: SurfaceContact, cells: float, given: Any, expected: Any
 ) -> None:
-    """After a quarter of it a quarter of what presses more than at rest rubs."""
-    smooth = 0.0 * surface.adhesion_forces
-    short = after_a_step(cone, 1.0)[0].plan.time_step
-    speed = 0.25 * cone.grid.cell_lengths.min() / short
-    simulation, _ = after_a_step(cone, speed, friction=0.3, adhesion_forces=smooth)
-    normal, shear = simulation.array("contact.impulse")[1:].T
-    in_situ = short * surface.in_situ_stress * surface.normal_areas[1:]
-    np.testing.assert_allclose(np.abs(shear), 0.3 * (in_situ + 0.25 * normal), rtol=1e-9)
-    assert normal.max() > 10.0 * in_situ.max()
-
-
-def test_friction_of_a_body_at_rest_follows_at_once(cone: Scene, surface: SurfaceContact) -> None:
-    """It has no way over which it could follow."""
-    at_rest = dataclasses.replace(
-        surface, friction=0.3, adhesion_forces=0.0 * surface.adhesion_forces
-    )
-    simulation = Simulation(dataclasses.replace(cone, parts=(at_rest,), time_step_fraction=1e-6))
-    simulation.array("particle.velocity")[:, 1] = 1.0
-    simulation.advance(1)
-    normal, shear = simulation.array("contact.impulse")[1:].T
-    in_situ = simulation.plan.time_step * surface.in_situ_stress * surface.normal_areas[1:]
-    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
-
-
-def test_friction_is_no_more_than_the_soil_beside_bears(
-    cone: Scene, surface: SurfaceContact
-) -> None:
-    """However rough the surface is, and whatever presses."""
-    bound = 2.0 * surface.adhesion_forces
-    simulation, _ = after_a_step(cone, 1e12, friction=0.3, strength_forces=bound)
-    shear = np.abs(simulation.array("contact.impulse")[1:, 1])
-    np.testing.assert_allclose(shear, simulation.plan.time_step * bound[1:], rtol=1e-9)
-
-
-def test_a_surface_without_friction_has_nothing_of_it(cone: Scene) -> None:
-    bounded = dataclasses.replace(cone[SurfaceContact], strength_forces=np.ones(7))
-    plan = make_plan(cone.with_parts(bounded))
-    assert not {"contact.normal_force", "contact.strength"} & set(plan.arrays)
+    """Over the length of the step; the body goes so many cells in it."""
+    forces = {"adhesion_forces": given.get("adhesion", 1.0) * surface.adhesion_forces}
+    if "strength" in given:
+        forces["strength_forces"] = given["strength"] * surface.adhesion_forces
+    step = after_a_step(cone, 1.0)[0].plan.time_step
+    speed = cells * cone.grid.cell_lengths.min() / step
+    friction = given.get("friction", 0.0)
+    simulation, _ = after_a_step(cone, speed, friction=friction, **forces)
+    normal, shear = simulation.array("contact.impulse")[1:].T / step  # at the tip nothing slips
+    in_situ = surface.in_situ_stress * surface.normal_areas[1:]
+    pressing = SimpleNamespace(normal=normal, in_situ=in_situ, adhesion=surface.adhesion_forces[1:])
+    np.testing.assert_allclose(np.abs(shear), expected(pressing), rtol=1e-9)
+    if cells:  # soil presses the face, and the shaft no more than at rest
+        assert np.abs(normal[-2:]).max() < 1e-9 * in_situ.min()
+        assert normal.max() > 10.0 * in_situ.max()
 
 
 def impulses_under_pressure(
@@ -218,10 +197,16 @@ def impulses_under_pressure(
 
 def test_the_body_bears_what_the_least_mass_keeps_from_the_node(cone: Scene) -> None:
     """The force of the stress does not depend on how much soil there is to give it, at any node."""
+    areas = cone[SurfaceContact].normal_areas
     full = impulses_under_pressure(cone, 1.0)[:, 0]
-    assert full[0] > 0.1 * PRESSURE * cone[SurfaceContact].normal_areas[0]
+    assert full[0] > 0.1 * PRESSURE * areas[0]
     for share in (0.5, 0.1):
         np.testing.assert_allclose(impulses_under_pressure(cone, share)[:, 0], full, rtol=1e-9)
+    # Soil pulls no more than the in-situ stress presses; friction is by all that presses.
+    pulled = impulses_under_pressure(cone, 0.1, pressure=-1e3 * IN_SITU)[:, 0]
+    np.testing.assert_allclose(pulled, -IN_SITU * areas, rtol=1e-9)
+    normal, shear = impulses_under_pressure(cone, 0.1, friction=0.3)[1:].T
+    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + IN_SITU * areas[1:]), rtol=1e-9)
 
 
 @pytest.mark.parametrize("filling", [1.0, 0.4, 0.1])
@@ -237,19 +222,6 @@ def test_above_a_free_surface_the_body_bears_what_the_soil_gives(
     borne = filling * (taken + filling * (1.0 - taken)) * full
     cut = impulses_under_pressure(cone, filling, FreeSurface())[:, 0]
     np.testing.assert_allclose(cut, borne, rtol=1e-9)
-
-
-def test_soil_pulls_no_more_by_what_the_least_mass_keeps(cone: Scene) -> None:
-    """Than the in-situ stress presses."""
-    pulled = impulses_under_pressure(cone, 0.1, pressure=-1e3 * IN_SITU)[:, 0]
-    np.testing.assert_allclose(pulled, -IN_SITU * cone[SurfaceContact].normal_areas, rtol=1e-9)
-
-
-def test_what_the_least_mass_keeps_rubs_too(cone: Scene) -> None:
-    """Friction is by the whole force that presses, however little soil there is."""
-    normal, shear = impulses_under_pressure(cone, 0.1, friction=0.3)[1:].T
-    in_situ = IN_SITU * cone[SurfaceContact].normal_areas[1:]
-    np.testing.assert_allclose(np.abs(shear), 0.3 * (normal + in_situ), rtol=1e-9)
 
 
 DELTA = 0.25
@@ -282,9 +254,13 @@ def test_a_surface_follows_the_mean_strength_in_the_cells_beside_a_node(softenin
     np.testing.assert_allclose(simulation.array("contact.strength"), 3.0 * expected, rtol=1e-12)
 
 
-def test_soil_whose_strength_stays_needs_nothing_of_it(cone: Scene) -> None:
-    plan = make_plan(cone)
-    assert not {"contact.adhesion_at_first", "contact.strength_sum"} & set(plan.arrays)
+def test_without_friction_and_softening_there_is_nothing_of_them(cone: Scene) -> None:
+    plan = make_plan(
+        cone.with_parts(dataclasses.replace(cone[SurfaceContact], strength_forces=np.ones(7)))
+    )
+    of_friction = {"contact.normal_force", "contact.strength"}
+    of_softening = {"contact.adhesion_at_first", "contact.strength_sum"}
+    assert not (of_friction | of_softening) & set(plan.arrays)
     assert "sum_of_strength" not in {launch.name for launch in plan.launches}
 
 
@@ -297,29 +273,21 @@ def test_a_surface_elsewhere_than_along_the_first_column_is_refused(softening: S
 
 
 def test_adhesion_is_that_of_the_soil_which_has_come_beside_the_surface(cone: Scene) -> None:
-    """Twice as strong below the tip: after a way of two cone heights all of the face has it."""
-    soil = dataclasses.replace(cone.material, variation=layers((0, 1, 1), (0, 2, 1)))
-    simulation = Simulation(dataclasses.replace(cone.without(FarField), material=soil))
-    contact = cone[SurfaceContact]
-    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
-    # The tip, at the very border, belongs to what is below it.
-    np.testing.assert_allclose(ratio, [2.0] + [1.0] * (len(ratio) - 1))
-    height = math.sqrt(3.0)
-    simulation.travel_to(2.0 * height)
-    ratio = simulation.array("contact.adhesion") / contact.adhesion_forces
-    on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
-    np.testing.assert_allclose(ratio[on_face], 2.0)
+    """Twice as strong below the tip: after a way of two cone heights all of the face has it.
 
-
-def test_what_soil_bears_does_not_go_with_the_adhesion_factor(cone: Scene) -> None:
-    """Twice as strong below the tip, where a surface has a quarter of its adhesion factor."""
+    There a surface has a quarter of its adhesion factor, and soil bears what it bears all the same.
+    """
     ground = layers((0, 1, 1), (0, 2, 1), adhesion_ratio=np.array([1.0, 0.25]))
     soil = dataclasses.replace(cone.material, variation=ground)
     contact = cone[SurfaceContact]
     rubs = dataclasses.replace(contact, friction=0.3, strength_forces=contact.adhesion_forces)
     scene = dataclasses.replace(cone.without(FarField), material=soil).with_parts(rubs)
     simulation = Simulation(scene)
-    simulation.travel_to(2.0 * math.sqrt(3.0))
-    for name, ratio in {"contact.adhesion": 0.5, "contact.strength": 2.0}.items():
-        found = simulation.array(name)[:3] / contact.adhesion_forces[:3]
-        np.testing.assert_allclose(found, ratio)
+    adhesion, strength = (simulation.array(f"contact.{it}") for it in ("adhesion", "strength"))
+    # The tip, at the very border, belongs to what is below it.
+    np.testing.assert_allclose(adhesion / contact.adhesion_forces, [0.5] + [1.0] * 6)
+    height = math.sqrt(3.0)
+    simulation.travel_to(2.0 * height)
+    on_face = cone.grid.rows[cone.grid.rows >= 0.0] < height
+    np.testing.assert_allclose((adhesion / contact.adhesion_forces)[on_face], 0.5)
+    np.testing.assert_allclose((strength / contact.adhesion_forces)[on_face], 2.0)

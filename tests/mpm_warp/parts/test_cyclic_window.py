@@ -73,8 +73,12 @@ def test_soil_that_leaves_rests_and_is_back_where_it_was(travelling: Scene) -> N
     assert max(outside) - min(outside) <= layer
 
 
-def test_resting_soil_keeps_its_stress(travelling: Scene) -> None:
+def test_resting_soil_has_the_mass_of_the_stroke_and_keeps_its_stress(travelling: Scene) -> None:
     simulation = Simulation(travelling)
+    grid, rows_below = travelling.grid, 6  # of 0.2 m, to fill 1.1 m
+    per_radian = 0.5 * grid.outer_radius**2 * (grid.rows[-1] + 0.2 * rows_below)
+    mass = simulation.array("particle.mass").sum()
+    assert mass == pytest.approx(travelling.material.density * per_radian, rel=ROUNDING)
     rests = simulation.array("particle.cell")[:, 0] < 0
     stress = simulation.array("particle.stress").copy()
     stress[rests] = np.arange(rests.sum())[:, None]
@@ -95,15 +99,6 @@ def test_soil_is_set_at_rest_at_a_turn(travelling: Scene) -> None:
     assert simulation.array("particle.velocity").any()
     simulation.advance_to(WINDOW.passage_time + step)
     assert not simulation.array("particle.velocity").any()
-
-
-def test_the_mass_of_the_ground_is_that_of_grid_and_stroke(travelling: Scene) -> None:
-    simulation = Simulation(travelling)
-    grid = travelling.grid
-    rows_below = 6  # of 0.2 m, to fill 1.1 m
-    per_radian = 0.5 * grid.outer_radius**2 * (grid.rows[-1] + 0.2 * rows_below)
-    mass = simulation.array("particle.mass").sum()
-    assert mass == pytest.approx(travelling.material.density * per_radian, rel=ROUNDING)
 
 
 def test_what_does_not_go_with_a_cyclic_window_is_refused(travelling: Scene) -> None:

@@ -5,11 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp import ConservativeInterpolation, Grid, Scene, Simulation
+from mpm_warp import ConePenetration, ConservativeInterpolation, Grid, Scene, Simulation
 from mpm_warp.grid.fitted import GAUSS_POINTS, Floats, bilinear
 from mpm_warp.parts.interpolation import interpolation_weights
 from mpm_warp.sampling import ContactForces
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
 from tests.mpm_warp.conftest import cells_of
 

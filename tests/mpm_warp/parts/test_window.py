@@ -5,9 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp import Approach, Scene, Simulation, Window
+from mpm_warp import Approach, ConePenetration, Scene, Simulation, Window
 from mpm_warp.parts.inflow import OVER_WINDOW, VELOCITY_BOUND
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 HURRIED = Window(
     speed=1.0,
@@ -78,21 +77,18 @@ def test_the_window_stops_at_the_first_step_beyond_a_distance(
             assert len(goes) == 1
 
 
-def test_a_distance_that_is_behind_is_not_travelled(hurried: Scene) -> None:
-    simulation = Simulation(hurried)
+def test_a_distance_that_is_behind_is_not_travelled_nor_any_without_a_window(
+    hurried: Scene, floating: Scene
+) -> None:
+    simulation, windowless = Simulation(hurried), Simulation(floating)
     simulation.travel_to(0.5)
     steps = simulation.step_count
     simulation.travel_to(0.4)
     simulation.travel_to(simulation.travel)
     assert simulation.step_count == steps
-
-
-def test_a_scene_without_a_window_does_not_travel(floating: Scene) -> None:
-    simulation = Simulation(floating)
-    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
-        simulation.travel_to(1.0)
-    with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
-        _ = simulation.travel
+    for do in (lambda: windowless.travel_to(1.0), lambda: windowless.travel):
+        with pytest.raises(ValueError, match="the scene has no window: nothing travels"):
+            do()
 
 
 def test_a_point_is_at_most_as_much_faster_than_the_soil_as_the_bound(cone: Scene) -> None:

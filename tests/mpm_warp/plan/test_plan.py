@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from numpy.typing import NDArray
 
 from mpm_warp.errors import Fault, SceneError
 from mpm_warp.kernel_types import maybe
@@ -149,28 +148,29 @@ def following(now: float, critical: float, fraction: float = 0.8) -> float:
     return control.following(now, np.zeros)
 
 
-def test_the_time_step_stays_while_it_is_nearly_right_and_is_ready_for_a_further_fall() -> None:
-    assert following(0.8, critical=1.0) == following(0.8, critical=1.0 / 1.02) == 0.8
-    assert following(0.8, critical=1.0 / 1.06) == pytest.approx(0.8 / 1.06**2)
+@pytest.mark.parametrize(
+    ("critical", "fraction", "expected"),
+    [
+        (1.0, 0.8, 0.8),  # it stays while it is nearly right
+        (1.0 / 1.02, 0.8, 0.8),
+        (1.0 / 1.06, 0.8, 0.8 / 1.06**2),  # ready for a further fall
+        (5.0, 0.8, 0.8),  # up to the first one
+        (0.75, 1.0, 0.75**2 / 0.8),  # where the scene asks for the critical one itself
+    ],
+)
+def test_the_time_step_follows_the_critical_one(
+    critical: float, fraction: float, expected: float
+) -> None:
+    assert following(0.8, critical, fraction) == pytest.approx(expected)
+    with pytest.raises(Fault, match=r"time step of 0\.8 s is beyond the stable 0\.79 s"):
+        following(0.8, critical=0.79)
 
 
 def test_the_time_step_rises_again_up_to_the_first_one() -> None:
-    control = TimeStepControl(first=0.8, fraction=0.8, critical=lambda array: float(array("")))
-    found = iter([0.5, 0.5, 0.5 * 1.04, 0.5 * 1.06, 5.0])
-
-    def array(name: str) -> NDArray[Any]:
-        return np.array(next(found))
-
-    steps = [control.following(step, array) for step in (0.4, 0.4, 0.4, 0.4, 0.4)]
+    critical = iter([0.5, 0.5, 0.5 * 1.04, 0.5 * 1.06, 5.0])
+    control = TimeStepControl(first=0.8, fraction=0.8, critical=lambda array: next(critical))
+    steps = [control.following(0.4, np.zeros) for _ in range(5)]
     np.testing.assert_allclose(steps, [0.2, 0.4, 0.4, 0.4 * 1.06, 0.8])
-    assert following(0.8, critical=5.0) == 0.8
-
-
-def test_a_time_step_beyond_the_critical_one_is_a_fault() -> None:
-    with pytest.raises(Fault, match=r"time step of 0\.8 s is beyond the stable 0\.79 s"):
-        following(0.8, critical=0.79)
-    # Where the scene asks for the critical one itself, small changes are followed.
-    assert following(0.8, critical=0.75, fraction=1.0) == pytest.approx(0.75**2 / 0.8)
 
 
 def test_a_plan_with_another_time_step_is_the_same_but_for_numbers(cavity: Scene) -> None:
@@ -201,9 +201,7 @@ def test_time_is_the_sum_of_the_steps(cavity: Scene, monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(("length", "count"), [(10, 4), (3, 4), (0, 4), (1001, 1), (7, 7)])
 def test_shares_make_up_the_whole_and_are_as_even_as_can_be(length: int, count: int) -> None:
     bounds = share_bounds(length, count)
-    assert bounds[0] == 0
-    assert bounds[-1] == length
-    assert len(bounds) == count + 1
+    assert (bounds[0], bounds[-1], len(bounds)) == (0, length, count + 1)
     assert np.ptp(np.diff(bounds)) <= 1
 
 

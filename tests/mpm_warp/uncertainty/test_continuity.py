@@ -7,17 +7,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from mpm_warp import BallPenetration, ConePenetration, Sounding, TBarPenetration
 from mpm_warp.fields.flat import parameters_of
-from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
 from mpm_warp.scenes.cone.pore_pressure import PLACES, stated_beside_shaft
-from mpm_warp.scenes.full_flow.penetration import (
-    NOT_MEASURED,
-    BallPenetration,
-    TBarPenetration,
-)
+from mpm_warp.scenes.full_flow.penetration import NOT_MEASURED
 from mpm_warp.scenes.sounding.curves import sounding_curves
-from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, RADIAL_STRESS
 from tests.mpm_warp.uncertainty.conftest import steady_run

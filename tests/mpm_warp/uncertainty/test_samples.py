@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from mpm_warp import Profile, Sounding
 from mpm_warp.scenes.sounding.curves import error_of_samples
-from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import (
     EFFECTS,
