@@ -72,9 +72,9 @@ def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
 @pytest.mark.parametrize(
     ("kind", "ratio", "start"),
     [
-        *((CavityCylinder, ratio, "isotropic") for ratio in (1.0, 2.0, 5.0)),
-        *((CavityCylinder, ratio, "vertical") for ratio in (1.0, 2.0, 5.0)),
-        *((CavitySphere, ratio, "isotropic") for ratio in (1.0, 2.0, 5.0)),
+        *((CavityCylinder, ratio, "isotropic") for ratio in (1.0, 5.0)),
+        *((CavityCylinder, ratio, "vertical") for ratio in (1.0, 5.0)),
+        *((CavitySphere, ratio, "isotropic") for ratio in (1.0, 5.0)),
     ],
 )
 def test_a_cavity_bears_the_integral_of_the_law(kind: Any, ratio: float, start: str) -> None:

@@ -1,11 +1,8 @@
 """Laws with parameters of their own: as studies name them, and one of another package."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
-import subprocess
 import sys
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint
@@ -16,7 +13,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from mpm_warp import BallPenetration, ConePenetration, ParameterError, SceneError, Sounding, Tresca
+from mpm_warp import (
+    BallPenetration,
+    CavityCylinder,
+    ConePenetration,
+    MaterialPoint,
+    ParameterError,
+    SceneError,
+    Sounding,
+    Tresca,
+)
 from mpm_warp.materials import clay_law
 from tests.conftest import finished
 from tests.mpm_warp.conftest import layers
@@ -51,7 +57,7 @@ material.bonding = [0, 1]
 
 
 @pytest.fixture(scope="module")
-def offered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder of packages, one of which offers the law by an entry point."""
     folder = tmp_path_factory.mktemp("packages")
     shutil.copy(bonded_clay.__file__, folder / "their_clay.py")
@@ -64,11 +70,39 @@ def offered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """The command `harness` where the packages of a folder are installed."""
-    paths = os.pathsep.join([str(folder), str(Path(bonded_clay.__file__).parents[3])])
-    environment = os.environ | {"PYTHONPATH": paths, "COLUMNS": "100"}
-    return finished([sys.executable, "-m", "harness", *words], cwd=folder, env=environment)
+COMMANDS = """
+import contextlib, io, json, sys
+from harness.cli.main import main
+for line in json.load(sys.stdin):
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        with contextlib.redirect_stderr(io.StringIO()) as err:
+            code = main(line.split())
+    print(json.dumps([code, out.getvalue(), err.getvalue()]))
+"""
+REFUSED = {
+    "compression_slope=0.1": "did you mean 'material.compression_slope'",
+    "material.swelling_slope=true": "must be a number > 0; meaning: slope kappa",
+    "material.yield_stress=1": "unknown parameter 'material.yield_stress'",
+    "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
+    'material={law="lost",bond=1}': "the entry point 'nowhere:Clay' cannot be loaded",
+}
+STUDY_RUN = "run study.toml --out results --workers 1"
+
+
+@pytest.fixture(scope="module")
+def told(packages: Path) -> dict[str, tuple[int, str, str]]:
+    """What commands end with and say in one process where the packages are installed."""
+    lines = [STUDY_RUN, "schema", *(f"describe {it}" for it in ("bonded_clay", "cone_penetration"))]
+    lines += [f"run study.toml --out no --set {it}" for it in REFUSED]
+    paths = os.pathsep.join([str(packages), str(Path(bonded_clay.__file__).parents[3])])
+    run = finished(
+        [sys.executable, "-c", COMMANDS],
+        cwd=packages,
+        env=os.environ | {"PYTHONPATH": paths},
+        input=json.dumps(lines),
+    )
+    assert run.returncode == 0, run.stderr
+    return dict(zip(lines, map(json.loads, run.stdout.splitlines()), strict=True))
 
 
 @pytest.mark.parametrize("names", [["tresca"], ["anisotropic"], ["mine", "mine"]])
@@ -104,60 +138,33 @@ def test_a_law_without_an_entry_point_is_named_by_its_class() -> None:
     assert "OfOneStiffness" in repr(test)
 
 
-def test_a_study_names_the_law_and_varies_a_parameter_of_it(offered: Path) -> None:
-    run = command(offered, "run", "study.toml", "--out", "results", "--workers", "1")
-    assert run.returncode == 0, run.stdout + run.stderr
-    with xr.open_dataset(offered / "results" / "study.nc") as study:
+def test_a_study_names_the_law_and_varies_a_parameter_of_it(packages: Path, told: Any) -> None:
+    assert told[STUDY_RUN][0] == 0, told[STUDY_RUN]
+    with xr.open_dataset(packages / "results" / "study.nc") as study:
         assert list(study["material.bonding"].values) == [0.0, 1.0]
         assert set(study.status.values) == {"completed"}
         assert set(np.atleast_1d(study.built_law.values)) == {"bonded_clay"}
-        assert set(np.atleast_1d(study["material.compression_slope"].values)) == {
-            0.2
-        }  # its default
+        by_default = np.atleast_1d(study["material.compression_slope"].values)
+        assert set(by_default) == {0.2}
         assert study["material.mean_effective_stress"].attrs["units"] == "Pa"
         resistance = study.cone_factor_simulated.values
         assert resistance[1] > resistance[0] > 0.0
         assert np.isnan(study.cone_factor_uncertainty.values).all()
-        assert all(
-            "bonded_clay" in str(reason)
-            for reason in np.atleast_1d(study.why_no_uncertainty.values)
-        )
+        reasons = np.atleast_1d(study.why_no_uncertainty.values)
+        assert all("bonded_clay" in str(reason) for reason in reasons)
 
 
-@pytest.mark.parametrize(
-    ("scene", "settings"),
-    [
-        ("material_point", {"step_count": "100"}),
-        ("cavity_cylinder", {"cells_per_radius": "2", "expansion": "1.2"}),
-    ],
-)
-def test_other_scenes_take_the_law(offered: Path, scene: str, settings: dict[str, str]) -> None:
-    study = offered / f"{scene}.toml"
-    fixed = {"material": '"bonded_clay"', **settings}
-    lines = [f"{name} = {value}" for name, value in fixed.items()]
-    study.write_text(f'title = "x"\nscene = "{scene}"\n[fixed]\n' + "\n".join(lines) + "\n")
-    run = command(offered, "run", study.name, "--out", scene, "--workers", "1")
-    assert run.returncode == 0, run.stdout + run.stderr
-    with xr.open_dataset(offered / scene / f"{scene}.nc") as result:
-        assert set(np.atleast_1d(result.status.values)) == {"completed"}
-        assert "error" not in result  # nothing exact is known of it
+def test_other_scenes_take_the_law_and_nothing_exact_is_known_of_it() -> None:
+    cavity = CavityCylinder(material=BondedClay(), cells_per_radius=2, expansion=1.2)
+    for scene in (MaterialPoint(material=BondedClay(), step_count=100), cavity):
+        assert "error" not in scene.run()
 
 
-def test_the_law_is_described_and_its_values_are_checked(offered: Path) -> None:
-    described = command(offered, "describe", "bonded_clay").stdout
-    assert "material.bonding " in described
-    assert "bonding" not in command(offered, "describe", "cone_penetration").stdout
-    schema = json.loads(command(offered, "schema").stdout)
-    assert "swelling_slope" in json.dumps(schema)
-    refused = {
-        "compression_slope=0.1": "did you mean 'material.compression_slope'",
-        "material.swelling_slope=true": "must be a number > 0; meaning: slope kappa",
-        "material.yield_stress=1": "unknown parameter 'material.yield_stress'",
-        "material=lost": "the entry point 'nowhere:Clay' cannot be loaded",
-        'material={law="lost", bond=1}': "the entry point 'nowhere:Clay' cannot be loaded",
-    }
-    for setting, message in refused.items():
-        run = command(offered, "run", "study.toml", "--out", "no", "--set", setting)
-        assert run.returncode == 2, run.stdout
-        assert message in run.stderr
-        assert len(run.stderr.splitlines()) == 1
+def test_the_law_is_described_and_its_values_are_checked(told: Any) -> None:
+    assert "material.bonding " in told["describe bonded_clay"][1]
+    assert "bonding" not in told["describe cone_penetration"][1]
+    assert "swelling_slope" in json.dumps(json.loads(told["schema"][1]))
+    for setting, message in REFUSED.items():
+        code, _, line = told[f"run study.toml --out no --set {setting}"]
+        assert (code, len(line.splitlines())) == (2, 1)
+        assert message in line

@@ -41,6 +41,7 @@ def known_error(test: ConePenetration, *, rise: float = 0.0, samples: int = 60) 
 
 
 def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
+    """The half width is made of its parts; what a bound takes off is given back."""
     known = known_error(TEST)
     mesh = laws.mesh_error(
         rigidity_index=100.0, adhesion_factor=0.0, cell_size=CELL, cell_growth=0.4
@@ -51,36 +52,38 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
     assert float(known.cone_factor_correction) == pytest.approx(correction, rel=1e-12)
     assert float(known.cone_factor) == pytest.approx(10.0 + correction, rel=1e-12)
     assert float(known.cone_factor_normal) == float(known.cone_factor)
-
-
-def test_the_half_width_is_made_of_its_parts() -> None:
-    known = known_error(TEST)
     parts = [float(known[f"cone_factor_uncertainty_{name}"]) for name in PARTS]
     assert min(parts) >= 0.0
     assert float(known.cone_factor_uncertainty) == pytest.approx(math.hypot(*parts), rel=1e-12)
-
-
-@pytest.mark.parametrize(("index", "limit"), [(20.0, 0.015), (300.0, 0.015), (1000.0, 0.03)])
-def test_the_limit_of_fine_cells_is_a_part_of_every_half_width(index: float, limit: float) -> None:
-    """The same on all meshes; larger in stiff clay, whose meshes are not as fine."""
-    for cells in (3.0, 12.0):
-        test = dataclasses.replace(TEST, rigidity_index=index, cells_per_radius=cells)
-        known = float(known_error(test).cone_factor_uncertainty_limit)
-        assert known == pytest.approx(limit, rel=1e-12)
-
-
-def test_the_noise_of_a_run_goes_with_the_width_of_its_cells() -> None:
-    for rows in (5, 10):
-        test = dataclasses.replace(TEST, cells_per_radius=rows / math.sqrt(3.0))
-        noise = float(known_error(test).cone_factor_uncertainty_noise)
-        assert noise == pytest.approx(laws.EFFECTS["noise"].half_width * math.sqrt(3.0) / rows)
-
-
-def test_what_a_bound_takes_off_is_given_back() -> None:
     bounded = dataclasses.replace(TEST, poissons_ratio_bound=TEST.poissons_ratio - 0.01)
-    own, given_back = (known_error(test) for test in (TEST, bounded))
-    difference = float(given_back.cone_factor - own.cone_factor)
+    difference = float(known_error(bounded).cone_factor - known.cone_factor)
     assert difference == pytest.approx(0.01 * laws.EFFECTS["bound"].size, rel=1e-9)
+
+
+NOISE, WINDOW = (laws.EFFECTS[it].half_width for it in ("noise", "domain"))
+
+
+@pytest.mark.parametrize(
+    ("part", "changes", "expected"),
+    [
+        # The same on all meshes; larger in stiff clay, whose meshes are not as fine.
+        *(("limit", {"rigidity_index": 20.0, "cells_per_radius": it}, 0.015) for it in (3.0, 12.0)),
+        ("limit", {"rigidity_index": 300.0}, 0.015),
+        ("limit", {"rigidity_index": 1000.0, "cells_per_radius": 12.0}, 0.03),
+        # With the width of the cells.
+        *(
+            ("noise", {"cells_per_radius": it / math.sqrt(3.0)}, NOISE * math.sqrt(3.0) / it)
+            for it in (5, 10)
+        ),
+        # From Ir 50 on the window is as large over the plastic zone as at Ir 100.
+        *(("domain", {"rigidity_index": it}, WINDOW * min(1.0, it / 50.0)) for it in (25.0, 50.0)),
+        ("domain", {}, WINDOW),
+    ],
+)
+def test_a_part_of_the_half_width(part: str, changes: dict[str, float], expected: float) -> None:
+    known = known_error(dataclasses.replace(TEST, **changes))
+    found = float(known[f"cone_factor_uncertainty_{part}"])
+    assert found == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_error_of_the_mesh_is_interpolated_between_those_measured() -> None:
@@ -128,18 +131,6 @@ def test_a_window_of_twice_the_extents_has_the_same_factor(case: tuple[float, ..
         corrected.append(simulated + float(laws.correction))
         half_widths += [float(laws.half_widths()[it]) for it in ("domain", "bottom", "noise")]
     assert abs(corrected[1] - corrected[0]) <= math.hypot(*half_widths)
-
-
-def test_in_soft_clay_the_window_leaves_less_open() -> None:
-    """Nothing changes from Ir 50 on, where it is as large over the plastic zone as at Ir 100."""
-    soft, edge, stiff = (
-        float(
-            known_error(dataclasses.replace(TEST, rigidity_index=it)).cone_factor_uncertainty_domain
-        )
-        for it in (25.0, 50.0, 100.0)
-    )
-    assert soft == pytest.approx(0.5 * edge)
-    assert edge == stiff
 
 
 @pytest.mark.parametrize("case", MEASURED["growth"])
@@ -212,12 +203,6 @@ def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_mes
         assert laws.growth_uncertainty(small, growth) == pytest.approx(left)
 
 
-def test_a_resistance_that_still_changes_is_less_certain() -> None:
-    known = known_error(TEST, rise=0.2)
-    assert float(known.cone_factor_uncertainty_steadiness) == pytest.approx(0.3)
-    assert float(known.cone_factor_uncertainty) > 0.3
-
-
 @pytest.mark.parametrize(
     ("changes", "why"),
     [
@@ -249,8 +234,11 @@ def test_where_the_laws_do_not_hold_there_is_no_u_and_the_correction_goes_on(
     assert float(known.cone_factor) == 10.0 + float(known.cone_factor_correction) > 10.04
 
 
-def test_the_largest_part_of_u_is_told_with_what_makes_it_smaller() -> None:
+def test_a_resistance_that_still_changes_is_less_certain() -> None:
+    """The largest part of U is told with what makes it smaller."""
     rising = known_error(TEST, rise=0.2)
+    assert float(rising.cone_factor_uncertainty_steadiness) == pytest.approx(0.3)
+    assert float(rising.cone_factor_uncertainty) > 0.3
     share = float(rising.cone_factor_uncertainty_steadiness / rising.cone_factor_uncertainty) ** 2
     assert rising.largest_part_of_uncertainty == (
         f"steadiness, {share:.0%} of U^2: more penetration, or a lower steady_tolerance"

@@ -96,38 +96,32 @@ def test_the_run_with_smaller_cells_has_a_row_more_at_least(angle: float) -> Non
     assert rows[1] > rows[0]
 
 
-def usual_correction(test: ConePenetration) -> float:
-    """What is taken off where further runs measure nothing: the error of Tresca clay."""
-    return float(test.laws(penetration=test.penetration).correction)
-
-
-def check_parts(results: xr.Dataset, name: str, known: dict[str, float], *others: str) -> None:
-    """The squares of the parts of an uncertainty add up; some are known."""
-    parts = {it: float(results[f"{name}_uncertainty_{it}"]) for it in (*known, *others)}
+@pytest.mark.parametrize(
+    ("test", "name", "shares"),
+    [
+        (CONE, "cone_factor", {"mesh": 0.2, "domain": 0.5}),
+        (BALL, "resistance_factor", {"mesh": 1.0, "mesh_and_speed": 0.5}),
+    ],
+    ids=["cone", "ball"],
+)
+def test_half_of_what_the_best_run_still_has_is_left_open_and_less_of_the_mesh(
+    test: Any, name: str, shares: dict[str, float]
+) -> None:
+    """Of a ball all of the mesh. The squares of the parts of the uncertainty add up."""
+    finest, results = test.further_tests()["mesh"], measured(test)
+    if test is CONE:
+        size = cell_size(finest)
+        left = {"mesh": abs(MESH * size + curvature(size)), "domain": DOMAIN / 1.4**2}
+        others, known = {*cone.DIFFERENCES, "steadiness", "points", "noise"}, {"limit": 0.025}
+    else:
+        square = finest.cells_per_radius**-2.0
+        left = {"mesh": -BALL_MESH * square, "mesh_and_speed": BOTH * (0.5 * 0.3) ** 1.4 * square}
+        others, known = {*full_flow.DIFFERENCES, "steadiness", "points", "poles"}, {}
+    known |= {it: share * left[it] for it, share in shares.items()}
+    parts = {it: float(results[f"{name}_uncertainty_{it}"]) for it in others | known.keys()}
     assert {it: parts[it] for it in known} == pytest.approx(known)
     assert float(results[f"{name}_uncertainty"]) == pytest.approx(math.hypot(*parts.values()))
-
-
-def test_half_of_what_the_best_run_still_has_is_left_open_and_less_of_the_mesh() -> None:
-    results = measured(CONE)
-    finest = cell_size(CONE.further_tests()["mesh"])
-    known = {
-        "mesh": 0.2 * abs(MESH * finest + curvature(finest)),
-        "domain": 0.5 * DOMAIN / 1.4**2,
-        "limit": 0.025,
-    }
-    others = set(cone.DIFFERENCES) - set(known)
-    check_parts(results, "cone_factor", known, *others, "steadiness", "points", "noise")
-    assert "cone_factor_uncertainty_bottom" not in results
-
-
-def test_of_what_the_best_ball_still_has_the_mesh_leaves_all_open_and_the_rest_half() -> None:
-    finest = BALL.further_tests()["mesh"].cells_per_radius
-    both = 0.5 * BOTH * (0.5 * 0.3) ** 1.4 / finest**2
-    known = {"mesh": -BALL_MESH / finest**2, "mesh_and_speed": both}
-    others = set(full_flow.DIFFERENCES) - set(known)
-    name = "resistance_factor"
-    check_parts(measured(BALL), name, known, *others, "steadiness", "points", "poles")
+    assert f"{name}_uncertainty_bottom" not in results
 
 
 def test_a_window_smaller_than_by_default_leaves_open_what_a_known_error_does() -> None:
@@ -145,19 +139,6 @@ def test_in_a_wider_window_the_cone_goes_farther_at_the_speed_of_the_approach() 
     for name in ("approach", "penetration"):
         way = getattr(wider, name) - getattr(CONE, name)
         assert way == pytest.approx((0.4 + 0.5 * 1.4) * CONE.domain_above)
-
-
-def test_an_error_too_large_for_linear_laws_is_not_known() -> None:
-    def coarse(test: ConePenetration, progress: Progress) -> xr.Dataset:
-        made = run(test, progress)
-        made["cone_factor_simulated"] -= 6.0 * cell_size(test)
-        return made
-
-    results = measured(CONE, coarse)
-    left = simulated(CONE) - 6.0 * cell_size(CONE)
-    would = f"further runs: their laws would take off {1.0 - left / FACTOR:.0%}, and hold up to 8%"
-    assert results.why_no_uncertainty == f"{would}: {CARRIED_ON}"
-    assert float(results.cone_factor) == left + usual_correction(CONE)
 
 
 def test_the_noise_of_all_runs_counts() -> None:
@@ -192,24 +173,44 @@ def test_what_the_runs_took_is_told() -> None:
     assert fractions[0] == pytest.approx(updates / CONE.run_size().particle_updates)
 
 
-def test_a_run_that_fails_leaves_the_case_without_a_known_error() -> None:
-    def failing(test: ConePenetration, progress: Progress) -> xr.Dataset:
-        if test.cell_growth > CONE.cell_growth:
-            raise UnfinishedRun("the resistance still changes", xr.Dataset())
-        return run(test, progress)
+def coarse(test: ConePenetration, progress: Progress) -> xr.Dataset:
+    """Of meshes whose error is too large for linear laws."""
+    made = run(test, progress)
+    made["cone_factor_simulated"] -= 6.0 * cell_size(test)
+    return made
 
-    results = measured(CONE, failing)
-    reason = "further runs: the run with more growth: the resistance still changes"
-    assert results.why_no_uncertainty == f"{reason}: {CARRIED_ON}"
+
+def failing(test: ConePenetration, progress: Progress) -> xr.Dataset:
+    if test.cell_growth > CONE.cell_growth:
+        raise UnfinishedRun("the resistance still changes", xr.Dataset())
+    return run(test, progress)
+
+
+def leaving_a_hole(test: BallPenetration, progress: Progress) -> xr.Dataset:
+    is_finer = test.cells_per_radius > BALL.cells_per_radius
+    return run(test, progress).assign(empty_cells=float(is_finer))
+
+
+@pytest.mark.parametrize(
+    ("made", "off", "reason"),
+    [
+        (coarse, -6.0 * cell_size(CONE), "their laws would take off {:.0%}, and hold up to 8%"),
+        (failing, 0.0, "the run with more growth: the resistance still changes"),
+    ],
+)
+def test_where_further_runs_do_not_tell_the_error_the_usual_correction_goes_on(
+    made: Any, off: float, reason: str
+) -> None:
+    """What is taken off is the error of Tresca clay."""
+    results = measured(CONE, made)
+    told = reason.format(1.0 - (simulated(CONE) + off) / FACTOR)
+    assert results.why_no_uncertainty == f"further runs: {told}: {CARRIED_ON}"
     assert np.isnan(results.cone_factor_uncertainty)
-    assert float(results.cone_factor) == simulated(CONE) + usual_correction(CONE)
+    usual = float(CONE.laws(penetration=CONE.penetration).correction)
+    assert float(results.cone_factor) == simulated(CONE) + off + usual
 
 
 def test_where_a_run_leaves_a_hole_nothing_is_known() -> None:
-    def leaving_a_hole(test: BallPenetration, progress: Progress) -> xr.Dataset:
-        is_finer = test.cells_per_radius > BALL.cells_per_radius
-        return run(test, progress).assign(empty_cells=float(is_finer))
-
     reason = "hole: soil leaves one behind the body: nothing is corrected"
     assert measured(BALL, leaving_a_hole).why_no_uncertainty == reason
 
@@ -275,9 +276,8 @@ def test_runs_that_are_not_made_are_not_counted(scene: Any, clay: dict[str, Any]
 
 def test_a_bar_is_run_with_its_further_runs() -> None:
     """Small and short, and held against the limit load with its error taken off."""
-    bar = TBarPenetration(
-        uncertainty="measured", cells_per_radius=3, domain_extent=4, penetration=6
-    )
+    small: Any = {"cells_per_radius": 3, "domain_extent": 4, "penetration": 5}
+    bar = TBarPenetration(uncertainty="measured", speed_ratio=0.06, poissons_ratio=0.48, **small)
     fractions: list[float] = []
     results = bar.run(fractions.append)
     assert fractions == sorted(fractions)
