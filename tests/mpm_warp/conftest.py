@@ -41,6 +41,14 @@ MEASURABLE: dict[str, Any] = SMALL_WINDOW | {
     "steady_tolerance": 0,
 }
 """A short cone test to which its further runs belong."""
+SHORT_BAR: dict[str, Any] = {
+    "cells_per_radius": 3,
+    "domain_extent": 4,
+    "penetration": 5,
+    "speed_ratio": 0.06,
+    "poissons_ratio": 0.48,
+}
+"""A T-bar in a small window, fast and not far."""
 STRENGTHS = {
     "strength_compression": 20e3,
     "strength_extension": 10e3,

@@ -12,7 +12,7 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.penetration import TBarPenetration
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import built, cone
-from tests.mpm_warp.conftest import DIRECTED, MEASURABLE
+from tests.mpm_warp.conftest import DIRECTED, MEASURABLE, SHORT_BAR
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
 FACTOR = 10.0
@@ -84,8 +84,8 @@ def test_a_class_or_a_part_of_ones_own_has_none_and_nothing_is_corrected(own: st
     ("kind", "given"),
     [
         (ConeInOwnClay, MEASURABLE),
-        (TBarInOwnClay, {"cells_per_radius": 3, "domain_extent": 4, "penetration": 6}),
-        (TBarInOwnClay, {"uncertainty": "measured", "domain_extent": 4, "penetration": 6}),
+        (TBarInOwnClay, SHORT_BAR),
+        (TBarInOwnClay, SHORT_BAR | {"uncertainty": "measured"}),
         (SoundingInOwnClay, {"cells_per_radius": 1.5, "to_depth": 1.05}),
     ],
 )

@@ -83,46 +83,61 @@ def check_no_step(values: list[xr.Dataset], *names: str) -> None:
             np.testing.assert_allclose(other, first[: other.size], rtol=STEP, err_msg=name)
 
 
+BASE = {"rigidity_index": 120.0, "adhesion_factor": 0.5}
 BASES: dict[str, dict[str, Any]] = {
     "soft": {"rigidity_index": 50.0},
     "quick": {"accuracy": "quick"},
     "very stiff": {"rigidity_index": 450.0},
     "fine": {"accuracy": "fine"},
-    # The edges of the laws.
-    "stiffest": {"rigidity_index": 2000.0},
-    "softest": {"rigidity_index": 10.0},
-    "most stressed": {"stress_anisotropy": 0.95},
-    "most compressible": {"poissons_ratio": 0.4},
-    "fastest": {"speed_ratio": 0.03**0.5},
-    "most grown": {"cell_growth": 1.0},
-    "most grown of u2": {"cell_growth": 0.5},
-    "nearest bottom": {"domain_below": 7.4},
-    "nearest top": {"domain_above": 0.74 * 13.0},
-    "shortest": {"penetration": 14.5},
     "fast clay": {"rate_factor": 0.1, "reference_strain_rate": 1e-5},
     "soft clay": {"remoulded_strength_ratio": 0.2, "ductility": 10.0},
     "soil shears": {"friction_coefficient": 0.05, "rate_factor": 0.0, "adhesion_factor": 1.0},
 }
+EDGES: list[tuple[str, float]] = [
+    ("rigidity_index", 2000.0),
+    ("rigidity_index", 10.0),
+    ("stress_anisotropy", 0.95),
+    ("poissons_ratio", 0.4),
+    ("speed_ratio", 0.03**0.5),
+    ("cell_growth", 1.0),
+    ("cell_growth", 0.5),  # of u2
+    ("domain_below", 7.4),
+    ("domain_above", 0.74 * 13.0),
+    ("penetration", 14.5),
+]
+
+
+def check_cone_test(test: ConePenetration, name: str) -> None:
+    """Neither the correction nor the method by default, of which the simulated value depends."""
+    tests = beside(test, name)
+    names = ["cone_factor", *(f"pore_pressure_factor_{it}" for it in ("face", "shoulder"))]
+    check_no_step([cone_results(it) for it in tests], *names)
+    first, *others = ([float(getattr(it, own)) for own in DERIVED_BY_ERROR] for it in tests)
+    for other in others:
+        np.testing.assert_allclose(other, first, rtol=1e-6, err_msg=name)
 
 
 @pytest.mark.parametrize("base", BASES)
 def test_no_parameter_of_a_cone_test_makes_a_step_at_its_value(base: str) -> None:
-    """Neither the correction nor the method by default, of which the simulated value depends."""
-    test = ConePenetration(**{"rigidity_index": 120.0, "adhesion_factor": 0.5} | BASES[base])
     for name in numbers(ConePenetration):
-        tests = beside(test, name)
-        names = ["cone_factor", *(f"pore_pressure_factor_{it}" for it in ("face", "shoulder"))]
-        check_no_step([cone_results(it) for it in tests], *names)
-        first, *others = ([float(getattr(it, own)) for own in DERIVED_BY_ERROR] for it in tests)
-        for other in others:
-            np.testing.assert_allclose(other, first, rtol=1e-6, err_msg=name)
+        check_cone_test(ConePenetration(**BASE | BASES[base]), name)
 
 
-@pytest.mark.parametrize("given", [{}, {"rigidity_index": 2000.0}, {"cell_growth": 0.5}])
-def test_no_parameter_of_a_sounding_makes_a_step_at_its_value(given: dict[str, Any]) -> None:
-    test = Sounding(adhesion_factor=0.5, **given)
-    for name in numbers(Sounding):
-        tests = beside(test, name)
+@pytest.mark.parametrize(("name", "edge"), EDGES)
+def test_no_edge_of_the_laws_is_a_step(name: str, edge: float) -> None:
+    check_cone_test(ConePenetration(**BASE | {name: edge}), name)
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [({}, numbers(Sounding)), *(({it: edge}, [it]) for it, edge in (EDGES[0], EDGES[6]))],
+    ids=["all", "edge of the laws", "edge of those of u2"],
+)
+def test_no_parameter_of_a_sounding_makes_a_step_at_its_value(
+    given: dict[str, Any], names: list[str]
+) -> None:
+    for name in names:
+        tests = beside(Sounding(adhesion_factor=0.5, **given), name)
         check_no_step([*map(sounding_results, tests)], "net_resistance", "excess_pore_pressure")
 
 

@@ -17,7 +17,7 @@ from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.uncertainty import cone, full_flow, further_runs
 from mpm_warp.uncertainty.further_runs import CARRIED_ON
 from mpm_warp.uncertainty.laws import EFFECTS, curvature_error
-from tests.mpm_warp.conftest import MEASURABLE
+from tests.mpm_warp.conftest import MEASURABLE, SHORT_BAR
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
 pytestmark = pytest.mark.slow
@@ -276,8 +276,7 @@ def test_runs_that_are_not_made_are_not_counted(scene: Any, clay: dict[str, Any]
 
 def test_a_bar_is_run_with_its_further_runs() -> None:
     """Small and short, and held against the limit load with its error taken off."""
-    small: Any = {"cells_per_radius": 3, "domain_extent": 4, "penetration": 5}
-    bar = TBarPenetration(uncertainty="measured", speed_ratio=0.06, poissons_ratio=0.48, **small)
+    bar = TBarPenetration(uncertainty="measured", **SHORT_BAR)
     fractions: list[float] = []
     results = bar.run(fractions.append)
     assert fractions == sorted(fractions)
