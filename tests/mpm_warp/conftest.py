@@ -270,7 +270,8 @@ def crash(request: pytest.FixtureRequest) -> str:
     return f"ended by {last}: {tried.stderr[-2000:]}" if tried.returncode else ""
 
 
-Misuse = tuple[Callable[[], object], type[Exception], str]
+Errors = type[Exception] | tuple[type[Exception], ...]
+Misuse = tuple[Callable[[], object], Errors, str]
 """What is done, the exception that it ends in, and the word that tells the argument."""
 
 
@@ -282,7 +283,7 @@ def try_all(misuses: Mapping[str, Misuse]) -> None:
             attempt()
 
 
-def refused(do: Callable[[], object], error: type[Exception], word: str) -> None:
+def refused(do: Callable[[], object], error: Errors, word: str) -> None:
     """Do what is to be refused: in one short line that has a word."""
     with pytest.raises(error) as refusal:
         do()

@@ -29,11 +29,6 @@ def test_every_scene_and_what_scenes_are_made_of_is_there() -> None:
     }
 
 
-def test_all_of_it_can_be_imported_at_once() -> None:
-    done = run("from mpm_warp import *; print(*(name for name in dir() if name[0] != '_'))")
-    assert done.stdout.split() == dir(mpm_warp)
-
-
 def test_each_public_name_is_typed_documented_and_that_of_its_class() -> None:
     for name in dir(mpm_warp):
         value = getattr(mpm_warp, name)
@@ -53,15 +48,18 @@ def test_an_unknown_name_is_refused_with_the_nearest(name: str, nearest: str) ->
         getattr(mpm_warp, name)
 
 
-def test_modules_are_not_names_and_import_as_they_do_everywhere() -> None:
+def test_the_import_alone_brings_no_simulator_and_all_names_come_at_once() -> None:
+    """Modules are not names, and import as they do everywhere."""
     assert not hasattr(mpm_warp, "_no_such_name")
-    done = run("from mpm_warp import fields, scene; print(fields.__name__, scene.__name__)")
-    assert done.stdout.split() == ["mpm_warp.fields", "mpm_warp.scene"]
-
-
-def test_the_import_alone_brings_no_simulator() -> None:
-    code = "import sys, mpm_warp; print({'warp', 'numpy', 'xarray'} & set(sys.modules))"
-    assert run(code).stdout.strip() == "set()"
+    done = run(
+        "import sys, mpm_warp; print({'warp', 'numpy', 'xarray'} & set(sys.modules))\n"
+        "from mpm_warp import fields, scene; print(fields.__name__, scene.__name__)\n"
+        "del sys, mpm_warp, fields, scene\n"
+        "from mpm_warp import *; print(*(name for name in dir() if name[0] != '_'))"
+    )
+    brought, modules, names = done.stdout.splitlines()
+    assert (brought, modules) == ("set()", "mpm_warp.fields mpm_warp.scene")
+    assert names.split() == dir(mpm_warp)
 
 
 def test_a_run_is_silent() -> None:

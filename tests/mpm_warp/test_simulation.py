@@ -84,33 +84,28 @@ def test_a_run_that_is_over_goes_no_further_and_is_done(floating: Scene) -> None
     assert told == [0.25, 0.5, 1.0]
 
 
-def test_a_run_that_diverges_leaves_its_curves_up_to_there(floating: Scene) -> None:
+@pytest.mark.parametrize(
+    ("wrong_at", "is_noticed", "samples"),
+    [(15, True, [5, 10]), (20, False, [5, 10, 15, 20])],
+    ids=["by the watch", "by the last look"],
+)
+def test_a_run_that_diverges_leaves_its_curves_up_to_there(
+    floating: Scene, wrong_at: int, is_noticed: bool, samples: list[int]
+) -> None:
+    """It is looked at once more before its results are given."""
     simulation, told = Simulation(floating), list[float]()
 
     def reach(step: float) -> None:
         simulation.advance_to_step(int(step))
-        if step > 12:
+        if step == wrong_at:
             simulation.array("particle.stress")[3] = np.nan
-            simulation.check()
+            if is_noticed:
+                simulation.check()
 
     with pytest.raises(SimulationDiverged, match="stress of particle 3") as end:
         follow(simulation, [5, 10, 15, 20], reach, [steps_of(simulation)], told.append)
-    assert end.value.curves.steps.values.tolist() == [5, 10]
-    assert told == [0.25, 0.5]
-
-
-def test_a_run_is_looked_at_before_its_results_are_given(floating: Scene) -> None:
-    """What goes wrong after the last look of the watch."""
-    simulation, told = Simulation(floating), list[float]()
-
-    def reach(step: float) -> None:
-        simulation.advance_to_step(int(step))
-        simulation.array("particle.mass")[3] = np.nan if step == 20 else 1.0
-
-    with pytest.raises(SimulationDiverged, match="mass of particle 3") as end:
-        follow(simulation, [5, 20], reach, [steps_of(simulation)], told.append)
-    assert end.value.curves.steps.values.tolist() == [5, 20]
-    assert 1.0 not in told
+    assert end.value.curves.steps.values.tolist() == samples
+    assert told == [0.25, 0.5, 0.75][: len(samples)]
 
 
 def test_a_run_that_was_interrupted_in_its_steps_does_not_go_on(
