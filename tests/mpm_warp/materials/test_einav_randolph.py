@@ -93,32 +93,27 @@ def test_without_softening_and_rate_the_stress_is_that_of_perfect_plasticity(
     np.testing.assert_array_equal(changing, perfect)
 
 
-def test_points_remember_only_what_changes_their_strength() -> None:
-    assert clay().state == ()
-    assert clay(**SOFT).state == ("lost_share",)
-    assert clay(**HURRIED).state == ("rate_effect",)
-    assert clay(**SOFT, **HURRIED).state == ("lost_share", "rate_effect")
-
-
-def test_each_material_has_one_law_of_its_own() -> None:
-    kinds = [{}, SOFT, HURRIED, SOFT | HURRIED]
-    clays = [clay(criterion, **kind) for criterion in CRITERIA.values() for kind in kinds]
-    without_memory = [material(**ELASTIC) for material in CRITERIA.values()]
-    elastic = LinearElastic(shear_modulus=200.0, poissons_ratio=0.3, density=4.0)
-    materials = [elastic, *without_memory, *clays]
-    laws = [it.law() for it in materials]
-    assert len(set(laws)) == len(laws)
-    assert laws == [it.law() for it in materials]  # no kernel is built twice
-    assert not any(law.remembers for law in laws[: 1 + len(without_memory)])
+def test_each_material_has_one_law_and_points_remember_only_what_changes_their_strength() -> None:
+    kinds = {(): {}, ("lost_share",): SOFT, ("rate_effect",): HURRIED}
+    kinds["lost_share", "rate_effect"] = SOFT | HURRIED
+    laws = [LinearElastic(shear_modulus=200.0, poissons_ratio=0.3, density=4.0).law()]
+    for criterion in CRITERIA.values():
+        laws.append(criterion(**ELASTIC).law())
+        assert not laws[-1].remembers
+        for state, kind in kinds.items():
+            material = clay(criterion, **kind)
+            assert material.state == state
+            laws.append(material.law())
+            assert material.law() == laws[-1]  # no kernel is built twice
+    assert len(set(laws)) == len(laws) == 11
 
 
 def test_where_clay_varies_it_is_clay_of_that_strength_and_stiffness() -> None:
     """It has the properties that uniform clay of the place has."""
-    material = replace(clay(**SOFT | HURRIED), variation=layers((0, 1, 1), (1, 0.5, 0.25)))
+    strong = clay(**SOFT | HURRIED)
+    material = replace(strong, variation=layers((0, 1, 1), (1, 0.5, 0.25)))
     own = material.properties_at(np.array([[1.0, -1.0]]))[0]
-    weak = replace(
-        clay(**SOFT | HURRIED), strength=0.5 * material.strength, shear_modulus=0.25 * 200.0
-    )
+    weak = replace(strong, strength=0.5 * strong.strength, shear_modulus=0.25 * 200.0)
     np.testing.assert_array_equal(own, weak.properties)
     assert material.slope == weak.slope
 
