@@ -8,6 +8,7 @@ import xarray as xr
 
 from harness.archive.conventions import known_digits
 from harness.interpret.measured import REASONS
+from harness.interpret.model_factor import MEASURED, OF_PRACTICE, SIMULATED
 from harness.interpret.site import Layer, Site
 from mpm_warp.results import labelled
 
@@ -36,6 +37,7 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
     ("depth",): GROUND,
 }
 """Results by their dims, each with unit and meaning."""
+UNCHECKED = ", of which only the tip is checked on real ground,"
 FEWEST_DRAWS = 50
 """With fewer effective draws after weighting, the measured values contradict the inputs."""
 
@@ -69,7 +71,10 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             sentences.append(f"{told}: no strength; {why}.")
             continue
         own = found.isel(depth=here)
-        measures = ", ".join(telling(site, own)).replace("_", " ")
+        told_by = telling(site, own)
+        measures = ", ".join(told_by).replace("_", " ")
+        if layer.strength != SIMULATED and len(told_by) > 1:
+            measures += UNCHECKED
         low, middle, high = in_digits(*own.strength.mean("depth").values / 1e3)
         factor = in_digits(*own.resistance_factor.mean("depth").values)
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
@@ -83,12 +88,23 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
             f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) "
-            f"{middle} kPa, {low} to {high} with 90 %, by {measures} with Nkt "
+            f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer)}, by {measures} with Nkt "
             f"{factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
             f"error from {largest}{assumed}.{warning}"
         )
     return sentences
+
+
+def of_ground(layer: Layer) -> str:
+    """What the band of a layer rests on, in words."""
+    if layer.strength == SIMULATED:
+        return "for simulated clay, from which real clay departs"
+    words = "without a laboratory test of this site"
+    if layer.strength == MEASURED:
+        return words
+    of = "as in practice" if layer.strength == OF_PRACTICE else "not measured in this mode"
+    return f"{words}, with a model factor {of}"
 
 
 def in_digits(low: float, middle: float, high: float) -> list[str]:

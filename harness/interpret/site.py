@@ -13,6 +13,7 @@ import numpy as np
 from harness.interpret import forms
 from harness.interpret.factors import TABLE_RATE
 from harness.interpret.forms import ByDepth
+from harness.interpret.model_factor import MEASURED, OF_PRACTICE, RATIOS, SIMULATED
 from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
 from harness.study.tables import LINE, StudyError, Table, keys_of
@@ -24,11 +25,21 @@ from mpm_warp.grid.fitted import Floats, Integers
 
 BY_SLEEVE = "sleeve"
 """Value of the adhesion factor by which it follows from the sleeve friction at each depth."""
-MODES = ("isotropic", "simple_shear", "triaxial_compression", "triaxial_extension", "average")
-"""Modes of the strength to be found; isotropic is the strength of the simulation."""
+MODES = (
+    MEASURED,
+    "average",
+    "simple_shear",
+    OF_PRACTICE,
+    "triaxial_extension",
+    SIMULATED,
+)
+"""Modes of the strength to be found."""
 LARGEST_DEPTH = 1000.0
-RATIOS = ("simple_shear_ratio", "extension_ratio")
-"""Inputs that another mode than the first needs."""
+
+
+def _usual(ratio: str) -> dict[str, float]:
+    """The usual range of a ratio of strengths, as an input is written."""
+    return dict(zip(("low", "high"), RATIOS[ratio], strict=True))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -168,19 +179,16 @@ class Layer:
         maximum=60,
     )
     strength: str = parameter(
-        MODES[0], "mode of the su to be found; isotropic: as in the simulation", choices=MODES
+        MODES[0],
+        "mode of the su to be found; mobilised: that of full-scale failures; average: of the three "
+        "modes of shear; isotropic: of simulated clay, without a model factor",
+        choices=MODES,
     )
     simple_shear_ratio: Input = an_input(
-        {"low": 0.6, "high": 0.9}, "su in simple shear over compression", above=0, maximum=1.2
+        _usual("simple_shear_ratio"), "su in simple shear over compression", above=0, maximum=1.2
     )
     extension_ratio: Input = an_input(
-        {"low": 0.35, "high": 0.7}, "su in extension over compression", above=0, maximum=1.2
-    )
-    model_error: float = parameter(
-        0.1,
-        "standard deviation of the error by what the simulation leaves out, over Nkt",
-        minimum=0,
-        maximum=1,
+        _usual("extension_ratio"), "su in extension over compression", above=0, maximum=1.2
     )
 
     def __post_init__(self) -> None:
@@ -206,14 +214,15 @@ class Layer:
     @property
     def assumed(self) -> tuple[str, ...]:
         """Keys that have their defaults."""
-        used = (*self._used, "laboratory_rate", "strength", "model_error")
+        used = (*self._used, "laboratory_rate", "strength")
         return tuple(name for name in used if name not in self.given)
 
     @property
     def _used(self) -> tuple[str, ...]:
         inputs = ("rigidity_index", "rate_factor", "sensitivity", "ductility", "adhesion_factor")
         anisotropy = "K0" if self.stress_anisotropy is None else "stress_anisotropy"
-        return (*inputs, anisotropy, *(RATIOS if self.strength != MODES[0] else ()))
+        no_ratio = self.strength in (MEASURED, "average", SIMULATED)
+        return (*inputs, anisotropy, *(() if no_ratio else RATIOS))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,13 +3,16 @@
 For each layer the inputs are drawn many times. qnet of each draw is the measured qnet plus a random
 multiple of the error of the test, the same at all depths. Then at each depth
 
-    su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table e_model)
+    su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table)
 
 with Delta by K0 and su, and alpha, if the site file says so, by the sleeve friction and su; both by
 iteration. The sleeve friction then has a random error of its own in each draw, the same at all
-depths. e_table and e_model are the errors of the table and of what the simulation leaves out. If
-`use` names sleeve or pore pressure, each draw is weighted by the likelihood of the layer's mean of
-fs and u2 - u0, and the draws are resampled by their weights.
+depths. e_table is the error of the table. This is the strength of simulated clay. Real clay differs
+from it by the model factor, by which the strength that is stated is divided. Each draw has one of
+the site and one of the depths; the latter is the same at all depths, so that a mean over depths has
+the band of a depth. If `use` names sleeve or pore pressure, each draw is weighted by the likelihood
+of the layer's mean of fs and u2 - u0, and the draws are resampled by their weights. How fs and u2
+of real clay differ from those of simulated clay is not measured.
 """
 
 import math
@@ -25,6 +28,16 @@ from harness.interpret.columns import GAP
 from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
 from harness.interpret.forms import ByDepth
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
+from harness.interpret.model_factor import (
+    DEPTH,
+    RATIOS,
+    SIMULATED,
+    SITE,
+    model_causes,
+    model_factor,
+    over_average,
+    with_model_factor,
+)
 from harness.interpret.result import GROUND, PERCENTILES, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import Layer, Site
@@ -48,7 +61,7 @@ MOST_OF_ANISOTROPY = 0.5
 because ground with Delta of 1 or more would have failed before any test."""
 SAND = [REASONS.index("not undrained clay"), REASONS.index(NO_INDEX)]
 """Reasons of rows that are, or may be, sand: the clay beside them feels another layer."""
-MEASUREMENT, TABLE_ERROR, MODEL, WEIGHT = "test", "numerical", "model", "unit_weight"
+MEASUREMENT, TABLE_ERROR, WEIGHT = "test", "numerical", "unit_weight"
 FRICTION = "sleeve_friction"
 """Causes of an error that are not inputs of a layer. That of the sleeve friction counts where the
 adhesion follows from it."""
@@ -90,7 +103,8 @@ def interpret(site: Site, *, sharpen: bool = False) -> xr.Dataset:
     used, placed = without_borders(test, borders, radius) if sharpen else (test, borders)
     names = dict.fromkeys(name for layer in site.layers for name in layer.inputs)
     by_sleeve = [FRICTION] if any(map(_is_by_sleeve, site.layers)) else []
-    causes = [*names, WEIGHT, MEASUREMENT, *by_sleeve, TABLE_ERROR, MODEL, TOGETHER]
+    of_model = [SITE, DEPTH] if any(layer.strength != SIMULATED for layer in site.layers) else []
+    causes = [*names, WEIGHT, MEASUREMENT, *by_sleeve, TABLE_ERROR, *of_model, TOGETHER]
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
@@ -192,18 +206,21 @@ def _beyond_the_test(layers: Sequence[Layer], depth: Floats) -> list[str]:
 
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     """Draw the inputs of a layer, and find the strength of each draw at the indices of depths."""
-    layer, table, weight = site.layers[number], factors(), site.test.unit_weight
+    layer, weight = site.layers[number], site.test.unit_weight
+    table, known = factors(), model_factor()
     causes = {
         **layer.inputs,
         MEASUREMENT: normal(1.0 / HALF_WIDTH),
         TABLE_ERROR: normal(table.half_widths["cone_factor"] / HALF_WIDTH),
-        MODEL: normal(layer.model_error),
     }
     if not isinstance(weight, ByDepth):
         causes[WEIGHT] = weight
     if _is_by_sleeve(layer):
         causes[FRICTION] = normal(1.0)
-    inputs = sampled(causes, site.samples, site.seed + number)
+    if layer.strength != SIMULATED:
+        causes |= model_causes(known)
+    drawn = sampled(causes, site.samples, site.seed + number)
+    inputs = with_model_factor(known, layer.strength, drawn)
 
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
     stress = at["vertical_stress"]
@@ -213,7 +230,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     net = at["total_resistance"] + qt_error - stress
     net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])
     soil, ratio = _in_table(site, number, inputs)
-    along, errors = table.along(soil), ratio * np.exp(inputs[TABLE_ERROR] + inputs[MODEL])
+    along, error = table.along(soil), np.exp(inputs[TABLE_ERROR])
 
     measures = measures_of(site.test, test, here)
     friction, friction_error = at["sleeve_friction"], np.zeros(site.samples)
@@ -221,25 +238,26 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
         friction_error = measures["sleeve"].deviation[:, None] * inputs[FRICTION]
 
     # Delta and the adhesion by the sleeve depend on the strength, so all three are iterated.
-    strength = net / (10.0 * errors)
+    strength = net / (10.0 * ratio * error)
     for _ in range(REPETITIONS):
         anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
         held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
         adhesion = _adhesion(inputs, friction + friction_error, strength * ratio, along, held)
-        before, strength = strength, net / (along(held, adhesion, 1)["cone_factor"] * errors)
+        factor = along(held, adhesion, 1)["cone_factor"] * ratio * error
+        before, strength = strength, net / factor
         if np.max(np.abs(strength / before - 1.0)) < SETTLED:
             break
     simulated = along(held, adhesion)
     likelihood = np.zeros(site.samples)
-    drawn = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
+    errors = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
     for name, measure in measures.items():
         if name in site.use:
             expected = simulated[measure.quantity] * ratio * strength
-            likelihood += measure.log_likelihood(expected - drawn[name])
+            likelihood += measure.log_likelihood(expected - errors[name])
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
-    wanted = strength * _over_average(layer, inputs)
-    own = net / errors / at["net_resistance"]
+    wanted = strength * _over_simulated(layer, inputs)
+    own = net / error / at["net_resistance"]
     of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
     ground = {
         name: np.broadcast_to(draws, strength.shape)
@@ -300,16 +318,11 @@ def _adhesion(
     return np.clip(friction / (strength * rough), 0.0, 1.0)
 
 
-def _over_average(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
-    """Strength in the mode of the layer over the average of three, which acts on a cone."""
-    if layer.strength in ("isotropic", "average"):
+def _over_simulated(layer: Layer, inputs: Mapping[str, Floats]) -> Floats | float:
+    """Strength in the mode of the layer over that of simulated clay, which is the average."""
+    if layer.strength == SIMULATED:
         return 1.0
-    shear, extension = inputs["simple_shear_ratio"], inputs["extension_ratio"]
-    average = (1.0 + shear + extension) / 3.0
-    of_mode = {
-        "simple_shear": shear,
-        "triaxial_compression": np.ones_like(shear),
-        "triaxial_extension": extension,
-    }
-    ratio: Floats = of_mode[layer.strength] / average
-    return ratio
+    ratio: Floats | float = 1.0
+    if RATIOS.keys() <= inputs.keys():
+        ratio = over_average(*(inputs[name] for name in RATIOS))[layer.strength]
+    return ratio / (inputs[SITE] * inputs[DEPTH])

@@ -17,6 +17,7 @@ from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
 from harness.interpret.measured import REASONS
+from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
 from harness.interpret.result import in_digits, in_words, rate_in_words
 from harness.interpret.site import BY_SLEEVE, Layer, Site
 from harness.pictures.drawing.plot_parts import MAKER, STYLED, image, panels, runs, series
@@ -77,12 +78,13 @@ def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     texts = given | {
         "strength": layer.strength,
         "laboratory_rate": rate_in_words(layer),
-        "model_error": f"{layer.model_error:g}",
     }
+    if layer.strength != SIMULATED:
+        texts |= dict.fromkeys((SITE, DEPTH), "measured sites")
     rows: Rows = []
     for name, text in texts.items():
         spans = ["", ""]
-        if name in layer.inputs:
+        if name in layer.inputs or name in (SITE, DEPTH):
             both = (found[f"input_{time}"] for time in ("before", "after"))
             spans = [_span(*it.sel(layer=layer.title, cause=name).values) for it in both]
         assumed = " (assumed)" if name in layer.assumed else ""

@@ -95,7 +95,7 @@ rate_factor = {"{ low = 0.05, high = 0.15 }" if changes else 0}
 sensitivity = {"{ low = 1.5, high = 6.0 }" if changes else 1}
 ductility = {{ low = 10, high = 50 }}
 laboratory_rate = {RATE}
-model_error = 0
+strength = "isotropic"
 """
     path = folder / f"site{number}.toml"
     path.write_text(

@@ -24,7 +24,7 @@ rate_factor = 0
 sensitivity = 1
 ductility = 20
 laboratory_rate = 1e-6
-model_error = 0
+strength = "isotropic"
 """
 SITE = """
 title = "A site"

@@ -43,8 +43,8 @@ REFUSED = {
     "lacks a key": ("rigidity_index = 120", "", "rigidity_index: is missing"),
     "beyond": ("= 120", "= 5000", "must be a number >= 15 and <= 1000"),
     "beyond and not used": (
-        "model_error",
-        "extension_ratio = 5\nmodel_error",
+        "strength =",
+        "extension_ratio = 5\nstrength =",
         "extension_ratio = 5 is not allowed: must be a number > 0 and <= 1.2",
     ),
     "half a range": ("= 120", "= { low = 50 }", "must be a number, { low, high }"),

@@ -221,7 +221,8 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     text = (here / "mine.toml").read_text()
     (here / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
     told = command("interpret", "mine.toml", "--laboratory", "triaxial.csv")
-    assert told.out.startswith("2 to 10 m: su (isotropic")
+    assert told.out.startswith("2 to 10 m: su (mobilised")
+    assert "without a laboratory test of this site" in told.out
     assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (here / "results").iterdir())
@@ -304,6 +305,13 @@ def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:
     assert float(ratio.min()) > 1.2
     strength = found.net_resistance * ratio / FACTOR
     np.testing.assert_allclose(found.strength.sel(percentile=50.0), strength, rtol=0.01)
+
+
+def test_the_ground_of_the_tip_has_the_measured_resistance(folder: Path) -> None:
+    """Of a simulation of it, at the rate of the table, whatever the rate of the laboratory."""
+    rate = ("rate_factor = 0", "rate_factor = 0.1"), ("= 1e-6", "= 1e-4")
+    ratio = interpret(load_site(changed(folder, *rate))).ground_resistance_ratio
+    np.testing.assert_allclose(ratio.dropna("depth"), 1.0, rtol=1e-3)
 
 
 def test_draws_beyond_the_rate_effect_of_the_table_count_as_at_its_edge(folder: Path) -> None:

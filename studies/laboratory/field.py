@@ -1,0 +1,191 @@
+"""Pairs of laboratory strength and cone resistance of measured sites, beside the computed factor.
+
+``field PAIRS`` reads a CSV with a row for each depth: a column "site" and those of COLUMNS; empty
+cells are not known. Each depth is interpreted by `harness.interpret` with what a site file has by
+default, K0 by the overconsolidation ratio, and the sensitivity where it is known. It prints how
+well the strengths of a site are predicted by the other sites, by the simulation alone and with the
+model factor. ``field PAIRS figures`` prints the rows of `studies/field_sites.csv`.
+"""
+
+import csv
+import math
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from harness.interpret.model_factor import (
+    DEPTH,
+    MEASURED,
+    SIMULATED,
+    SITE,
+    ModelFactor,
+    SiteFigures,
+    fitted,
+    model_causes,
+    with_model_factor,
+)
+from harness.interpret.site import MODES, Layer, MeasuredTest, Site
+from harness.interpret.strength import draw
+from harness.study.distributions import sampled
+from mpm_warp.grid.fitted import Floats
+
+COLUMNS = {
+    "effective": "effective_vertical_stress [kPa]",
+    "yield": "preconsolidation_stress [kPa]",
+    "strength": "su_mobilised [kPa]",
+    "net": "net_resistance [kPa]",
+    "Bq": "pore_pressure_ratio [1]",
+    "Ip": "plasticity_index [%]",
+    "sensitivity": "sensitivity [1]",
+}
+SEED = 1
+TEST: Mapping[str, Any] = {
+    "name": "pairs",
+    "area_ratio": 1.0,
+    "water_level": 0.0,
+    "unit_weight": {"depth": [0.0], "value": [17.0]},  # without an error; stresses are in the pairs
+    "accuracy": {"qc": 0.0, "fs": 0.0, "u2": 0.0},
+}
+NONE = "total_resistance_error", "water_pressure", "sleeve_friction", "pore_pressure"
+JUDGED = "share of draws below", "ln median over measured", "ln width of the band"
+BINS = np.linspace(0.0, 1.0, 11)
+MOST_SENSITIVE = 25.0
+FRICTION_ANGLES = 22.0, 32.0  # [degrees]
+"""K0 = (1 - sin phi) OCR^(sin phi) (Mayne & Kulhawy 1982, as commonly quoted), from the least to
+the greatest of these angles."""
+INDEX: Any = {"low": 50.0, "high": 300.0}
+"""Range of the rigidity index."""
+Pairs = Mapping[str, Floats]
+"""Columns of a site, shape [depths]."""
+
+
+def read_pairs(path: Path) -> dict[str, Pairs]:
+    """The columns of each site, by its name; NaN where nothing is known."""
+    sites: dict[str, list[list[float]]] = {}
+    with path.open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            cells = [float(row[title]) if row[title] else math.nan for title in COLUMNS.values()]
+            sites.setdefault(row["site"], []).append(cells)
+    return {name: dict(zip(COLUMNS, np.array(rows).T, strict=True)) for name, rows in sites.items()}
+
+
+def computed_factors(pairs: Pairs) -> Floats:
+    """Draws of ln Nkt over the average strength, shape [depths, draws].
+
+    A draw has the same shares of all distributions at all depths of a site.
+    """
+    found = []
+    with np.errstate(invalid="ignore"):
+        ocr = np.maximum(pairs["yield"] / pairs["effective"], 1.0)
+    test = xr.Dataset(
+        {
+            "total_resistance": ("depth", 1e3 * (pairs["net"] + pairs["effective"])),
+            "net_resistance": ("depth", 1e3 * pairs["net"]),
+            "vertical_stress": ("depth", 1e3 * pairs["effective"]),
+            **dict.fromkeys(NONE, ("depth", np.zeros_like(ocr))),
+        },
+        {"depth": np.arange(len(ocr), dtype=float)},
+    )
+    told = MeasuredTest(where="", folder=Path(), **TEST)
+    for place, (ratio, sensitivity) in enumerate(zip(ocr, pairs["sensitivity"], strict=True)):
+        known: dict[str, Any] = {}
+        if math.isfinite(ratio):
+            sines = np.sin(np.radians(FRICTION_ANGLES))
+            known["K0"] = dict(
+                zip(("low", "high"), sorted((1.0 - sines) * ratio**sines), strict=True)
+            )
+        if math.isfinite(sensitivity):
+            known["sensitivity"] = min(max(sensitivity, 1.0), MOST_SENSITIVE)
+        layer = Layer(top=0.0, bottom=100.0, rigidity_index=INDEX, strength=SIMULATED, **known)
+        site = Site(name="pairs", title="pairs", test=told, layers=(layer,))
+        found.append(np.log(draw(site, 0, test, np.array([place])).factor[0]))
+    return np.stack(found)
+
+
+def figures(name: str, pairs: Pairs, factors: Floats) -> SiteFigures:
+    """The figures of a site, given draws of ln Nkt."""
+    measured, medians = np.log(pairs["net"] / pairs["strength"]), np.median(factors, axis=1)
+    with np.errstate(invalid="ignore"):
+        ocr = pairs["yield"] / pairs["effective"]
+    return SiteFigures(
+        float(name),
+        len(measured),
+        measured.mean(),
+        measured.std(ddof=1),
+        medians.mean(),
+        factors.mean(axis=0).std(),
+        (measured - medians).std(ddof=1),
+        *(_median(values) for values in (ocr, pairs["Bq"], pairs["Ip"])),
+    )
+
+
+def _median(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else math.nan
+
+
+def table(sites: Sequence[SiteFigures]) -> Iterator[str]:
+    """The lines of `studies/field_sites.csv` after its comments."""
+    yield ",".join(SiteFigures._fields)
+    for site in sites:
+        yield ",".join("" if math.isnan(number) else f"{number:.4g}" for number in site)
+
+
+def print_model_factor(known: ModelFactor) -> None:
+    """Both deviations, and mean and deviation of b of each mode, at three shares."""
+    for share in np.array([0.05, 0.5, 0.95]):
+        between = known.between_at(share)
+        print(f"{share:4.0%}: between {between:.3f}, within {known.within_at(share):.3f}")
+        for mode in MODES[:-1]:
+            mean, variance = known.of_mode(mode, between)
+            print(f"      {mode}: b {mean:.3f} +- {math.sqrt(variance):.3f}")
+
+
+def judgement(known: ModelFactor, mode: str, factors: Floats, pairs: Pairs) -> Floats:
+    """Rows of JUDGED for the depths of a site, shape [3, depths]."""
+    drawn = sampled(model_causes(known), factors.shape[1], SEED)
+    inputs = {SITE: 1.0, DEPTH: 1.0} if mode == SIMULATED else with_model_factor(known, mode, drawn)
+    strength = pairs["net"][:, None] * np.exp(-factors) / (inputs[SITE] * inputs[DEPTH])
+    low, middle, high = np.quantile(strength, [0.05, 0.5, 0.95], axis=1)
+    share = np.mean(strength < pairs["strength"][:, None], axis=1)
+    return np.stack([share, np.log(middle / pairs["strength"]), np.log(high / low)])
+
+
+def summary(judged: Sequence[Floats]) -> str:
+    """Coverage, bias, width, and the histogram of the shares; each site counts once."""
+    inside = np.mean([np.mean((own[0] >= 0.05) & (own[0] <= 0.95)) for own in judged])
+    below = np.mean([np.mean(own[0] < 0.05) for own in judged])
+    bias = math.expm1(np.mean([own[1].mean() for own in judged]))
+    width = math.exp(0.5 * np.mean([own[2].mean() for own in judged]))
+    counts = np.mean([np.histogram(own[0], BINS)[0] / own.shape[1] for own in judged], axis=0)
+    return (
+        f"inside the band of 90 % {inside:.1%}, below it {below:.1%}; median {bias:+.1%}; "
+        f"band a factor of {width:.2f} each way; shares of depths in tenths "
+        + " ".join(f"{count:.2f}" for count in counts)
+    )
+
+
+def main(path: Path, *, is_of_figures: bool) -> None:
+    """Print the figures of the sites, or how well each is predicted by the others."""
+    sites = read_pairs(path)
+    factors = {name: computed_factors(pairs) for name, pairs in sites.items()}
+    known = [figures(name, pairs, factors[name]) for name, pairs in sites.items()]
+    if is_of_figures:
+        print("\n".join(table(known)))
+        return
+    print_model_factor(fitted(known))
+    for mode in (SIMULATED, MEASURED):
+        judged = []
+        for place, (name, pairs) in enumerate(sites.items()):
+            others = fitted([*known[:place], *known[place + 1 :]])
+            judged.append(judgement(others, mode, factors[name], pairs))
+            print(f"{name:>6}: {summary(judged[-1:])}")
+        print(f"{mode}, each site by the others: {summary(judged)}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), is_of_figures="figures" in sys.argv[2:])
