@@ -50,7 +50,7 @@ def drawn(known: ModelFactor, mode: str = MEASURED) -> Floats:
 def test_a_site_drawn_from_the_model_is_covered() -> None:
     """In the band of 90 % of draws that know the model by fifteen other sites."""
     rng, inside = np.random.default_rng(1), []
-    for _ in range(400):
+    for _ in range(200):
         low, high = np.quantile(drawn(fitted(sites_of_a_model(rng, 15))), [0.05, 0.95])
         true = MEAN + rng.normal(0.0, BETWEEN) + rng.normal(0.0, WITHIN, 20)
         inside.append(np.mean((true >= low) & (true <= high)))
