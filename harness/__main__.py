@@ -12,6 +12,7 @@ def main() -> int:
 
         return run()
     except KeyboardInterrupt:
+        sys.stderr.write("harness: interrupted\n")
         return 128 + signal.SIGINT
 
 

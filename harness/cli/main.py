@@ -9,6 +9,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 
 from harness.cli.options import make_parser, mistake_in, unrecognised
 from harness.cli.process import (
@@ -70,6 +71,8 @@ def _exit_code(parser: argparse.ArgumentParser, given: Sequence[str]) -> int:
         tell(str(error) or "this machine does not have enough memory")
         return BAD_INPUT
     except KeyboardInterrupt as end:
+        with suppress(BrokenPipeError):  # nobody reads what is told any more
+            tell("interrupted")
         return 128 + (end.number if isinstance(end, Terminated) else signal.SIGINT)
     except Exception as error:
         if "--debug" in given:

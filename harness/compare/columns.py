@@ -81,7 +81,8 @@ def _in_latex(text: str) -> str:
 
 def _csv_lines(names: Sequence[str], rows: Rows) -> list[str]:
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([names, *rows])
+    cells = [["" if cell == MISSING else cell for cell in row] for row in rows]
+    csv.writer(text, lineterminator="\n").writerows([names, *cells])
     return text.getvalue().splitlines()
 
 

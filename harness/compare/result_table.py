@@ -139,21 +139,30 @@ def _cone_factor_columns(dataset: xr.Dataset) -> Iterable[Column]:
 
 
 def _reference_column(dataset: xr.Dataset, reference: Reference) -> Column:
-    conditions = conditions_of(dataset)
-    quantities = (
-        *(f"{role}_{reference.id}" for role in (Role.REFERENCE, Role.DEVIATION)),
-        reference.applies(conditions),
-        reference.has_criterion(conditions),
+    conditions, name = conditions_of(dataset), reference.id
+    values, deviations, applies, is_alike = (
+        over_cases(dataset, quantity)
+        for quantity in (
+            *(f"{role}_{name}" for role in (Role.REFERENCE, Role.DEVIATION)),
+            reference.applies(conditions),
+            reference.has_criterion(conditions),
+        )
     )
     other = f" {reference.criterion_name}"
-    rows = zip(*(over_cases(dataset, quantity) for quantity in quantities), strict=True)
     texts = [
-        _bracketed(_with_deviation(value, deviation) + ("" if is_alike else other), applies)
-        if applies or np.isfinite(value)
+        _bracketed(_with_deviation(value, deviation) + ("" if is_same else other), holds)
+        if holds or np.isfinite(value)
         else "[outside]"
-        for value, deviation, applies, is_alike in rows
+        for value, deviation, holds, is_same in zip(
+            values, deviations, applies, is_alike, strict=True
+        )
     ]
-    return column(reference.id, texts)
+    apart = (
+        column(name, (number_text(value, ".2f") for value in values)),
+        column(f"{name}_deviation", (number_text(it, "+z.1%") for it in deviations)),
+        column(f"{name}_applies", ("yes" if holds else "no" for holds in applies)),
+    )
+    return Column(name, texts, apart)
 
 
 def _envelope_columns(dataset: xr.Dataset) -> Iterable[Column]:
@@ -166,9 +175,8 @@ def _envelope_columns(dataset: xr.Dataset) -> Iterable[Column]:
         yield column("in the_envelope", texts)
 
 
-def _with_deviation(value: float, deviation: float, digits: int = 2) -> str:
-    percent = f"{deviation:+z.1%}" if np.isfinite(deviation) else MISSING
-    return f"{number_text(value, f'.{digits}f')} {percent:>6}"
+def _with_deviation(value: float, deviation: float) -> str:
+    return f"{number_text(value, '.2f')} {number_text(deviation, '+z.1%'):>6}"
 
 
 def _bracketed(text: str, inside: bool) -> str:

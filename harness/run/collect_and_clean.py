@@ -135,8 +135,8 @@ def outcomes_of(dataset: xr.Dataset) -> list[Outcome]:
     ]
 
 
-def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
-    """Print one line on how many results were computed by other sources of the simulator.
+def tell_of_other_sources(name: str, outcomes: Sequence[Outcome]) -> None:
+    """Print one line on how many results of a study were computed by other sources.
 
     The version of a scene stays the same when a kernel of the simulator, or only a comment, is
     edited. Whether the numbers change is unknown, so such results are kept. Laws and parts of other
@@ -144,16 +144,16 @@ def tell_of_other_sources(study: Study, outcomes: Sequence[Outcome]) -> None:
     result whose file does not state its sources is counted too.
     """
     computed = [it for it in outcomes if it.status in (COMPLETED, OUTDATED)]
-    edited = Counter(name for it in computed for name in edited_packages(it.sources))
-    for name, count in edited.items():
-        number = f"{study.name}: {count} of {counted(len(computed), 'result')} computed by other"
-        if name == SIMULATOR:
+    edited = Counter(package for it in computed for package in edited_packages(it.sources))
+    for package, count in edited.items():
+        number = f"{name}: {count} of {counted(len(computed), 'result')} computed by other"
+        if package == SIMULATOR:
             tell(
                 f"{number} sources of the simulator, of the same version; kept: `harness run "
                 "--fresh` computes them anew"
             )
         else:
-            tell(f"{number} sources of {name}; `harness run` computes them anew")
+            tell(f"{number} sources of {package}; `harness run` computes them anew")
 
 
 def status_rows(cases: Sequence[tuple[str, str]], outcomes: Sequence[Outcome]) -> list[str]:

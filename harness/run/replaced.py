@@ -51,7 +51,8 @@ def tell_of_replaced(path: Path, dataset: xr.Dataset, folder: Path) -> None:
             write_whole(path.read_bytes(), kept)
             tell(
                 f"{path}: had {counted(len(lost), 'result')} of cases that are "
-                f"{' or '.join(now)} now; kept as it was in {kept.name}; `harness status` says why"
+                f"{' or '.join(now)} now; kept as it was in {kept.name}; "
+                f"{other_version(earlier) or '`harness status` says why'}"
             )
     except (NoFileError, DamagedError):
         return

@@ -187,7 +187,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
     done_count = sum(outcome.status == COMPLETED for outcome in outcomes)
     try:
         tell(f"{study.name}: {counted(len(study.cases), 'case')}, {done_count} done already")
-        results.tell_of_other_sources(study, outcomes)
+        results.tell_of_other_sources(study.name, outcomes)
         tell_of_long_cases(pending)
         tell_of_likely_failures(pending)
         with Display(len(pending), sys.stderr) as display:
@@ -197,7 +197,7 @@ def run_study(study: Study, out: Path, run: RunCases, *, fresh: bool) -> xr.Data
         can_write = not isinstance(error, ArchiveError)
         if can_write and any(outcome.status == COMPLETED for outcome in outcomes):
             results.collect_and_write(study, out)
-        tell(f"interrupted; {results.summary(outcomes)}; the same command goes on with the rest")
+        tell(f"{results.summary(outcomes)}; the same command goes on with the rest")
         raise
     return results.collect_and_write(study, out)
 

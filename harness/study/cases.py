@@ -16,11 +16,13 @@ from harness.study.designs import (
     combinations,
     rounded,
 )
+from harness.study.laws import without_replaced
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import StudyError
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.declaration import Value, own_parameters_of
-from mpm_warp.fields.flat import values_of, without_own_of
+from mpm_warp.fields.flat import values_of
+from mpm_warp.materials.clay_law import PARAMETER
 from mpm_warp.scenes import CatalogueScene, scene_class
 
 MANY_CASES = 10_000
@@ -83,7 +85,7 @@ def cases_of(parts: Sequence[ScenePart], design: Design, where: str) -> tuple[Ca
             text = [f"{name}={value}" for name, value in values.items()]
             label = ", ".join([*of_many, *text]) or part.name
             try:
-                fixed = without_own_of(part.fixed.keys() & values.keys(), part.fixed)
+                fixed = without_replaced(part.fixed, values if PARAMETER in part.fixed else {})
                 complete, refusal = complete_parameters(
                     part.scene, {**fixed, **values}, part.derived
                 )

@@ -22,7 +22,7 @@ from harness.references.reference import (
 )
 from harness.references.registry import BANDS, REFERENCES, reference_of, without_mode
 from harness.references.strength import Criterion, StrengthMode
-from harness.study.files import find_study
+from harness.study.files import find_study, flat_material
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import LINE, StudyError, Table, is_number, text_key
 from mpm_warp.fields.checks import POSITIVE, shown
@@ -206,6 +206,12 @@ def read_own_reference(name: str, table: Table, known: Collection[str] | None) -
         known: parameters that it may use beside `SYMBOLS`; None allows any name.
     """
     table.allow(*(it.name for it in OWN_KEYS), *OWN_TABLES)
+    tables = {
+        key: flat_material(f"{table.where} [{key}]", own)
+        for key in OWN_TABLES
+        if isinstance(own := table.values.get(key), dict)
+    }
+    table = replace(table, values={**table.values, **tables})
     if not re.fullmatch(REFERENCE_NAME, name):
         raise StudyError(
             f"{table.where}: a name has lower-case letters, digits and '_', with a letter first"

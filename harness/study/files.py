@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from harness.study.designs import VARY_REPLACES_FIXED
+from harness.study.laws import without_replaced
 from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, text_key
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.checks import shown
-from mpm_warp.fields.flat import without_own_of
 from mpm_warp.fields.names import nearest_name
 from mpm_warp.materials.clay_law import LAW, PARAMETER
 from mpm_warp.scenes import scene_names
@@ -187,9 +187,9 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
     for name in ASSIGNING_TABLES:
         keeps = name == "fixed" and design not in VARY_REPLACES_FIXED
         tables = (own.get(key) for key in ASSIGNING_TABLES if not (keeps and key == "vary"))
-        said = {key for table in tables if isinstance(table, dict) for key in table}
+        said = {key: it for table in tables if isinstance(table, dict) for key, it in table.items()}
         if isinstance(table := result.get(name), dict):
-            kept = without_own_of(said, table)
+            kept = without_replaced(table, said)
             result[name] = {key: value for key, value in kept.items() if key not in said}
     if isinstance(scenes := result.get("scenes"), dict):
         of_all = {key: own[key] for key in SCENE_KEYS if key in own}

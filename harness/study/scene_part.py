@@ -20,13 +20,15 @@ from harness.study.designs import (
     Variations,
 )
 from harness.study.distributions import INPUT, Input, is_distribution
+from harness.study.laws import without_replaced
 from harness.study.tables import StudyError, Table
 from mpm_warp.errors import UnknownSceneError
 from mpm_warp.fields.checks import Range as Within
 from mpm_warp.fields.checks import shown
 from mpm_warp.fields.declaration import Parameter, Value
-from mpm_warp.fields.flat import parameters_of, without_own_of
+from mpm_warp.fields.flat import parameters_of
 from mpm_warp.fields.names import nearest_parameter
+from mpm_warp.materials.clay_law import PARAMETER
 from mpm_warp.scenes import CatalogueScene, scene_class, scene_names
 
 MOST_EXCLUSIONS = 100
@@ -113,9 +115,12 @@ def read_part(name: str, scene: Scene, table: Table, design: Design, given: Tabl
     for one in (table.table("fixed"), table.table("vary"), given):
         one.check_variants()
     fixed = _fixed(table.table("fixed"))
-    varied = without_own_of(given.values, _varied(table.table("vary"), design, fixed))
-    fixed = without_own_of(given.values, fixed)
-    derived = without_own_of(given.values, _derived(table.table("derived")))
+    in_file = _varied(table.table("vary"), design, fixed)
+    varied = without_replaced(in_file, given.values)
+    for key in in_file.keys() - varied.keys():
+        tell(f"{table.where} [vary] {key}: left out: {given.place(PARAMETER)} replaces it")
+    fixed = without_replaced(fixed, given.values)
+    derived = without_replaced(_derived(table.table("derived")), given.values)
     listed = _listed(table, design)
     for key, value in given.values.items():
         derived.pop(key, None)
@@ -140,7 +145,7 @@ def read_part(name: str, scene: Scene, table: Table, design: Design, given: Tabl
         listed=tuple(
             {
                 key: value
-                for key, value in without_own_of(given.values, case).items()
+                for key, value in without_replaced(case, given.values).items()
                 if key not in given.values
             }
             for case in listed

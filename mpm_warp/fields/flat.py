@@ -6,15 +6,13 @@ A parameter whose value has a name and parameters of its own, as a law of clay, 
 
 import dataclasses
 import functools
-from collections.abc import Container, Iterable, Mapping
-from typing import Any, TypeVar
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.checks import FINITE
 from mpm_warp.fields.declaration import Parameter, Value, Variants, own_parameters_of
 from mpm_warp.fields.names import nearest_parameter
-
-T = TypeVar("T")
 
 
 def parameters_of(scene: type) -> Mapping[str, Parameter]:
@@ -78,18 +76,6 @@ def nested_values(scene: type, flat: Mapping[str, Any]) -> dict[str, Any]:
         if own and definition.variants is not None:
             values[name] = {definition.variants.key: flat.get(name, definition.default), **own}
     return values
-
-
-def without_own_of(replaced: Container[str], values: Mapping[str, T]) -> dict[str, T]:
-    """The entries in flat form without own values of the `replaced`, as "material.its_parameter".
-
-    A law that is given anew, by its name or as a table, has no parameters of the one before.
-    """
-    return {
-        name: value
-        for name, value in values.items()
-        if "." not in name or name.partition(".")[0] not in replaced
-    }
 
 
 def check_names(scene: type, names: Iterable[str], known: Mapping[str, Parameter]) -> None:

@@ -123,6 +123,14 @@ def test_points_are_values_of_the_cases_that_have_their_conditions(computed: Com
     assert shown == [[100.0, 10.0], [150.0, 12.0]]
 
 
+def test_columns_may_be_parameters_of_a_law(tmp_path: Path) -> None:
+    """Their names need no quotes."""
+    name = "material.swelling_slope"
+    own = f"points = {{ {name} = [0.03], Nc = [9] }}\nrange = {{ {name} = [0.03, 0.04] }}"
+    study = study_in(tmp_path, f"{STUDY}{FORMULA}".replace('formula = "Ir"', own))
+    assert study.compared.references[1].names == {name}
+
+
 def test_the_page_lists_it(computed: Computed) -> None:
     text, _ = page([computed(STUDY)])
     for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):

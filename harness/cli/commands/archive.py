@@ -38,6 +38,7 @@ def status(options: argparse.Namespace) -> int:
         tell_of_other_version(Path(name), dataset)
         keys, labels = over_cases(dataset, "case_key").tolist(), labels_of(dataset)
         stand = results.outcomes_of(dataset)
+        results.tell_of_other_sources(name, stand)
         say(*results.status_rows(list(zip(keys, labels, strict=True)), stand))
         return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE
     study = load_study(name, options.set)
@@ -45,7 +46,7 @@ def status(options: argparse.Namespace) -> int:
     say(*results.status_rows([(case.key, case.label) for case in study.cases], stand))
     if options.traceback:
         say(*results.tracebacks(study, options.out))
-    results.tell_of_other_sources(study, stand)
+    results.tell_of_other_sources(study.name, stand)
     file = study_file(options.out, study)
     if all(outcome.status == MISSING for outcome in stand) and file.exists():
         tell(
@@ -91,7 +92,7 @@ def collect(options: argparse.Namespace) -> int:
             tell(f"{message}; `harness run` runs the case again")
         elif outcome.status == UNREADABLE:
             tell(f"{message}; kept")
-    results.tell_of_other_sources(study, stand)
+    results.tell_of_other_sources(study.name, stand)
     tell(results.summary(stand))
     say(study_file(options.out, study))
     return DONE if all(outcome.status == COMPLETED for outcome in stand) else INCOMPLETE

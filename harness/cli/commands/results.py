@@ -26,6 +26,7 @@ from harness.pictures.soil import sections_figure, traction_figure, write_animat
 from harness.pictures.vtk_files import write_vtk
 from harness.references.registry import UnknownReferenceError
 from harness.report.report import write_report
+from harness.run.collect_and_clean import outcomes_of, tell_of_other_sources
 from harness.study.tables import StudyError
 
 
@@ -50,9 +51,10 @@ def compare(options: argparse.Namespace) -> int:
 
 
 def _read(file: Path) -> xr.Dataset:
-    """Read the result of a study; a line says if it is of another version of its scene."""
+    """Read the result of a study; lines say what has another version of its scene, or sources."""
     dataset = read_study(file)
     tell_of_other_version(file, dataset)
+    tell_of_other_sources(str(file), outcomes_of(dataset))
     return dataset
 
 

@@ -4,7 +4,10 @@ import argparse
 import json
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -221,17 +224,12 @@ def _case_row(case: Case) -> tuple[str, float | None]:
 
 def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
     """A plan in words: kernels, arrays, number of particles, time step, steps and time."""
-    lines = [f"kernels of a step: {len(plan.step)}"]
-    lines += [_launch_line(launch) for launch in plan.step]
-    now_and_then = plan.launches[len(plan.step) :]
-    if now_and_then:
-        lines += ["kernels now and then:", *map(_launch_line, now_and_then)]
+    lines = _kernel_lines("kernels of a step", plan.step)
+    lines += _kernel_lines("kernels now and then", plan.launches[len(plan.step) :])
     byte_count = sum(array.byte_count for array in plan.arrays.values())
     lines += [f"arrays: {len(plan.arrays)}, {byte_count:,} bytes"]
-    lines += [
-        f"  {name:24} {array.dtype.__name__:12} {array.shape!s:14} {array.byte_count:>12,} bytes"
-        for name, array in plan.arrays.items()
-    ]
+    groups = groupby(sorted(plan.arrays, key=_place), key=_place)
+    lines += [_array_lines(place, [*names], plan) for place, names in groups]
     lines += [f"particles: {plan.particle_count:,}", f"time step: {plan.time_step:.4g} s"]
     if step_count_bound is not None:
         seconds = step_count_bound * plan.particle_count / UPDATE_RATE
@@ -242,5 +240,29 @@ def _plan_text(plan: Plan, step_count_bound: int | None) -> str:
     return "\n".join(lines)
 
 
-def _launch_line(launch: Launch) -> str:
-    return f"  {launch.name:24} {launch.dim}"
+def _kernel_lines(title: str, launches: Sequence[Launch]) -> list[str]:
+    """The number of kernels, and each with its threads; [] for none."""
+    if not launches:
+        return []
+    sizes = Counter(f"{it.name} {' x '.join(map(str, it.dim))}" for it in launches)
+    told = (f"{text}{f' ({count} times)' if count > 1 else ''}" for text, count in sizes.items())
+    return [f"{title}: {len(launches)}", _wrapped("  ", told)]
+
+
+def _array_lines(place: str, names: Sequence[str], plan: Plan) -> str:
+    """The arrays over points, nodes or whatever else, with their bytes together."""
+    byte_count = sum(plan.arrays[name].byte_count for name in names)
+    own = (name.partition(".")[2] for name in names)
+    return _wrapped(f"  {place:12} {byte_count:>11,} bytes  ", own)
+
+
+def _place(array: str) -> str:
+    """What an array runs over: "node" for node.mass."""
+    return array.partition(".")[0]
+
+
+def _wrapped(head: str, words: Iterable[str]) -> str:
+    """Words in lines below one another, after a head; none is broken at its blanks."""
+    text, indent = ", ".join(word.replace(" ", "\xa0") for word in words), " " * len(head)
+    filled = textwrap.fill(text, 100, initial_indent=head, subsequent_indent=indent)
+    return filled.replace("\xa0", " ")

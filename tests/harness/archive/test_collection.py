@@ -275,8 +275,9 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
     assert told[-2].startswith(f"harness: {path}: cannot be read: ")
     assert told[-2].endswith("; `harness run` runs the case again")
     assert told[-1].startswith("harness: 3 cases: 2 completed, 1 damaged; ")
-    lost = "had 1 result that no case has any more; `harness run` computes what is missing"
-    assert told[:-2] == [f"harness: {tmp_path / 'small.nc'}: {lost}"]
+    lost = "had 1 result of cases that are damaged now"
+    kept = "kept as it was in small_before.nc; `harness status` says why"
+    assert told[:-2] == [f"harness: {tmp_path / 'small.nc'}: {lost}; {kept}"]
     dataset = read_study(tmp_path / "small.nc")
     assert dataset.status.values.tolist() == [COMPLETED, "damaged", COMPLETED]
     assert str(dataset.message.values[1]).startswith(f"{path}: cannot be read: ")

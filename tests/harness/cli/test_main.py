@@ -92,7 +92,7 @@ def test_a_signal_ends_any_command_as_an_exception_that_removes_what_is_half_don
     by_default = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
     signal.signal(number, by_default)
     monkeypatch.setattr(studies, "references", interrupted)
-    assert command("references", code=128 + number).err == ""
+    assert command("references", code=128 + number).err == "harness: interrupted\n"
     assert not list(tmp_path.iterdir())
 
 

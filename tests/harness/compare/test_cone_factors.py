@@ -1,5 +1,6 @@
 """Cone factors beside the literature and bands of experience; the table of a terminal."""
 
+import csv
 from collections.abc import Sequence
 
 import numpy as np
@@ -181,6 +182,19 @@ def test_table_shows_a_failed_case_as_failed() -> None:
     dataset["status"] = "adhesion_factor", ["completed", "diverged"]
     failed = rows(cone_factor_table(dataset))[1]
     assert failed == "1 - - - - diverged"
+
+
+def test_a_csv_has_one_number_a_cell() -> None:
+    dataset = with_references(result(rigidity_index=[50.0, 25.0]), [reference_of("lu_2004")])
+    dataset["Bq"] = "rigidity_index", [0.5, 0.4]
+    names, first, second = csv.reader(cone_factor_table(dataset, "csv").splitlines())
+    inside, outside = (dict(zip(names, row, strict=True)) for row in (first, second))
+    assert len(names) == len(inside)
+    assert [it for it in names if it != it.strip()] == []
+    found = [inside[f"lu 2004{it}"] for it in ("", " deviation", " applies")]
+    assert found == ["10.31", "+6.7%", "yes"]
+    assert outside["lu 2004 applies"] == "no"
+    assert (inside["cone factor"], inside["cone factor +-"], inside["Bq"]) == ("11.0", "", "0.50")
 
 
 OUTSIDE = {"rigidity_index": 25.0, "remoulded_strength_ratio": 0.2, "rate_factor": 0.1}

@@ -9,11 +9,13 @@ import pytest
 import xarray as xr
 
 from harness.archive.conventions import COMPLETED
+from harness.archive.provenance import SOURCES
 from harness.archive.study_files import write_study
 from harness.compare.compared import NothingToCompareError, misses, with_tolerances
 from harness.compare.differences import Difference, differences, differing, unshared
 from mpm_warp.fields.checked import complete
 from mpm_warp.fields.declaration import parameter
+from mpm_warp.provenance import sources_digest
 from tests.harness.compare.conftest import FACTORS, Two, collected
 from tests.harness.conftest import Command, Refusal, as_collected
 
@@ -82,7 +84,8 @@ def test_a_case_that_failed_in_one_differs_without_bound(two: Two) -> None:
 
 def test_what_was_not_compared_is_not_passed(tmp_path: Path, refusal: Refusal, two: Two) -> None:
     path = tmp_path / "s.nc"
-    write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]))
+    ours = {SOURCES: f"mpm_warp {sources_digest('mpm_warp')}"}
+    write_study(path, collected(tmp_path).drop_vars(["cone_factor", "error"]).assign_attrs(ours))
     told = "harness: nothing to compare: no case has a result in either"
     assert refusal(["compare", str(path), str(path)]) == told
     one, other = two(*FACTORS)

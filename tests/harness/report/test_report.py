@@ -8,11 +8,13 @@ import pytest
 import xarray as xr
 
 from harness.archive.conventions import DISTRIBUTION
+from harness.archive.provenance import SOURCES
 from harness.archive.study_files import write_study
 from harness.compare.compared import with_tolerances
 from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
+from mpm_warp.provenance import sources_digest
 from tests.conftest import blocks, said_by_commands
 from tests.harness.conftest import Command
 
@@ -160,7 +162,8 @@ def test_a_page_is_written_again_but_no_other_file(
     results: list[xr.Dataset], tmp_path: Path, command: Command, caplog: pytest.LogCaptureFixture
 ) -> None:
     file, out = tmp_path / "coarse.nc", tmp_path / "new" / "report.html"
-    write_study(file, results[0].assign_attrs(title="\u6f22"))  # no letter of the font
+    ours = {SOURCES: f"mpm_warp {sources_digest('mpm_warp')}"}
+    write_study(file, results[0].assign_attrs(ours, title="\u6f22"))  # no letter of the font
     report = ("report", file, "-o", out)
     for _ in range(2):
         assert command(*report) == (f"{out}\n", "")

@@ -197,7 +197,7 @@ def keep_made(study: Study, out: Path, *sources: str | None) -> None:
 
 @pytest.mark.parametrize("name", ["run", "status", "collect"])
 def test_results_of_other_sources_are_kept_and_told(
-    name: str, small: Study, out: Path, of_small: Command
+    name: str, small: Study, out: Path, command: Command, of_small: Command
 ) -> None:
     ours = f"mpm_warp {sources_digest('mpm_warp')}"
     keep_made(small, out, ours, ours, ours)
@@ -208,6 +208,9 @@ def test_results_of_other_sources_are_kept_and_told(
         dataset = read_study(out / "small.nc")
         assert dataset["made"].values.tolist() == [1.0, 1.0, 1.0]
         assert dataset[SOURCES].values.tolist() == [ours, "earlier", ""]
+        path = out / "small.nc"
+        told = command("compare", path).err.splitlines()
+        assert OTHERS.replace("small", str(path), 1) in told
 
 
 @pytest.mark.slow

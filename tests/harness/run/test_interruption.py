@@ -24,7 +24,9 @@ from tests.harness.conftest import Depth, study_in, written
 
 pytestmark = pytest.mark.slow
 
-INTERRUPTED = re.compile(r"harness: interrupted; (.*); the same command goes on with the rest\n$")
+INTERRUPTED = re.compile(
+    r"harness: (\d.*); the same command goes on with the rest\nharness: interrupted\n$"
+)
 
 
 def has_ended(group: int) -> bool:

@@ -364,3 +364,31 @@ def test_a_law_that_is_given_anew_has_no_parameters_of_the_one_before(
     own = listed.replace("compression_slope = 0.3, ", "").replace("0.02", "0.04")
     study = study_in(tmp_path, base.replace("[fixed]", f"{own}[fixed]"))
     assert values(study, *SLOPES) == [expected]
+
+
+STIFF = 'title = "t"\nscene = "cone_penetration"\n[{}]\nrigidity_index = {}\n'
+
+
+def test_a_law_with_its_own_stiffness_replaces_a_rigidity_index_given_before(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """That of a base, or of a study that a setting changes; what varies is told."""
+    clay = '[fixed]\nmaterial = "modified_cam_clay"\n'
+    (own,) = study_in(tmp_path, HEAD + clay).cases
+    assert own.parameters["rigidity_index"] != 150.0
+    for table, value in (("fixed", "150"), ("vary", "[150, 200]")):
+        study_in(tmp_path, STIFF.format(table, value), name="base")
+        based = study_in(tmp_path, f'base = "base.toml"\n{clay}')
+        capsys.readouterr()
+        changed = load_study(str(tmp_path / "base.toml"), ["material=modified_cam_clay"])
+        told = capsys.readouterr().err
+        assert [case.key for study in (based, changed) for case in study.cases] == 2 * [own.key]
+        assert ("rigidity_index: left out: --set material = 'modified_cam_clay' " in told) == (
+            table == "vary"
+        )
+    for given in (f"{clay}rigidity_index = 150\n", f"{clay}[vary]\nrigidity_index = [150]\n"):
+        with pytest.raises(StudyError, match=r"whose stiffness is its own: .* su; leave it out"):
+            _ = study_in(tmp_path, HEAD + given).cases
+    both = STIFF.format("fixed", "150") + '[vary]\nmaterial = ["tresca", "modified_cam_clay"]\n'
+    with pytest.raises(StudyError, match="leave it out"):
+        _ = study_in(tmp_path, both).cases

@@ -78,6 +78,23 @@ def test_a_study_is_described_and_planned(command: Command) -> None:
     assert total.startswith("2 cases, ")
 
 
+def test_the_plan_of_one_case_says_what_each_group_of_arrays_takes(command: Command) -> None:
+    lines = command("plan", "cone_penetration").out.splitlines()
+    assert len(lines) < 30
+    assert lines[0] == "kernels of a step: 10"
+    assert re.fullmatch(
+        r"  particles_to_grid \d+, cell_stress \d+, momentum \d+ x \d+, .*", lines[1]
+    )
+    assert any("(5 times)" in line for line in lines)
+    (total,) = (
+        re.fullmatch(r"arrays: \d+, ([\d,]+) bytes", line) for line in lines if "arrays" in line
+    )
+    groups = [re.fullmatch(r"  (\w+) +([\d,]+) bytes  \w+.*", line) for line in lines]
+    sizes = {found[1]: int(found[2].replace(",", "")) for found in groups if found}
+    assert sizes["particle"] > sizes["node"] > sizes["window"] > 0
+    assert sum(sizes.values()) == int(total[1].replace(",", ""))
+
+
 PROFILE = 'profile="depth [m], {}"'
 OTHER_UNITS = {
     "undrained_shear_strength=35": "undrained_shear_strength = 35 is in Pa; if 35 kPa is meant, "
