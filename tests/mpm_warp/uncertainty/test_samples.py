@@ -28,24 +28,20 @@ def stated(sounding: Sounding) -> tuple[float, float]:
     return float(error.correction[0]), float(error.half_width[0]) / strength
 
 
-@pytest.mark.parametrize("name", ["domain_radius", "domain_above"])
-def test_a_smaller_window_is_less_certain(name: str) -> None:
+@pytest.mark.parametrize("name", ["domain_radius", "domain_above", "cells_per_radius"])
+def test_a_smaller_window_or_wider_cells_are_less_certain_as_of_a_cone_test(name: str) -> None:
     default = Sounding()
-    extent = default.default_extents[name]
-    smaller = Sounding(**{name: 0.75 * extent})
-    of_default = EFFECTS["domain"].half_width
-    expected = (of_default + window_uncertainty(1.0 / 0.75)) ** 2 - of_default**2
-    assert stated(smaller)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.02)
-
-
-def test_the_mesh_leaves_open_of_a_sample_what_it_leaves_of_a_cone_test() -> None:
-    """To a hundredth: the window ends at the nearest row, so its extents differ a little."""
-    coarse, default = (stated(Sounding(cells_per_radius=it))[1] for it in (2.4, 3.0))
-    sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
-    of_mesh = EFFECTS["mesh"].half_width ** 2 * (sizes[0] ** 2 - sizes[1] ** 2)
-    of_growth = np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
-    found = coarse**2 - default**2
-    assert found == pytest.approx(of_mesh + of_growth, rel=0.01)
+    if name == "cells_per_radius":
+        worse = Sounding(cells_per_radius=2.4)
+        sizes = (np.sqrt(3.0) / 4.0, np.sqrt(3.0) / 5.0)
+        expected = EFFECTS["mesh"].half_width ** 2 * (sizes[0] ** 2 - sizes[1] ** 2)
+        expected += np.subtract(*(growth_uncertainty(it, 0.4) ** 2 for it in sizes))
+    else:
+        worse = Sounding(**{name: 0.75 * default.default_extents[name]})
+        of_default = EFFECTS["domain"].half_width
+        expected = (of_default + window_uncertainty(1.0 / 0.75)) ** 2 - of_default**2
+    # The window ends at the nearest row, so its extents differ a little.
+    assert stated(worse)[1] ** 2 - stated(default)[1] ** 2 == pytest.approx(expected, rel=0.01)
 
 
 def test_beyond_the_anisotropy_measured_the_reason_is_told_with_its_depths() -> None:
