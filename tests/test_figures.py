@@ -121,13 +121,13 @@ def test_a_quick_test_has_a_larger_half_width_by_what_is_said() -> None:
 
 
 @pytest.mark.parametrize("path", kept(), ids=lambda path: path.name)
-def test_what_is_kept_is_of_a_version_that_was(path: Path) -> None:
+def test_kept_results_are_of_a_version_that_existed(path: Path) -> None:
     origin = origin_of(path)
     assert origin is None or 0 < origin.version <= scene_class(origin.scene).version
 
 
 @pytest.mark.parametrize(("older", "told"), [(1, "x.csv"), (0, "")])
-def test_only_another_version_is_out_of_date(older: int, told: str) -> None:
+def test_results_of_another_version_are_out_of_date(older: int, told: str) -> None:
     now = scene_class("cone_penetration").version
     origin = Origin("cone_penetration", now - older, "harness run rate")
     assert line(ROOT / "x.csv", origin)[: len("x.csv")] == told

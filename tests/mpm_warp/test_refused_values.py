@@ -267,7 +267,7 @@ def test_a_value_is_refused_in_one_line_that_names_the_argument(name: str, crash
     refused(*MISUSES[name])
 
 
-def test_what_is_allowed_is_not_refused() -> None:
+def test_the_values_given_are_not_refused() -> None:
     """Else all of the above could be refused for another reason."""
     for make, given, _ in MADE:
         run(make(**given))

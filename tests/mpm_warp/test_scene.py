@@ -170,7 +170,7 @@ def after(scene: Scene) -> tuple[Simulation, Floats]:
     return simulation, simulation.array("particle.stress").copy()
 
 
-def test_it_adds_its_own_arrays_and_one_launch_in_its_place(open_side: Scene) -> None:
+def test_a_part_of_ones_own_adds_its_arrays_and_one_launch(open_side: Scene) -> None:
     """Before the contact, though it is the last of the parts; all else is what it was."""
     before, plan = make_plan(open_side), make_plan(open_side.with_parts(ViscousSide(1.0)))
     assert set(plan.arrays) - set(before.arrays) == {"side.nodes", "side.rate"}
@@ -181,7 +181,7 @@ def test_it_adds_its_own_arrays_and_one_launch_in_its_place(open_side: Scene) ->
     assert plan.between_steps.keys() == before.between_steps.keys()
 
 
-def test_it_acts_and_follows_the_window(open_side: Scene) -> None:
+def test_a_part_of_ones_own_acts_and_follows_the_window(open_side: Scene) -> None:
     """With dashpots of no strength not a bit of the result is another."""
     _, expected = after(open_side)
     _, without_effect = after(open_side.with_parts(ViscousSide(0.0)))

@@ -27,7 +27,7 @@ def test_snapshots_change_no_bit_of_a_result(
             np.testing.assert_array_equal(run[0][name], variable, err_msg=str(name))
 
 
-def test_they_are_taken_at_the_first_sample_and_once_at_the_end(
+def test_snapshots_are_taken_at_the_first_sample_and_once_at_the_end(
     run: tuple[xr.Dataset, xr.Dataset],
 ) -> None:
     result, fields = run

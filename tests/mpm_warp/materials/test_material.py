@@ -98,7 +98,7 @@ def test_returns_keep_pressure_directions_and_what_is_inside(clay: Material) -> 
 
 
 @pytest.mark.parametrize(("clay", "measured"), [(TRESCA, greatest_shear), (VON_MISES, root_of_j2)])
-def test_what_is_returned_is_on_the_surface_that_the_law_itself_measures(
+def test_returned_stress_is_on_the_yield_surface_as_the_law_measures_it(
     clay: Material, measured: Callable[[Floats], Floats], floating: Scene
 ) -> None:
     parts = (History(),)

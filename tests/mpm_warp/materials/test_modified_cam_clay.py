@@ -247,7 +247,7 @@ def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> Non
         ({"stress_anisotropy": -0.6}, "the stress of the ground is outside the yield"),
     ],
 )
-def test_what_is_no_clay_is_refused(changed: dict[str, float], message: str) -> None:
+def test_parameters_of_no_clay_are_refused(changed: dict[str, float], message: str) -> None:
     given = {"material": "modified_cam_clay"}
     given |= {f"material.{it}" if it in OWN else it: value for it, value in changed.items()}
     refused(partial(ElementTest.of, given), ParameterError, message)

@@ -121,7 +121,7 @@ def test_the_springs_of_the_far_field_rise_with_the_soil(empty: Scene) -> None:
     )
 
 
-def test_of_the_velocity_of_a_node_what_is_along_its_ray_is_left(spherical: Scene) -> None:
+def test_radial_motion_keeps_the_velocity_along_the_ray(spherical: Scene) -> None:
     """A velocity that is the same everywhere keeps its part along each ray, to rounding."""
     simulation = after_a_step(spherical, RadialMotion(), *spherical.parts)
     velocity = simulation.array("node.velocities")[:, :2].reshape(6, -1, 2)

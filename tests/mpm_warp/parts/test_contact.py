@@ -254,7 +254,7 @@ def test_a_surface_follows_the_mean_strength_in_the_cells_beside_a_node(softenin
     np.testing.assert_allclose(simulation.array("contact.strength"), 3.0 * expected, rtol=1e-12)
 
 
-def test_without_friction_and_softening_there_is_nothing_of_them(cone: Scene) -> None:
+def test_without_friction_and_softening_there_are_no_arrays_for_them(cone: Scene) -> None:
     plan = make_plan(
         cone.with_parts(dataclasses.replace(cone[SurfaceContact], strength_forces=np.ones(7)))
     )

@@ -46,7 +46,7 @@ def test_a_layer_brings_every_array_of_the_particles_along(cone: Scene) -> None:
     np.testing.assert_array_equal(cell[:, 1], 0)
 
 
-def test_what_enters_has_no_memory(cone: Scene) -> None:
+def test_soil_that_enters_has_no_state_velocity_or_stress(cone: Scene) -> None:
     """Nor velocity nor stress, in slots whose particles had all of them when they left above."""
     soil = Recording(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0)
     simulation = Simulation(dataclasses.replace(cone, material=soil))
@@ -101,7 +101,7 @@ def test_the_window_stays_as_full_as_it_was(cone: Scene) -> None:
     assert abs(mass - material.density * grid.cell_volumes.sum()) < layer
 
 
-def test_what_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
+def test_soil_that_enters_has_the_properties_of_its_depth(empty: Scene) -> None:
     """Strength that grows linearly: at rest each point has that of where it is in the ground."""
     rows = empty.grid.rows
     growing = layers((-rows[-1], 1, 0.2), (10, 3, 1))

@@ -124,7 +124,7 @@ def test_either_edge_of_a_cell_has_its_mean_divergence(rectilinear: Grid, nodal:
         np.testing.assert_allclose(np.mean(along, axis=0)[beside], mean[beside], rtol=1e-6)
 
 
-def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
+def test_particles_move_with_the_interpolated_velocity(floating: Scene, fitted: Grid) -> None:
     parts = (ConservativeInterpolation(),)
     scene = dataclasses.replace(floating, grid=fitted, particles_per_side=3, parts=parts)
     simulation = Simulation(scene)
@@ -149,7 +149,7 @@ def test_particles_move_with_it(floating: Scene, fitted: Grid) -> None:
     assert np.abs(moved).max() > 1e-5
 
 
-def test_in_plane_strain_it_is_that_far_from_the_axis(fitted: Grid) -> None:
+def test_weights_in_plane_strain_are_those_far_from_the_axis(fitted: Grid) -> None:
     far = 1e7
     distant = dataclasses.replace(
         fitted, surface_radius=far + fitted.surface_radius, fitted_radius=far + fitted.outer_radius

@@ -158,7 +158,7 @@ def test_soil_enters_with_the_motion_and_the_stress_of_the_ground(scene: Scene) 
     )
 
 
-def test_it_is_around_the_grid_of_the_scene(scene: Scene) -> None:
+def test_ground_around_another_grid_is_refused(scene: Scene) -> None:
     other = dataclasses.replace(SHORT, domain_radius=11.0).build()
     with pytest.raises(SceneError, match="SurroundingGround: grid has other nodes"):
         scene.with_parts(other[SurroundingGround])

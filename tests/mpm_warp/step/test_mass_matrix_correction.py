@@ -62,7 +62,7 @@ def returned_by_correction(simulation: Simulation) -> Floats:
 
 @pytest.mark.parametrize("particles_per_side", [2, 3])
 @pytest.mark.parametrize("up", [0.0, 0.1, 0.25, 0.4])
-def test_what_comes_back_is_no_more_than_what_went(
+def test_transfers_and_correction_amplify_no_motion(
     rectilinear: Grid, particles_per_side: int, up: float
 ) -> None:
     """Of no motion more than all: else it grows at any time step."""
@@ -75,7 +75,7 @@ def test_what_comes_back_is_no_more_than_what_went(
 
 @pytest.mark.parametrize("particles_per_side", [2, 3])
 @pytest.mark.parametrize("up", [0.0, 0.25])
-def test_the_correction_gives_back_its_share_of_what_alternates_upward(
+def test_the_correction_of_a_velocity_that_alternates_upward(
     rectilinear: Grid, particles_per_side: int, up: float
 ) -> None:
     """k of the mass of all cells around a node over its own: 4 k = 1/2 of 2 x 2 points amid cells.

@@ -89,7 +89,9 @@ def test_a_class_or_a_part_of_ones_own_has_none_and_nothing_is_corrected(own: st
         (SoundingInOwnClay, {"cells_per_radius": 1.5, "to_depth": 1.05}),
     ],
 )
-def test_a_run_says_so_and_makes_no_further_runs(kind: type[Any], given: dict[str, Any]) -> None:
+def test_a_scene_of_ones_own_states_no_u_and_makes_no_further_runs(
+    kind: type[Any], given: dict[str, Any]
+) -> None:
     result = kind(**given).run()
     assert str(result.why_no_uncertainty.values).startswith(not_of_catalogue(kind))
     assert str(result.built_law.values) == f"{__name__}.OwnClay"

@@ -190,9 +190,7 @@ def test_beyond_what_was_tested_the_laws_go_on_and_are_less_certain(
     assert carried_on.why_no_uncertainty == ""
 
 
-def test_what_is_left_open_of_growth_goes_with_its_effect_beside_that_of_the_meshes_measured() -> (
-    None
-):
+def test_growth_other_than_that_of_the_meshes_measured_leaves_a_share_of_its_effect_open() -> None:
     assert laws.growth_uncertainty(CELL, laws.GROWTH_OF_MESHES) == 0.0
     small = 0.5 * CELL
     size, half_width = laws.EFFECTS["growth"]

@@ -104,7 +104,7 @@ def test_the_run_with_smaller_cells_has_a_row_more_at_least(angle: float) -> Non
     ],
     ids=["cone", "ball"],
 )
-def test_half_of_what_the_best_run_still_has_is_left_open_and_less_of_the_mesh(
+def test_the_half_width_is_a_share_of_the_error_of_the_best_run(
     test: Any, name: str, shares: dict[str, float]
 ) -> None:
     """Of a ball all of the mesh. The squares of the parts of the uncertainty add up."""
@@ -124,7 +124,7 @@ def test_half_of_what_the_best_run_still_has_is_left_open_and_less_of_the_mesh(
     assert f"{name}_uncertainty_bottom" not in results
 
 
-def test_a_window_smaller_than_by_default_leaves_open_what_a_known_error_does() -> None:
+def test_a_small_window_has_the_half_width_of_a_known_error() -> None:
     """Further runs alone gave 9.91 +- 0.14 with a radius of 5, 10.40 +- 0.11 with 10, not 10.71."""
     name = "cone_factor_uncertainty_domain"
     small = dataclasses.replace(CONE, domain_radius=10.0)
@@ -159,7 +159,7 @@ def test_the_noise_of_all_runs_counts() -> None:
     assert noise == pytest.approx(math.hypot(*shifts), rel=1e-9)
 
 
-def test_what_the_runs_took_is_told() -> None:
+def test_run_time_and_progress_include_the_further_runs() -> None:
     fractions: list[float] = []
     results = further_runs.with_measured_error(CONE, run, fractions.append)
     assert float(results.uncertainty_run_time) == 8.0
@@ -288,7 +288,7 @@ def test_a_bar_is_run_with_its_further_runs() -> None:
     assert float(results.particle_updates) == pytest.approx(expected, rel=0.5)
 
 
-def test_factors_by_each_strength_are_corrected_too(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_factors_over_each_strength_are_corrected_too(monkeypatch: pytest.MonkeyPatch) -> None:
     def corrected(case: Any, run: Any, progress: Progress) -> xr.Dataset:
         made = run(dataclasses.replace(case, uncertainty="known"), progress)
         return made.assign(cone_factor=made.cone_factor + 1.0)

@@ -74,7 +74,7 @@ def test_u1_of_all_meshes_is_one_value() -> None:
     assert max(it for of_clay in series.values() for it in over_half_width(of_clay)) <= 1.0
 
 
-def test_what_the_filter_has_more_is_that_of_the_finest_rows() -> None:
+def test_the_excess_at_the_filter_is_that_of_the_finest_meshes() -> None:
     """Rows change the rise by up to 9 h^1.5, and make the layer thicker by 0.5 radii over their
     number: so much more of the 0.06 radii has its deviator of -1.2, not that outside it."""
     within = []
@@ -99,7 +99,7 @@ for _row in readings("pressure_effects"):
 
 
 @pytest.mark.parametrize("kind", PAIRS, ids=" ".join)
-def test_what_a_law_leaves_out_is_within_its_half_width(kind: tuple[str, str]) -> None:
+def test_pairs_of_runs_differ_by_no_more_than_the_half_width(kind: tuple[str, str]) -> None:
     """With 95 %: of what a pair of runs differs by, what is not corrected."""
     quantity, effect = kind
     within = []
@@ -192,7 +192,7 @@ def test_u2_of_random_cases_is_that_of_finer_runs() -> None:
     assert np.mean(np.abs(cases["u2"] - cases["u2_fine"]) <= half_width) >= CONFIDENCE
 
 
-def test_in_very_stiff_clay_three_rows_tell_nothing_of_u1() -> None:
+def test_in_very_stiff_clay_u1_on_three_rows_has_no_half_width() -> None:
     for index, rows, word in ((0.9, 3, ""), (1.1, 3, "mesh"), (1.1, 4, "")):
         stated = stated_of(
             why_none="",

@@ -91,7 +91,7 @@ def test_near_borders_nothing_is_known_and_the_depths_are_told(index: float) -> 
         ([80.0, 30.0], 11.0, -50.0, -50.0),  # over many radii
     ],
 )
-def test_what_changes_within_a_few_radii_is_a_border(
+def test_a_change_within_a_few_radii_is_a_border(
     strengths: list[float], thickness: float, before: float, behind: float
 ) -> None:
     """It is told to the way within which it changes, a radius and a half."""
@@ -115,7 +115,9 @@ def test_what_changes_within_a_few_radii_is_a_border(
         ("unit_weight [kN/m3]", 10.0, 18.0),
     ],
 )
-def test_what_changes_nothing_is_no_border(column: str, first: float, second: float) -> None:
+def test_a_change_that_does_not_change_the_resistance_is_no_border(
+    column: str, first: float, second: float
+) -> None:
     rows = f"0, 20, {first}; 8, 20, {first}; 8.005, 20, {second}"
     sounding = Sounding(profile=f"depth [m], strength [kPa], {column}; {rows}", from_depth=5.0)
     radius = sounding.cone_radius
