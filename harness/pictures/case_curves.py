@@ -47,7 +47,7 @@ from harness.pictures.drawing.quantities import (
 )
 from harness.pictures.studied import Studied, case_labels, series_of
 from harness.study.designs import ONE_AT_A_TIME
-from mpm_warp.scenes.full_flow.cyclic import Degradation
+from mpm_warp.scenes.full_flow.degradation import Degradation
 
 RESISTANCE, STRENGTH = "penetration_resistance", "undrained_shear_strength"
 OVER_STRENGTH = r"net resistance over strength $(q_\mathrm{c} - σ_\mathrm{v0})/s_\mathrm{u}$ [-]"

@@ -222,7 +222,9 @@ _type_hints = functools.cache(get_type_hints)
 
 
 _DECLARED: dict[type, Mapping[str, Parameter]] = {}
-"""Declared fields by class: resolving types is slow, and a study has thousands of cases."""
+_GROUPS: dict[type, Mapping[str, Any]] = {}
+"""Declared fields and groups by class: resolving types is slow, and a study has thousands of cases.
+"""
 
 
 def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
@@ -246,14 +248,14 @@ def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
     return _DECLARED[owner]
 
 
-@functools.cache
 def groups_of(owner: type) -> Mapping[str, Any]:
     """The classes of the groups of a dataclass, by the names of their fields."""
-    declared = (it for it in dataclasses.fields(owner) if it.metadata.get("group"))
-    return {field.name: _hint(owner, field) for field in declared}
+    if owner not in _GROUPS:
+        declared = (it for it in dataclasses.fields(owner) if it.metadata.get("group"))
+        _GROUPS[owner] = {field.name: _hint(owner, field) for field in declared}
+    return _GROUPS[owner]
 
 
-@functools.cache
 def group_with(owner: type, name: str) -> str | None:
     """The field of the group that has a parameter; None where no group has it."""
     groups = groups_of(owner).items()

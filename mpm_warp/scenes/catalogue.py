@@ -392,8 +392,9 @@ def _by_name(offered: Iterable[tuple[str, Offered]]) -> Mapping[str, Offered]:
 
 
 def _is_scene(found: object) -> bool:
+    """Whether a class is a scene, not one that scenes are made of, which has no summary."""
     is_class = isinstance(found, type) and issubclass(found, CatalogueScene)
-    return is_class and not inspect.isabstract(found)
+    return is_class and not inspect.isabstract(found) and hasattr(found, "summary")
 
 
 def _origin(scene: Offered) -> str:

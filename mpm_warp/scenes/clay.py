@@ -236,7 +236,7 @@ class StressAtRest(Group):
         below=1,
     )
 
-    def stress(self, strength: float) -> Floats:
+    def at_rest(self, strength: float) -> Floats:
         """Initial stress (rr, zz, rz, tt) in clay of a strength su [Pa], shape [4]."""
         return 2.0 * self.stress_anisotropy * strength * np.array([1.0, 0.0, 0.0, 1.0])
 
@@ -267,6 +267,10 @@ class ClayScene(CatalogueScene):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.check_soil()
+
+    def check_soil(self) -> None:
+        """Refuse values that the law does not allow."""
         try:
             _ = self.soil
         except SceneError as refusal:

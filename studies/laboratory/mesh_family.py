@@ -29,7 +29,7 @@ from mpm_warp.uncertainty.laws import (
 ROWS = (4, 5, 7, 10)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class UprightCone(ConePenetration):
     """A cone test whose columns of nodes are upright from about `upright` cone radii on."""
 
@@ -40,10 +40,10 @@ class UprightCone(ConePenetration):
     @property
     def _grid(self) -> Grid:
         grid = super()._grid
-        radii = grid.columns * (grid.fitted_radius - self.cone_radius) + self.cone_radius
-        last = int(np.abs(radii - self.upright * self.cone_radius).argmin())
+        radii = grid.columns * (grid.fitted_radius - self.cone.cone_radius) + self.cone.cone_radius
+        last = int(np.abs(radii - self.upright * self.cone.cone_radius).argmin())
         fitted = float(radii[last])
-        columns = (radii - self.cone_radius) / (fitted - self.cone_radius)
+        columns = (radii - self.cone.cone_radius) / (fitted - self.cone.cone_radius)
         columns[last:] = radii[last:] / fitted
         return replace(grid, columns=columns, fitted_radius=fitted)
 

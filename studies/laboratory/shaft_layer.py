@@ -27,16 +27,16 @@ BETWEEN, SAMPLES = 0.5, 9
 """Penetration between two samples, over the radius, and number of samples at the end."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class FineAtTheShaft(ConePenetration):
     """A cone test whose columns grow by a fixed ratio."""
 
     @property
     def _grid(self) -> Grid:
-        penetrometer, radius = self.penetrometer, self.cone_radius
+        penetrometer, radius = self.cone.penetrometer, self.cone.cone_radius
         return penetrometer.fitted_grid(
             cell_size=self.cell_size,
-            columns=growing(self.cell_size, (self.domain_radius - 1.0) * radius, GROWTH),
+            columns=growing(self.cell_size, (self.domain.domain_radius - 1.0) * radius, GROWTH),
             depth_below=self.domain_below * radius,
             height_above=self.domain_above * radius,
         )
@@ -58,7 +58,7 @@ def deviators(rigidity_index: float, adhesion_factor: float, rows: int) -> tuple
     )
     scene, radius = test.build(), test.cone_radius
     grid, simulation = scene.grid, Simulation(scene)
-    heights = 0.5 * (grid.rows[1:] + grid.rows[:-1]) - test.penetrometer.cone_height
+    heights = 0.5 * (grid.rows[1:] + grid.rows[:-1]) - test.cone.penetrometer.cone_height
     beside_filter = np.abs(heights / radius - SHOULDER_FILTER) < 0.5 * FILTER_HEIGHT
     means = []
     for sample in range(SAMPLES):

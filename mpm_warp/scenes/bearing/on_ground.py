@@ -17,7 +17,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
 from mpm_warp.scenes.catalogue import compared
-from mpm_warp.scenes.cone.parameters import ConeTest
+from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 
 LARGEST_DEPTH = 100.0 * RADIUS
@@ -200,9 +200,9 @@ class ConeBearing(Bearing):
 
     ground: GrowingStrength = group()
     adhesion_factor: float = redefined(
-        ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
+        Cone, "adhesion_factor", meaning="adhesion factor of the cone"
     )
-    apex_angle: float = redefined(ConeTest, "apex_angle")
+    apex_angle: float = redefined(Cone, "apex_angle")
     cells_per_radius: int = redefined(
         Bearing,
         "cells_per_radius",

@@ -51,7 +51,7 @@ class StressAroundCylinder(StressAtRest):
         "over 2 su; 0 in von Mises soil, -0.5 to 0.5 in Tresca soil",
     )
 
-    def stress(self, strength: float) -> Floats:
+    def at_rest(self, strength: float) -> Floats:
         """See `StressAtRest`."""
         over_horizontal = 2.0 * self.stress_anisotropy * strength
         return np.array([0.0, -over_horizontal, 0.0, 0.0])
@@ -72,11 +72,11 @@ class CavityCylinder(Cavity):
     exponent = 2
     von_mises_strength = 1.0
 
-    ground: StressAroundCylinder = group()
+    stress: StressAroundCylinder = group()
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        delta, ratio = self.ground.stress_anisotropy, self.clay.remoulded_strength_ratio
+        delta, ratio = self.stress.stress_anisotropy, self.clay.remoulded_strength_ratio
         material = self.clay.material.name
         unknown = "there is no exact pressure"
         is_beyond = material in CRITERIA and abs(delta) > MOST_ANISOTROPY
@@ -91,7 +91,7 @@ class CavityCylinder(Cavity):
     @property
     def stress_at_rest(self) -> Floats:
         """See `ClayScene`; in excess of the horizontal stress."""
-        return self.ground.stress(self.clay.undrained_shear_strength)
+        return self.stress.at_rest(self.clay.undrained_shear_strength)
 
     def grid(self) -> Grid:
         """One row of cells, to twice the plastic radius: `FarField` assumes elastic soil."""

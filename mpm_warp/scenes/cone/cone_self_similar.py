@@ -17,7 +17,8 @@ from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, evenly, follow, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
-from mpm_warp.scenes.cone.parameters import ConeTest
+from mpm_warp.scenes.clay import Clay
+from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.limits import LARGEST_ERROR, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
@@ -49,11 +50,11 @@ class ConeSelfSimilar(CatalogueScene):
         "error": Limit(2.0 * LARGEST_ERROR, "more cells_per_radius, or a lower speed_ratio")
     }
 
-    rigidity_index: float = redefined(ConeTest, "rigidity_index", minimum=10, maximum=1000)
+    rigidity_index: float = redefined(Clay, "rigidity_index", minimum=10, maximum=1000)
     adhesion_factor: float = redefined(
-        ConeTest, "adhesion_factor", meaning="adhesion factor of the cone"
+        Cone, "adhesion_factor", meaning="adhesion factor of the cone"
     )
-    apex_angle: float = redefined(ConeTest, "apex_angle", maximum=120)
+    apex_angle: float = redefined(Cone, "apex_angle", maximum=120)
     cells_per_radius: int = parameter(
         16, "cells per radius of the cone's base", minimum=4, maximum=40
     )

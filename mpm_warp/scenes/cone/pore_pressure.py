@@ -29,7 +29,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import Quantity, curves, labelled
 from mpm_warp.sampling import PORE_PRESSURE_IS, Samples, excess_pore_pressure, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.cone.defaults import ConeTestByDefault
+from mpm_warp.scenes.cone.interface import Interface
 from mpm_warp.scenes.cone.penetration import penetration_axis, without_slowing
 from mpm_warp.scenes.cone.penetrometer import (
     SLEEVE_BEGIN,
@@ -38,8 +38,9 @@ from mpm_warp.scenes.cone.penetrometer import (
     PenetrometerContact,
 )
 from mpm_warp.simulation import Simulation
-from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS, goes_on
+from mpm_warp.uncertainty.built import MEASURABLE, MEASURED_LAWS
 from mpm_warp.uncertainty.further_runs import CARRIED_ON, REASON
+from mpm_warp.uncertainty.laws import ErrorLaws
 from mpm_warp.uncertainty.pore_pressure import stated_pressures, stated_sleeve
 from mpm_warp.uncertainty.shoulder import LARGEST_GROWTH, RADIAL_FACTOR, RADIAL_STRESS
 from mpm_warp.uncertainty.steadiness import steady_mean
@@ -133,18 +134,28 @@ def pore_pressure_factors(recorded: xr.Dataset, strength: float) -> dict[str, xr
 
 
 def stated_beside_shaft(
-    test: ConeTestByDefault, results: xr.Dataset, built: Scene
+    results: xr.Dataset,
+    built: Scene,
+    *,
+    laws: ErrorLaws,
+    strength: float,
+    interface: Interface,
+    rough: Interface,
+    is_corrected: bool,
 ) -> dict[str, xr.Variable]:
     """Corrected factors of u1 and u2 with uncertainties, and the uncertainty of sleeve friction.
 
     Args:
-        test: the cone test.
-        results: its results as simulated, with the uncertainty of the cone factor.
+        results: those of a cone test as simulated, with the uncertainty of the cone factor.
         built: the scene that was built. Its law and contact, not the parameters, give the lower
             bound of the sleeve friction.
+        laws: of the error at the greatest penetration.
+        strength: su [Pa].
+        interface: as the parameters give it.
+        rough: the same, as adhesive as friction makes it.
+        is_corrected: whether the correction of Tresca clay holds or goes on in this clay.
     """
-    face, shaft, _ = test.interface
-    laws, strength = test.laws(penetration=test.penetration), test.undrained_shear_strength
+    face, shaft, _ = interface
     material, contact = built.material, built[PenetrometerContact]
     is_as_given = contact.shaft_adhesion == shaft * strength
     slips_at_adhesion = is_as_given and contact.friction == 0.0
@@ -161,14 +172,13 @@ def stated_beside_shaft(
         grown = f"mesh: cell_growth is above {LARGEST_GROWTH:g}: {CARRIED_ON}"
         why_none = why_none or grown
     sleeve = stated_sleeve(results, remoulded=shaft * remoulded if has_lower_bound else math.nan)
-    rough = test.interface_in(results)
     pressures = stated_pressures(
         results,
         replace(laws, adhesion_factor=rough.face),
         strength=strength,
         shaft_adhesion=rough.shaft,
         why_none=why_none,
-        is_corrected=goes_on(test, built.material),
+        is_corrected=is_corrected,
     )
     return pressures | sleeve
 

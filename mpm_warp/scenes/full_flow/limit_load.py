@@ -15,7 +15,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.catalogue import Progress, compared
-from mpm_warp.scenes.cone.parameters import ConeInGround
+from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0
@@ -46,7 +46,7 @@ class FullFlow(Bearing):
     """
 
     adhesion_factor: float = redefined(
-        ConeInGround, "adhesion_factor", meaning="adhesion factor of the body"
+        Cone, "adhesion_factor", meaning="adhesion factor of the body"
     )
 
     def grid(self) -> PolarGrid:

@@ -1,6 +1,7 @@
 """Ball and T-bar pushed down until the soil flows steadily around them."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
@@ -9,21 +10,20 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields.declaration import parameter
+from mpm_warp.fields.declaration import group, parameter
 from mpm_warp.materials import CRITERIA
+from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, mean_of_points, soil_scene
+from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
+from mpm_warp.scenes.full_flow import failure
+from mpm_warp.scenes.full_flow.groups import BallOnShaft, Body, ClayAroundBody, Flow, TBar
 from mpm_warp.scenes.full_flow.limit_load import LIMIT_LOAD_SOURCE, limit_load
-from mpm_warp.scenes.full_flow.penetrometer import (
-    GREATEST_INERTIA,
-    Ball,
-    FullFlowPenetrometer,
-    ResistanceSamples,
-    TBar,
-)
+from mpm_warp.scenes.full_flow.round_body import ResistanceSamples
 from mpm_warp.scenes.limits import Limits
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
@@ -39,21 +39,35 @@ NEAR_HEIGHT = 2.0
 NOT_MEASURED = "further runs: none were made; uncertainty = measured makes them"
 CELLS_AT_SPEED = 4
 """Cells per radius from which on the energy error stays below its limit at any speed. Above
-`GREATEST_INERTIA` 10 of 12 random cases with fewer are inaccurate, and 1 of 7 others."""
+`failure.GREATEST_INERTIA` 10 of 12 random cases with fewer are inaccurate, and 1 of 7 others."""
+RELATIVE_SPEED = 0.3
+"""Speed by default over sqrt(su / rho): rho V^2 is 9 % of su."""
+LAST_CYCLE = 0.5
+"""Number of the passage: the soil behind the body has borne one."""
 LARGEST_CHANGE = 0.02
 """Largest relative change of the mean resistance from one two radii to the next in steady flow."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FullFlowPenetration(FullFlowPenetrometer):
+@dataclass(frozen=True, kw_only=True, init=False)
+class FullFlowPenetration(ClayScene):
     """A round body pushed at constant speed through clay, to steady flow."""
 
-    method = (*FullFlowPenetrometer.method, "penetration", "uncertainty")
+    method = (
+        "cells_per_radius",
+        "cell_growth",
+        "particles_per_cell",
+        "speed_ratio",
+        "domain_extent",
+        "penetration",
+        "uncertainty",
+    )
     limits: ClassVar[Limits] = {
         **energy_limits("penetration"),
         "error": "the limit load has no inertia, which a fast bar meets beside it",
     }
 
+    clay: ClayAroundBody = group()
+    flow: Flow = group()
     penetration: float = parameter(8.0, "penetration over radius", minimum=5, maximum=50)
     uncertainty: str = parameter(
         "none",
@@ -62,32 +76,55 @@ class FullFlowPenetration(FullFlowPenetrometer):
         choices=("none", "measured"),
     )
 
+    body: Body = group()
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.uncertainty == "measured":
             self.further_tests()  # refuses a case whose further runs are not allowed
 
-    @property
-    def last_cycle(self) -> float:
-        """See `FullFlowPenetrometer`: the soil behind the body has borne one passage."""
-        return 0.5
+    def derived(self) -> Mapping[str, float]:
+        """The speed over that of shear waves, which rises with sqrt(Ir)."""
+        speed_ratio = RELATIVE_SPEED / math.sqrt(self.clay.rigidity_index)
+        return {**super().derived(), "speed_ratio": speed_ratio}
 
     @property
     def likely_failure(self) -> str:
         """See `CatalogueScene`: remoulded soil is thrown off, or the clay is brittle."""
-        if self.inertia <= GREATEST_INERTIA or self.cells_per_radius >= CELLS_AT_SPEED:
-            return self.brittle
-        return f"{self.thrown_off(GREATEST_INERTIA)}, and {CELLS_AT_SPEED} cells_per_radius or more"
+        clay, speed_ratio, limit = self.clay, self.flow.speed_ratio, failure.GREATEST_INERTIA
+        has_many_cells = self.flow.cells_per_radius >= CELLS_AT_SPEED
+        if failure.inertia(clay, speed_ratio, LAST_CYCLE) <= limit or has_many_cells:
+            return failure.brittle(clay)
+        thrown_off = failure.thrown_off(clay, speed_ratio, LAST_CYCLE, limit)
+        return f"{thrown_off}, and {CELLS_AT_SPEED} cells_per_radius or more"
+
+    @property
+    def soil(self) -> Material:
+        """The clay as it is simulated, with strain rates as at the real speed."""
+        return self.clay.built(
+            density=self.clay.density,
+            speed_up=self.flow.speed_up(self.clay),
+            stress_at_rest=self.stress_at_rest,
+        )
 
     @property
     def window(self) -> Window:
         """The grid travels with the body, which reaches its speed after one radius."""
-        return Window(speed=self.speed, ramp_travel=self.body.radius, spare_fraction=SPARE_FRACTION)
+        return Window(
+            speed=self.flow.speed(self.clay, self.soil),
+            ramp_travel=self.body.shape.radius,
+            spare_fraction=SPARE_FRACTION,
+        )
+
+    def build(self) -> Scene:
+        """The soil around the body, in a grid that travels with it."""
+        strength = self.clay.undrained_shear_strength
+        return self.flow.around(self.body.shape, self.soil, self.window, strength)
 
     @property
     def end_time(self) -> float:
         """Time to the end of the penetration [s]."""
-        return self.window.time_to(self.penetration * self.body.radius)
+        return self.window.time_to(self.penetration * self.body.shape.radius)
 
     def run_size(self) -> RunSize:
         """See `CatalogueScene`; with the further runs where the uncertainty is measured."""
@@ -114,9 +151,9 @@ class FullFlowPenetration(FullFlowPenetrometer):
             results = results.assign(self.error_of(results).stated(0.0, {}, reasons))
         else:
             results = further_runs.with_measured_error(self._alone, run, progress)
-        if not self.body.planar or str(results.built_law.values) not in CRITERIA:
+        if not self.body.shape.planar or str(results.built_law.values) not in CRITERIA:
             return results
-        exact = limit_load(self.adhesion_factor)
+        exact = limit_load(self.flow.adhesion_factor)
         error = abs(float(results.resistance_factor) / exact - 1.0)
         of_limit = (exact, "1", "limit load over projected area and su", LIMIT_LOAD_SOURCE)
         of_error = (error, "1", "error of the resistance", "relative to the limit load")
@@ -142,25 +179,27 @@ class FullFlowPenetration(FullFlowPenetrometer):
 
     def further_tests(self) -> dict[str, Self]:
         """The further tests, by what they change; `ParameterError` where one is not allowed."""
-        full_flow.check_measurable(self.cells_per_radius, self.cell_growth)
-        finer = {"cells_per_radius": math.ceil(full_flow.FINER * self.cells_per_radius)}
-        slower = {"speed_ratio": full_flow.SLOWER * self.speed_ratio}
+        flow = self.flow
+        full_flow.check_measurable(flow.cells_per_radius, flow.cell_growth)
+        finer = {"cells_per_radius": math.ceil(full_flow.FINER * flow.cells_per_radius)}
+        slower = {"speed_ratio": full_flow.SLOWER * flow.speed_ratio}
         changes: dict[str, dict[str, Any]] = {
             "mesh": finer,
             "speed": slower,
             "mesh_and_speed": finer | slower,
-            "domain": {"domain_extent": math.ceil(full_flow.WIDER * self.domain_extent)},
+            "domain": {"domain_extent": math.ceil(full_flow.WIDER * flow.domain_extent)},
         }
         return further_runs.further_tests(self._alone, changes, full_flow.DIFFERENCES)
 
     def error_of(self, recorded: xr.Dataset) -> full_flow.FullFlowRun:
         """What determines the error of a run of the test."""
-        few = self.particles_per_cell == full_flow.FEWEST_POINTS
+        flow = self.flow
+        few = flow.particles_per_cell == full_flow.FEWEST_POINTS
         return full_flow.FullFlowRun(
-            cells_per_radius=self.cells_per_radius,
-            relative_speed=self.speed_ratio * math.sqrt(self.rigidity_index),
-            extent=self.domain_extent,
-            has_few_points=self.body.planar and few,
+            cells_per_radius=flow.cells_per_radius,
+            relative_speed=flow.speed_ratio * math.sqrt(self.clay.rigidity_index),
+            extent=flow.domain_extent,
+            has_few_points=self.body.shape.planar and few,
             recorded=recorded,
         )
 
@@ -171,11 +210,12 @@ class FullFlowPenetration(FullFlowPenetrometer):
             InaccurateRun: the transfers took too much of the work of the body.
             UnfinishedRun: the resistance still changes at the end.
         """
-        curve = ResistanceSamples(simulation, self.body)
-        spacing = SAMPLE_SPACING * self.body.radius
+        body = self.body.shape
+        curve = ResistanceSamples(simulation, body)
+        spacing = SAMPLE_SPACING * body.radius
         moments = [k * spacing for k in range(1, round(self.penetration / SAMPLE_SPACING) + 1)]
         recorded = follow(simulation, moments, simulation.travel_to, [curve], progress)
-        empty = float(_empty_cells(simulation, NEAR_HEIGHT * self.body.radius))
+        empty = float(_empty_cells(simulation, NEAR_HEIGHT * body.radius))
         near = "cells near the body without a material point"
         holes = f"within {NEAR_HEIGHT:g} radii at the end; above 0 only where soil leaves a hole"
         results = recorded.assign(
@@ -202,10 +242,10 @@ class FullFlowPenetration(FullFlowPenetrometer):
         since = f"mean {over} less that over the two before, over it"
         factor = labelled(
             role="headline",
-            resistance_factor=(mean / self.undrained_shear_strength, "1", of_mean, in_the_end),
+            resistance_factor=(mean / self.clay.undrained_shear_strength, "1", of_mean, in_the_end),
         )
         change = labelled(resistance_factor_change=(1.0 - before / mean, "1", of_change, since))
-        return factor | change | by_mode(self, **factor)
+        return factor | change | by_mode(self.clay, **factor)
 
 
 def _empty_cells(simulation: Simulation, height: float) -> int:
@@ -217,23 +257,18 @@ def _empty_cells(simulation: Simulation, height: float) -> int:
     return int(np.count_nonzero(is_empty[is_near]))
 
 
-@dataclass(frozen=True, kw_only=True)
-class BallPenetration(Ball, FullFlowPenetration):
+@dataclass(frozen=True, kw_only=True, init=False)
+class BallPenetration(FullFlowPenetration):
     """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
 
     summary = "ball penetrometer pushed through undrained clay to steady flow"
     version = 7
 
-    shaft_radius_ratio: float = parameter(
-        0.316,
-        "radius of the shaft over that of the ball: 10 cm2 below 100 cm2; 0: no shaft",
-        minimum=0,
-        maximum=0.8,
-    )
+    body: BallOnShaft = group()
 
 
-@dataclass(frozen=True, kw_only=True)
-class TBarPenetration(TBar, FullFlowPenetration):
+@dataclass(frozen=True, kw_only=True, init=False)
+class TBarPenetration(FullFlowPenetration):
     """A T-bar in plane strain, pushed through uniform clay to steady flow.
 
     In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
@@ -247,3 +282,5 @@ class TBarPenetration(TBar, FullFlowPenetration):
         *({"adhesion_factor": factor} for factor in (0.0, 0.5, 1.0)),
         error=0.02,
     )
+
+    body: TBar = group()

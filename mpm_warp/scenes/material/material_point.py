@@ -202,7 +202,7 @@ class ElementTest(PointScene):
         "in plane strain, or horizontal shear around a pressuremeter",
         choices=tuple(TESTS),
     )
-    ground: StressAtRest = group()
+    stress: StressAtRest = group()
     greatest_shear_strain: float = parameter(
         1.0, "difference of the extreme principal strains at the end", minimum=1e-6, maximum=100
     )
@@ -216,7 +216,7 @@ class ElementTest(PointScene):
     @property
     def stress_at_rest(self) -> Floats:
         """See `ClayScene`."""
-        return self.ground.stress(self.clay.undrained_shear_strength)
+        return self.stress.at_rest(self.clay.undrained_shear_strength)
 
     @property
     def soil(self) -> Material:

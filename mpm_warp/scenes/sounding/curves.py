@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import Drawn, curves, labelled
+from mpm_warp.scenes.cone.error import error_laws
 from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
-from mpm_warp.scenes.sounding.parameters import SoundingTest
+from mpm_warp.scenes.sounding.sounding_test import SoundingTest
 from mpm_warp.uncertainty.built import goes_on, is_of_catalogue
 from mpm_warp.uncertainty.further_runs import LARGEST_PART, REASON, reason
 from mpm_warp.uncertainty.laws import CLEAR_OF_BORDER, Condition
@@ -68,10 +69,10 @@ def sounding_curves(
     """
     after_lead = recorded.isel(penetration=slice(sounding.lead_count, None))
     samples = np.array(sounding.samples[: after_lead.sizes["penetration"]])
-    depth = sounding.from_depth + (samples + 0.5) * sounding.spacing
+    depth = sounding.path.from_depth + (samples + 0.5) * sounding.spacing
     ground = sounding.ground
     strength = ground.strength_at(depth)
-    around = ground.mean_strength_around(depth, AVERAGING_DISTANCE * sounding.cone_radius)
+    around = ground.mean_strength_around(depth, AVERAGING_DISTANCE * sounding.cone.cone_radius)
     vertical = ground.vertical_stress_at(depth)
     simulated = after_lead.penetration_resistance.values
     error = error_of_samples(sounding, depth, simulated, why_none, measured)
@@ -118,17 +119,24 @@ def error_of_samples(
 
     Both have shape [n]; for `why_none` and `measured` see `sounding_curves`.
     """
-    ground, radius, cell = sounding.ground, sounding.cone_radius, sounding.cell_size
+    ground, cone, cell = sounding.ground, sounding.cone, sounding.cell_size
+    radius, elsewhere = cone.cone_radius, sounding.stress.stress_anisotropy
 
     def strength_around(depth: Floats) -> Floats:
         return ground.mean_strength_around(depth, AVERAGING_DISTANCE * radius)
 
     around = strength_around(depth)
-    laws = sounding.error_laws(
+    laws = error_laws(
+        sounding.clay,
+        cone,
+        sounding.domain,
+        cells_per_radius=sounding.cells_per_radius,
+        extents=sounding.default_extents,
+        approach_inertia=0.0,
         rigidity_index=ground.shear_modulus_at(depth) / ground.strength_at(depth),
-        adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor),
-        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
-        poissons_ratio=sounding.poissons_ratio,
+        adhesion_factor=ground.adhesion_factor_at(depth, elsewhere=cone.adhesion_factor),
+        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=elsewhere),
+        poissons_ratio=sounding.clay.poissons_ratio,
         poissons_ratio_reduction=0.0,
         inertia=sounding.dynamic_pressure / around,
         penetration=SAMPLE_SPACING
@@ -150,7 +158,7 @@ def error_of_samples(
         surface=surface,
         borders=borders,
         why_none=why_none,
-        goes_on=goes_on(sounding, sounding.clay)
+        goes_on=goes_on(sounding, sounding.soil)
         or (measured is not None and is_of_catalogue(sounding)),
         measured=measured,
     )
@@ -166,26 +174,27 @@ def _pore_pressure(
     The radial stress is read above the filter, where the strength may be another. The effect of
     this difference of strength on u2 is a part of the half width.
     """
-    ground, radius = sounding.ground, sounding.cone_radius
+    ground, cone, radius = sounding.ground, sounding.cone, sounding.cone.cone_radius
+    elsewhere = sounding.stress.stress_anisotropy
     simulated = recorded.excess_pore_pressure_shoulder.values
-    at_shoulder = np.maximum(0.0, depth - sounding.penetrometer.cone_height)
+    at_shoulder = np.maximum(0.0, depth - cone.penetrometer.cone_height)
     strength = ground.strength_at(at_shoulder)
-    of_face = ground.adhesion_factor_at(depth, elsewhere=sounding.adhesion_factor)
-    as_rough = ground.greatest_adhesion_factor(sounding.adhesion_factor)
-    of_shaft = sounding.shaft_adhesion_factor
+    of_face = ground.adhesion_factor_at(depth, elsewhere=cone.adhesion_factor)
+    as_rough = ground.greatest_adhesion_factor(cone.adhesion_factor)
+    of_shaft = cone.shaft_adhesion_factor
     factor, half_width = shoulder_pressure(
         recorded[RADIAL_STRESS].values / strength,
-        cell_size=sounding.relative_cell_size,
+        cell_size=sounding.cell_size / radius,
         adhesion_factor=of_face * (of_shaft / as_rough) if as_rough > 0.0 else of_shaft,
         rigidity_index=ground.shear_modulus_at(at_shoulder) / strength,
         inertia=sounding.dynamic_pressure / strength,
-        poissons_ratio=sounding.poissons_ratio,
-        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=sounding.stress_anisotropy),
-        extent_ratio=sounding.extent_ratio,
+        poissons_ratio=sounding.clay.poissons_ratio,
+        stress_anisotropy=ground.stress_anisotropy_at(depth, elsewhere=elsewhere),
+        extent_ratio=sounding.domain.extent_ratio(sounding.default_extents),
     )
     above = np.maximum(0.0, at_shoulder - RADIAL_TO * radius)
     change = simulated * (1.0 - ground.strength_at(above) / strength)
-    is_as_measured = of_shaft == as_rough and sounding.cell_growth <= LARGEST_GROWTH
+    is_as_measured = of_shaft == as_rough and sounding.domain.cell_growth <= LARGEST_GROWTH
     of_sample = np.hypot(np.hypot(half_width * strength, PRESSURE_NOISE * simulated), change)
     return (
         np.where(is_corrected & np.isfinite(factor), factor * strength, simulated),
@@ -218,16 +227,17 @@ def layer_values(
     near the layer for a resistance of undisturbed ground, or end before the largest change.
     `is_known` says whether the laws of the error hold.
     """
-    top, ratio = sounding.layer_top, sounding.layer_strength_ratio
-    if top is None or sounding.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
+    layers, clay = sounding.layers, sounding.clay
+    top, ratio = layers.layer_top, layers.layer_strength_ratio
+    if top is None or layers.profile is not None or ratio == 1.0 or sounding.starts_at_surface:
         return {}
     depth = recorded.depth.values
-    distance = (depth - top) / sounding.cone_radius
-    thickness = (sounding.layer_thickness or math.inf) / sounding.cone_radius
+    distance = (depth - top) / sounding.cone.cone_radius
+    thickness = (layers.layer_thickness or math.inf) / sounding.cone.cone_radius
     is_passed = math.isinf(thickness) or distance[-1] > thickness + PAST_LAYER
     if distance[:UNDISTURBED][-1] > -CLEAR_OF_BORDER[0] or not is_passed:
         return {}
-    without = sounding.undrained_shear_strength + sounding.strength_gradient * depth
+    without = clay.undrained_shear_strength + layers.strength_gradient * depth
     factor = recorded.net_resistance.values / without
     share = change_of_resistance(factor, ratio)
     if math.isinf(thickness):
@@ -252,14 +262,15 @@ def layer_values(
 
 def _half_width(sounding: SoundingTest, reached: float) -> float:
     """Half width of `reached`, the share s of a layer's full resistance."""
-    assert sounding.layer_thickness is not None
-    ratio = sounding.layer_strength_ratio
+    layers = sounding.layers
+    assert layers.layer_thickness is not None
+    ratio = layers.layer_strength_ratio
     # Errors of mesh and speed are in both resistances and cancel in their ratio.
     of_resistances = abs((1.0 + reached * (ratio - 1.0)) / (ratio - 1.0)) * NOISE
     # The places of the borders are known to a cell. In a layer of thickness t the share
     # s = 1 - exp(-t / l) grows with t by -(1 - s) ln(1 - s) / t.
     lacking = 1.0 - min(max(reached, 0.0), 1.0 - NOISE)
-    cell = sounding.cell_size / sounding.layer_thickness
+    cell = sounding.cell_size / layers.layer_thickness
     return math.hypot(of_resistances, -lacking * math.log(lacking) * cell)
 
 

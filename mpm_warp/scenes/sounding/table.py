@@ -38,7 +38,7 @@ from mpm_warp.fields.plain_numbers import plain_number
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import LAWS, PARAMETER
 from mpm_warp.materials.material import Material
-from mpm_warp.scenes.clay_tower import FieldClayScene
+from mpm_warp.scenes.clay import FieldClay
 
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6}
 UNITS: Mapping[str, Mapping[str, float]] = {
@@ -245,18 +245,20 @@ def _row(number: int, line: str, columns: Mapping[str, float]) -> list[float]:
     return numbers
 
 
-def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mapping[str, Floats]:
+def with_strength(clay: FieldClay, columns: Mapping[str, Floats]) -> Mapping[str, Floats]:
     """The columns of a ground in SI units, with strength and stiffness where the law gives them.
 
-    Parameters of the law without a column are those of the sounding.
+    Parameters of the law without a column are those of the clay.
 
     Raises:
         ParameterError: a column is of another law or conflicts with this one, or the law does not
             allow the values of a row.
     """
-    law = test.material
+    law = clay.material
     own = law.parameters.keys()
-    for name in columns.keys() - {*OWN, *STIFFNESS, *OF_EFFECTIVE_STRESS} - own:
+    for name in columns:
+        if name in own or name in (*OWN, *STIFFNESS, *OF_EFFECTIVE_STRESS):
+            continue
         raise refused(f"column {name} is no parameter of material = {law.name!r}")
     if not law.has_own_strength:
         return columns
@@ -273,13 +275,13 @@ def with_strength(test: FieldClayScene, columns: Mapping[str, Floats]) -> Mappin
         if MEAN_STRESS in own:
             rows[MEAN_STRESS] = (vertical + 2.0 * horizontal) / 3.0
             rows[EARTH_PRESSURE] = horizontal / vertical
-    clays = [_clay_in(test, rows, row) for row in range(len(rows["depth"]))]
-    strengths = [clay.undrained_strength(clay.reference_test) for clay in clays]
+    by_row = [_law_in(clay, rows, row) for row in range(len(rows["depth"]))]
+    strengths = [it.undrained_strength(it.reference_test) for it in by_row]
     found = {"strength": np.array(strengths, dtype=float)}
     if law.has_own_stiffness:
-        found["shear_modulus"] = np.array([clay.ground_shear_modulus for clay in clays])
+        found["shear_modulus"] = np.array([it.ground_shear_modulus for it in by_row])
     if deviator is None and "stress_anisotropy" not in rows:
-        own_deviators = [clay.deviator_at_rest for clay in clays]
+        own_deviators = [it.deviator_at_rest for it in by_row]
         deviator = None if None in own_deviators else np.array(own_deviators, dtype=float)
     return rows | found if deviator is None else with_anisotropy(rows | found, deviator)
 
@@ -308,10 +310,10 @@ def _finer(columns: Mapping[str, Floats]) -> dict[str, Floats]:
     return {name: np.interp(finer, numbers, values) for name, values in columns.items()}
 
 
-def _clay_in(test: FieldClayScene, rows: Mapping[str, Floats], row: int) -> Material:
-    names = test.material.own.keys() & rows.keys()
+def _law_in(clay: FieldClay, rows: Mapping[str, Floats], row: int) -> Material:
+    names = clay.material.own.keys() & rows.keys()
     try:
-        law = test.material.changed({name: float(rows[name][row]) for name in names})
-        return law.material(density=1.0, shear_modulus=1.0, poissons_ratio=test.poissons_ratio)
+        law = clay.material.changed({name: float(rows[name][row]) for name in names})
+        return law.material(density=1.0, shear_modulus=1.0, poissons_ratio=clay.poissons_ratio)
     except (SceneError, ParameterError) as refusal:
         raise ParameterError("material", f"at {rows['depth'][row]:g} m: {refusal}") from None

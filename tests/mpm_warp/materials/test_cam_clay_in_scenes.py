@@ -31,7 +31,7 @@ def test_a_vertical_overconsolidation_ratio_is_that_of_the_stress_before(
     own: dict[str, Any] = {"critical_state_ratio": M, "vertical_overconsolidation_ratio": ratio}
     own["earth_pressure_at_rest"] = at_rest
     test: Any = mpm_warp.ConePenetration(material={"law": "modified_cam_clay", **own})
-    size = float(test.clay.state_at(np.zeros(4), np.zeros(2))[1])
+    size = float(test.soil.state_at(np.zeros(4), np.zeros(2))[1])
     assert size == pytest.approx(p + q**2 / (M**2 * p), rel=1e-12)
     deviator = float(test.stress_at_rest[0] - test.stress_at_rest[1])
     assert deviator == pytest.approx((1.0 - now) * vertical, rel=1e-12)
@@ -60,7 +60,7 @@ def test_a_scene_takes_strength_and_stiffness_of_the_law() -> None:
     assert as_default.undrained_shear_strength == 20e3
     assert replace(as_default, cone_radius=0.02).undrained_shear_strength == 20e3
     stored = mpm_warp.ConePenetration(**given, rigidity_index=float(scene.rigidity_index))
-    assert stored.clay == scene.clay
+    assert stored.soil == scene.soil
     for kind in (mpm_warp.ConePenetration, mpm_warp.TBarPenetration, mpm_warp.Sounding):
         with pytest.raises(ParameterError, match=r"rigidity_index = 100 .* its own: 90.4703 su"):
             kind(**given, rigidity_index=100.0)

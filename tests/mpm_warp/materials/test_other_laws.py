@@ -127,7 +127,7 @@ def test_the_rigidity_index_is_that_of_a_law_whose_stiffness_alone_is_its_own() 
     for kind in (ConePenetration, Sounding, BallPenetration):
         test: Any = kind(material=OfOneStiffness(), undrained_shear_strength=25e3)
         assert test.rigidity_index == 200.0
-        assert test.clay.ground_shear_modulus == 5e6
+        assert test.soil.ground_shear_modulus == 5e6
         with pytest.raises(ParameterError, match=r"rigidity_index = 50 .* is its own: 250 su"):
             kind(material=OfOneStiffness(), rigidity_index=50.0)
 

@@ -50,7 +50,7 @@ CONE = xr.Dataset({"cone_factor": FACTOR, "pore_pressure_factor_shoulder": ((), 
 
 
 def test_a_cone_factor_is_given_over_each_strength_and_over_their_mean() -> None:
-    found = by_mode(cone_test(**DIRECTED), cone_factor=FACTOR)
+    found = by_mode(cone_test(**DIRECTED).clay, cone_factor=FACTOR)
     factors = {name: float(it) for name, it in found.items() if name.startswith("cone_factor")}
     assert factors == pytest.approx(
         {
@@ -70,7 +70,7 @@ def test_a_factor_over_an_su_that_is_given_says_so() -> None:
     own = cone_test(**DIRECTED)
     for su, said in ((1.0, "compression"), (1.25, "by the su given")):
         given = cone_test(**DIRECTED, undrained_shear_strength=su * own.undrained_shear_strength)
-        found = by_mode(given, cone_factor=FACTOR)
+        found = by_mode(given.clay, cone_factor=FACTOR)
         assert found["cone_factor"].attrs["long_name"] == f"cone factor, {said}"
         assert float(found["cone_factor_by_compression"]) == pytest.approx(9.0 * su)
 
@@ -78,16 +78,16 @@ def test_a_factor_over_an_su_that_is_given_says_so() -> None:
 def test_clay_that_softens_has_the_factors_of_intact_clay() -> None:
     strong = {name: 10.0 * su for name, su in STRENGTHS.items()}
     test = cone_test(material=Anisotropic(**strong), remoulded_strength_ratio=0.5, ductility=10.0)
-    found = by_mode(test, cone_factor=FACTOR)
+    found = by_mode(test.clay, cone_factor=FACTOR)
     assert float(found["cone_factor_by_extension"]) == pytest.approx(18.0)
-    assert test.clay.strength == test.undrained_shear_strength == 200e3
+    assert test.soil.strength == test.undrained_shear_strength == 200e3
 
 
 def test_clay_whose_strength_the_scene_gives_has_one_factor() -> None:
     for material in ("tresca", "von_mises"):
         test = cone_test(material=material)
-        assert not by_mode(test, cone_factor=FACTOR)
-        assert not rigidity_of_law(test)
+        assert not by_mode(test.clay, cone_factor=FACTOR)
+        assert not rigidity_of_law(test.clay, test.soil)
 
 
 def test_pore_pressure_has_factors_by_mode_and_bq_has_none() -> None:
@@ -114,18 +114,19 @@ def test_pore_pressure_has_factors_by_mode_and_bq_has_none() -> None:
 
 def test_a_t_bar_and_a_ball_have_factors_by_mode() -> None:
     for name in ("t_bar_penetration", "ball_penetration"):
-        found = by_mode(scene(name, **DIRECTED), resistance_factor=FACTOR)
+        found = by_mode(scene(name, **DIRECTED).clay, resistance_factor=FACTOR)
         assert float(found["resistance_factor_by_simple_shear"]) == pytest.approx(12.0)
 
 
 def test_a_linear_law_has_one_rigidity_index() -> None:
-    found = rigidity_of_law(cone_test(**DIRECTED, rigidity_index=80.0))
+    test = cone_test(**DIRECTED, rigidity_index=80.0)
+    found = rigidity_of_law(test.clay, test.soil)
     assert [float(it) for it in found.values()] == pytest.approx([80.0, 80.0])
 
 
 def test_a_law_without_a_constant_stiffness_has_that_of_its_element_test() -> None:
     test = cone_test(material="modified_cam_clay")
-    found = rigidity_of_law(test)
+    found = rigidity_of_law(test.clay, test.soil)
     known = scene("element_test", material="modified_cam_clay", test="simple_shear").run()
     for name, variable in found.items():
         assert float(variable) == pytest.approx(float(known[name]), rel=1e-2)

@@ -9,14 +9,15 @@ import xarray as xr
 
 from mpm_warp import BallPenetration, ConePenetration, Sounding, TBarPenetration
 from mpm_warp.fields.flat import parameters_of
-from mpm_warp.scenes.cone.defaults import DERIVED_BY_ERROR
-from mpm_warp.scenes.cone.pore_pressure import PLACES, stated_beside_shaft
+from mpm_warp.scenes.cone.pore_pressure import PLACES
 from mpm_warp.scenes.full_flow.penetration import NOT_MEASURED
 from mpm_warp.scenes.sounding.curves import sounding_curves
 from mpm_warp.uncertainty import cone
 from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, RADIAL_STRESS
 from tests.mpm_warp.uncertainty.conftest import steady_run
 
+FOLLOWING_THE_CLAY = ("cells_per_radius", "speed_ratio", "poissons_ratio_bound")
+"""Choices of the method that follow the clay."""
 STEP = 1e-3
 """Largest relative step of a result that is allowed."""
 NEEDED: dict[str, dict[str, float]] = {
@@ -62,7 +63,7 @@ def cone_results(test: ConePenetration) -> xr.Dataset:
     run = run.assign({f"excess_pore_pressure_{it}": constant for it in PLACES})
     scene = test.build()
     run = run.assign(cone.known_error(test.error_of(run), test, scene))
-    return run.assign(stated_beside_shaft(test, run, scene))
+    return run.assign(test.beside_shaft(run, scene))
 
 
 def sounding_results(test: Sounding) -> xr.Dataset:
@@ -112,7 +113,7 @@ def check_cone_test(test: ConePenetration, name: str) -> None:
     tests = beside(test, name)
     names = ["cone_factor", *(f"pore_pressure_factor_{it}" for it in ("face", "shoulder"))]
     check_no_step([cone_results(it) for it in tests], *names)
-    first, *others = ([float(getattr(it, own)) for own in DERIVED_BY_ERROR] for it in tests)
+    first, *others = ([float(getattr(it, own)) for own in FOLLOWING_THE_CLAY] for it in tests)
     for other in others:
         np.testing.assert_allclose(other, first, rtol=1e-6, err_msg=name)
 

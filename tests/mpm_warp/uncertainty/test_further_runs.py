@@ -92,7 +92,7 @@ def test_the_run_with_smaller_cells_has_a_row_more_at_least(angle: float) -> Non
     """Rounding left the 2 rows of 125 degrees and the one of 150 as they are: nothing to solve."""
     case = dataclasses.replace(CONE, apex_angle=angle)
     finer = case.further_tests()["mesh"]
-    rows = [test.penetrometer.rows_on_face(test.cell_size) for test in (case, finer)]
+    rows = [test.cone.penetrometer.rows_on_face(test.cell_size) for test in (case, finer)]
     assert rows[1] > rows[0]
 
 

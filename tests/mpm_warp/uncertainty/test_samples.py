@@ -127,7 +127,7 @@ def test_a_change_that_does_not_change_the_resistance_is_no_border(
 @pytest.mark.parametrize("index", [12.0, 24.0, 80.0])
 def test_a_sounding_simulates_the_poissons_ratio_that_it_is_corrected_for(index: float) -> None:
     sounding = Sounding(rigidity_index=index, poissons_ratio=0.4999)
-    assert sounding._test.poissons_ratio_reduction == 0.0
+    assert sounding.test.laws(penetration=1.0).poissons_ratio_reduction == 0.0
 
 
 def test_normally_consolidated_clay_under_k0_has_a_band_at_every_depth() -> None:

@@ -19,7 +19,6 @@ from mpm_warp.scenes.cone.pore_pressure import (
     SHOULDER_FILTER,
     pore_pressure_curves,
     pore_pressure_factors,
-    stated_beside_shaft,
 )
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.further_runs import REASON
@@ -67,7 +66,7 @@ def sampled(test: ConePenetration, times: int) -> xr.Dataset:
     simulation = Simulation(test.build())
     # Shear has no part in it, and a shift of stress from one direction to another none either.
     change = np.outer(pressures_in(test, simulation), [-1.0, -1.0, 0.0, -1.0]) + WITHOUT_PRESSURE
-    curves = pore_pressure_curves(simulation, test.penetrometer)
+    curves = pore_pressure_curves(simulation, test.cone.penetrometer)
     simulation.assign("cell.stress", soil_scene(simulation).stress_at_rest + change)
     for _ in range(times):
         curves.sample()
@@ -82,7 +81,7 @@ def test_ground_as_it_was_has_no_excess_pore_pressure() -> None:
 
 def test_pressures_are_of_the_places_and_begin_at_0() -> None:
     """u3 is linear between rows: off by their distance squared over 8, times the curvature."""
-    cell = TEST.penetrometer.cone_height / TEST.cone_radius / 3
+    cell = TEST.cone.penetrometer.cone_height / TEST.cone_radius / 3
     off = FALL * (cell / (SHAFT_FILTER - cell)) ** 2 / 8
     dataset = sampled(TEST, 3)
     for name, pressure in zip(PLACES, pressures_read(), strict=True):
@@ -135,8 +134,8 @@ def test_how_far_sleeve_friction_may_be_lower_is_by_what_was_built() -> None:
     """The parameters of a scene that is derived from this one may say another clay or contact."""
     test = ConePenetration(adhesion_factor=0.5)
     scene, told = test.build(), []
-    softer = ConePenetration(remoulded_strength_ratio=0.2, ductility=30.0).clay
-    rated = ConePenetration(rate_factor=0.1, reference_strain_rate=1.0).clay
+    softer = ConePenetration(remoulded_strength_ratio=0.2, ductility=30.0).soil
+    rated = ConePenetration(rate_factor=0.1, reference_strain_rate=1.0).soil
     contact = scene[PenetrometerContact]
     for built in (
         scene,
@@ -145,7 +144,7 @@ def test_how_far_sleeve_friction_may_be_lower_is_by_what_was_built() -> None:
         scene.with_parts(dataclasses.replace(contact, friction=0.2)),
         scene.with_parts(dataclasses.replace(contact, shaft_adhesion=1e3)),
     ):
-        stated = stated_beside_shaft(test, RECORDED, built)
+        stated = test.beside_shaft(RECORDED, built)
         told.append(float(stated["sleeve_friction_factor_uncertainty"].values))
     np.testing.assert_allclose(told, [0.1, 0.3, math.nan, math.nan, math.nan])
 
@@ -155,7 +154,7 @@ def test_u1_and_u2_are_less_certain_in_a_small_window() -> None:
     half_widths = []
     for radius in (40.0, 10.0):
         test = ConePenetration(domain_radius=radius)
-        stated = stated_beside_shaft(test, RECORDED, test.build())
+        stated = test.beside_shaft(RECORDED, test.build())
         names = [f"pore_pressure_factor_{it}_uncertainty" for it in ("face", "shoulder")]
         half_widths.append(np.array([float(stated[name].values) for name in names]))
     default, small = half_widths

@@ -6,7 +6,7 @@ import pytest
 from mpm_warp import Grid, SurfaceContact
 from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.full_flow.cyclic import CyclicTBar
-from mpm_warp.scenes.full_flow.penetrometer import RoundBody
+from mpm_warp.scenes.full_flow.round_body import RoundBody
 
 ROUNDING = 1e-12
 RADIUS = 2.0
@@ -99,4 +99,4 @@ def test_normals_at_the_poles_are_vertical() -> None:
 def test_a_body_in_clay_with_a_stiffness_of_its_own_is_slower_than_its_waves() -> None:
     """Whatever strength is given beside that law."""
     bar = CyclicTBar(material="modified_cam_clay", undrained_shear_strength=400.0)
-    assert bar.window.speed == pytest.approx(bar.speed_ratio * bar.clay.shear_wave_speed)
+    assert bar.window.speed == pytest.approx(bar.speed_ratio * bar.soil.shear_wave_speed)

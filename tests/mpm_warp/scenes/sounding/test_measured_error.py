@@ -72,7 +72,7 @@ def test_a_sample_has_what_was_measured_and_its_own_noise() -> None:
     """Uniform strength, so no border counts."""
     sounding = Sounding(from_depth=1.0, to_depth=5.0, **SOFTENING)
     strength = sounding.undrained_shear_strength
-    depth = np.linspace(1.0, 5.0, sounding.sample_count)
+    depth = np.linspace(1.0, 5.0, len(sounding.samples))
     error = error_of_samples(
         sounding,
         depth,

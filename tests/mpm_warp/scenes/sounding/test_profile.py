@@ -216,14 +216,14 @@ def test_cam_clay_by_depth_has_the_strength_and_the_state_of_its_place() -> None
     """
     sounding = offered(material="modified_cam_clay", profile=CAM, from_depth=3.0, to_depth=6.0)
     material, share = sounding.build().material, 0.8
-    assert material.pressure_wave_speed >= sounding._test.clay.pressure_wave_speed
+    assert material.pressure_wave_speed >= sounding.test.soil.pressure_wave_speed
     for depth, p, ratio in ((3.0, 28e3, 1.9), (5.2, 41.2e3, 1.68)):
         place = np.array([0.0, sounding.start_depth - depth])
         state = material.state_at(np.zeros(4), place)
         np.testing.assert_allclose(state, [p, ratio * p, 0.0], rtol=1.8e-3)
         su = p / math.sqrt(3.0) * (0.5 * ratio) ** share
         assert float(sounding.ground.strength_at(np.array(depth))) == pytest.approx(su, rel=1.8e-3)
-        at_place = sounding._test.undrained_shear_strength * material.ratio_at(
+        at_place = sounding.test.undrained_shear_strength * material.ratio_at(
             place, "strength_ratio"
         )
         assert float(at_place) == pytest.approx(su, rel=1.8e-3)
@@ -311,7 +311,7 @@ def test_uniform_cam_clay_is_that_of_the_cone(ratio: str) -> None:
     test = scene("cone_penetration", material="modified_cam_clay", **given)
     assert sounding.undrained_shear_strength == test.undrained_shear_strength
     assert sounding.stress_anisotropy == test.stress_anisotropy
-    built, expected = sounding.build().material, test.clay
+    built, expected = sounding.build().material, test.soil
     assert (built.properties, built.variation) == (expected.properties, None)
     values = {name: value for name, (_, value) in flat_values(sounding).items()}
     stored = {name: float(it) if isinstance(it, float) else it for name, it in values.items()}

@@ -16,7 +16,8 @@ from mpm_warp.scenes.sounding.curves import (
     layer_values,
     sounding_curves,
 )
-from mpm_warp.scenes.sounding.sounding import TIME_STEP_FRACTION, Sounding
+from mpm_warp.scenes.sounding.sounding import Sounding
+from mpm_warp.scenes.sounding.sounding_test import TIME_STEP_FRACTION
 from mpm_warp.uncertainty.built import why_not_tresca
 from mpm_warp.uncertainty.shoulder import shoulder_pressure
 from tests.mpm_warp.conftest import refused

@@ -95,7 +95,7 @@ def test_near_the_surface_the_error_is_not_known_and_the_reason_is_told() -> Non
     radius = sounding.cone_radius
     passed = sounding.surface_passed
     assert passed == pytest.approx((13.0 + math.sqrt(3.0) + 1.0) * radius)
-    depth = (np.arange(sounding.sample_count) + 0.5) * sounding.spacing
+    depth = (np.arange(len(sounding.samples)) + 0.5) * sounding.spacing
     error = error_of_samples(sounding, depth, np.full_like(depth, 350e3))
     before = np.arange(depth.size) * sounding.spacing < passed
     np.testing.assert_array_equal(np.isnan(error.half_width), before)
