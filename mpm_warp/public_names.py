@@ -42,13 +42,8 @@ from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.catalogue import (
-    CatalogueScene,
-    Verification,
-    compared,
-    scene_class,
-    scene_names,
-)
+from mpm_warp.scenes.catalogue import scene_class, scene_names
+from mpm_warp.scenes.catalogue_scene import CatalogueScene
 from mpm_warp.scenes.cavity.shapes import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
@@ -65,5 +60,6 @@ from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding
 from mpm_warp.scenes.step_cost import StepCost
+from mpm_warp.scenes.verification import Verification, compared
 from mpm_warp.simulation import Simulation
 from mpm_warp.snapshots import Snapshots, soil_fields

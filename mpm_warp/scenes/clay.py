@@ -17,7 +17,7 @@ from mpm_warp.materials.clay_law import LAWS, ClayLaw
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue_scene import CatalogueScene
 
 NEEDED = (
     ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),

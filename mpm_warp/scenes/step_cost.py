@@ -19,7 +19,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.simulation import Simulation

@@ -18,7 +18,7 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 

@@ -16,9 +16,9 @@ from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
 from mpm_warp.scenes.bearing.slip_lines import SlipLines
-from mpm_warp.scenes.catalogue import compared
 from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
+from mpm_warp.scenes.verification import compared
 
 LARGEST_DEPTH = 100.0 * RADIUS
 """Depth down to which the strength is given, below that of any grid [m]."""

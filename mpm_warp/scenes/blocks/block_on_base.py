@@ -8,7 +8,7 @@ import numpy as np
 
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue_scene import CatalogueScene
 
 BASE_CELLS = 3
 """Thickness of the base, and its length beyond the path of the block at each end, in cells."""

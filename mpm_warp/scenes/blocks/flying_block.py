@@ -13,9 +13,10 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, evenly, follow
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.limits import LARGEST_LACK, Limit, limited
 from mpm_warp.scenes.run_size import RunSize, size_of_body
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 SIDE = 1.0

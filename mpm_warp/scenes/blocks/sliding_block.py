@@ -17,9 +17,10 @@ from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import evenly, follow
 from mpm_warp.scenes.blocks.block_on_base import BASE_CELLS, SAMPLE_COUNT, BlockOnBase
-from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.limits import LARGEST_ERROR, LARGEST_LACK, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 VIOLENT: dict[str, Value] = {"height_ratio": 0.5, "drive": 2e4, "travel": 0.01}

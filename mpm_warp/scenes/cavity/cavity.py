@@ -24,7 +24,7 @@ from mpm_warp.sampling import (
     soil_scene,
 )
 from mpm_warp.scene import Part, Scene
-from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
 from mpm_warp.scenes.clay import STRAIN_RATE, Clay, ClayScene
 from mpm_warp.scenes.limits import limited

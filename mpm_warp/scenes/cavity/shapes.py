@@ -14,10 +14,10 @@ from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.scene import Part
-from mpm_warp.scenes.catalogue import Verification, compared
 from mpm_warp.scenes.cavity.cavity import Cavity
 from mpm_warp.scenes.cavity.exact import RADIUS
 from mpm_warp.scenes.clay import StressAtRest
+from mpm_warp.scenes.verification import Verification, compared
 
 MOST_ANISOTROPY = 0.5
 """Largest |Delta| of Tresca soil around a cylinder. Up to it the vertical stress stays between the

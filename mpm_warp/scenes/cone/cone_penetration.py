@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from mpm_warp.parts.history import History
 from mpm_warp.results import labelled
 from mpm_warp.sampling import Sampler, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
 from mpm_warp.scenes.cone.cone_test import ConeTest
 from mpm_warp.scenes.cone.interface import interface_in
@@ -164,7 +164,7 @@ class ConePenetration(ConeTest):
     @property
     def _alone(self) -> Self:
         """The test without further runs; it keeps the method that the test with them derives."""
-        kept = {"push": self.push.kept, "resolution": self.resolution.kept}
+        kept: dict[str, Any] = {"push": self.push.kept, "resolution": self.resolution.kept}
         return replace(self, uncertainty="known", **kept)
 
     def record(

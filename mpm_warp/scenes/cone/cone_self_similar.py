@@ -16,12 +16,13 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import ContactForces, Samples, evenly, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.clay import Clay
 from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.penetrometer import Penetrometer, PenetrometerContact
 from mpm_warp.scenes.limits import LARGEST_ERROR, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 RADIUS = 1.0

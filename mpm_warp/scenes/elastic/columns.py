@@ -16,11 +16,12 @@ from mpm_warp.parts.forces import Damping, Gravity, NodalLoad
 from mpm_warp.results import curves, labelled, variable
 from mpm_warp.sampling import Samples, even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.clay import Clay
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from mpm_warp.scenes.limits import LARGEST_ERROR, LARGEST_LACK, Limit, Limits, limited
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 HEIGHT = 1.0

@@ -20,10 +20,11 @@ from mpm_warp.parts.free_surface import FreeSurface
 from mpm_warp.results import curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.elastic.columns import column, confined, mean_over_sections
 from mpm_warp.scenes.limits import LARGEST_ERROR, Limit, Limits
 from mpm_warp.scenes.run_size import RunSize, size_of_bodies
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 LENGTH = 1.0

@@ -15,9 +15,10 @@ from mpm_warp.parts.forces import Damping, NodalLoad
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.clay import Clay
 from mpm_warp.scenes.limits import limited
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 INNER_RADIUS = 1.0

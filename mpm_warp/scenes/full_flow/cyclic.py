@@ -15,7 +15,7 @@ from mpm_warp.parts.cyclic_window import CyclicWindow
 from mpm_warp.results import Drawn, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure
@@ -29,6 +29,7 @@ from mpm_warp.scenes.full_flow.degradation import (
 from mpm_warp.scenes.full_flow.groups import Ball, Body, ClayAroundBody, Flow, TBar
 from mpm_warp.scenes.full_flow.round_body import ResistanceSamples
 from mpm_warp.scenes.limits import limited
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.further_runs import REASON, reason
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING

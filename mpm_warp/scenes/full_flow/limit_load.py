@@ -14,8 +14,9 @@ from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import labelled
 from mpm_warp.scenes.bearing.bearing import NO_PARTING, RADIUS, STRENGTH, Bearing, Exact
-from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone.groups import Cone
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 OUTER_RADIUS = 6.0

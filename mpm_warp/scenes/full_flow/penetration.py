@@ -17,7 +17,7 @@ from mpm_warp.parts.window import Window
 from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, mean_of_points, soil_scene
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.catalogue import CatalogueScene, Progress, compared
+from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.clay import ClayScene
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure
@@ -27,6 +27,7 @@ from mpm_warp.scenes.full_flow.round_body import ResistanceSamples
 from mpm_warp.scenes.limits import Limits
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import by_mode
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty import full_flow, further_runs
 from mpm_warp.uncertainty.built import why_law_not_measured, why_not_of_catalogue

@@ -32,11 +32,12 @@ from mpm_warp.materials.perfectly_plastic import UndrainedClay
 from mpm_warp.plan.plan import Plan
 from mpm_warp.results import Drawn, Quantity, curves, labelled
 from mpm_warp.sampling import Samples, even_steps, follow
-from mpm_warp.scenes.catalogue import Progress, compared
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.clay import STRAIN_RATE, Clay, ClayScene, FieldClay, StressAtRest
 from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize
+from mpm_warp.scenes.verification import compared
 from mpm_warp.simulation import Simulation
 
 RANDOM_PATHS = 200

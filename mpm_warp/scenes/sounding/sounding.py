@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,7 +11,7 @@ from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.execution import Execution
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.sampling import follow, soil_scene
-from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.failure import SANE_INERTIA
 from mpm_warp.scenes.cone.groups import InSituStress, Push
@@ -111,7 +112,7 @@ class Sounding(SoundingTest):
         adhesion = ground.adhesion_factor_at(at, self.cone.adhesion_factor)
         anisotropy = ground.stress_anisotropy_at(at, self.stress.stress_anisotropy)
         strength, stiffness = float(ground.strength_at(at)), float(ground.shear_modulus_at(at))
-        clay = {"undrained_shear_strength": strength}
+        clay: dict[str, Any] = {"undrained_shear_strength": strength}
         if not self.clay.material.has_own_stiffness:
             clay["rigidity_index"] = stiffness / strength
         test = self.test

@@ -27,7 +27,7 @@ from mpm_warp.scenes import scene_class, scene_names
 from mpm_warp.scenes.bearing.on_ground import CircularFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock
 from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
-from mpm_warp.scenes.catalogue import CatalogueScene
+from mpm_warp.scenes.catalogue_scene import CatalogueScene
 from mpm_warp.scenes.cavity.shapes import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import ElasticColumnWave

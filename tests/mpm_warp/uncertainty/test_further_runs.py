@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from mpm_warp.errors import ParameterError, UnfinishedRun
-from mpm_warp.scenes.catalogue import Progress
+from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.full_flow.limit_load import limit_load
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
