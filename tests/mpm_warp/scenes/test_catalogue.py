@@ -18,7 +18,14 @@ from mpm_warp.errors import InaccurateRun, SceneError, SimulationDiverged, Unkno
 from mpm_warp.fields.declaration import Value, parameter
 from mpm_warp.fields.flat import flat_values, parameters_of
 from mpm_warp.results import ROLES, SHARED_NAMES, variable
-from mpm_warp.scenes import CatalogueScene, Progress, catalogue, scene_class, scene_names
+from mpm_warp.scenes import (
+    CatalogueScene,
+    Progress,
+    catalogue,
+    catalogue_scene,
+    scene_class,
+    scene_names,
+)
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.simulation import Simulation
@@ -76,7 +83,7 @@ def test_every_scene_is_in_the_catalogue_and_those_they_are_made_of_are_not() ->
 @pytest.fixture
 def unjudged(monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs so coarse that some are inaccurate, which matters to none of these tests."""
-    monkeypatch.setattr(catalogue, "check_limits", lambda limits, results: None)
+    monkeypatch.setattr(catalogue_scene, "check_limits", lambda limits, results: None)
 
 
 @pytest.mark.parametrize("name", sorted(SMALL))
