@@ -3,7 +3,8 @@
 import contextlib
 import io
 import itertools
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from textwrap import dedent
@@ -20,7 +21,12 @@ from harness.archive.netcdf_files import write_netcdf
 from harness.cli.main import main
 from harness.compare.finest_error import with_finest_error
 from harness.errors import LONGEST_LINE
+from harness.run.pool import Watcher
+from harness.run.resources import RunOptions
+from harness.run.worker import run_case
+from harness.study.cases import Case
 from harness.study.study import Study, load_study
+from mpm_warp.scenes import catalogue
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 SMALL = """
@@ -35,6 +41,15 @@ SMALL = """
 
     [vary]
     adhesion_factor = [0, 0.5, 1]
+"""
+
+STUB_FOLDER = Path(__file__).parent / "stub"
+STUB = """
+    title = "Three cases that take no time"
+    scene = "stub"
+
+    [vary]
+    number = [0, 0.5, 1]
 """
 
 HEAD = 'title = "t"\nscene = "cone_penetration"\n'
@@ -107,6 +122,35 @@ def small_file(tmp_path: Path) -> Path:
 def small(small_file: Path) -> Study:
     """Three cases of next to no cost."""
     return load_study(str(small_file))
+
+
+@pytest.fixture
+def stub_offered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The stub is a scene, here and in processes that are started from here."""
+    monkeypatch.syspath_prepend(STUB_FOLDER)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(STUB_FOLDER), str(Path.cwd())]))
+    catalogue._all_scenes.cache_clear()
+    yield
+    catalogue._all_scenes.cache_clear()
+
+
+@pytest.fixture
+def stub(stub_offered: None, tmp_path: Path) -> Study:
+    """Three cases of the stub, in a file `stub.toml`."""
+    return study_in(tmp_path, dedent(STUB), name="stub")
+
+
+@pytest.fixture
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cases are run here, one after another: a worker process takes seconds to start."""
+
+    def run_cases(
+        cases: Sequence[Case], folder: Path, count: int, watcher: Watcher, options: RunOptions
+    ) -> None:
+        for case in cases:
+            watcher.finished(case, run_case(case, folder, options=options))
+
+    monkeypatch.setattr("harness.run.run_study.run_cases", run_cases)
 
 
 @pytest.fixture

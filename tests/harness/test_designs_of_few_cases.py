@@ -38,8 +38,11 @@ DESIGNS = {
 }
 """What a study says beside its scene, and how many cases it has."""
 OUTCOMES = [
-    (design, completed) for design, (_, count) in DESIGNS.items() for completed in range(count + 1)
+    *((design, count) for design, (_, count) in DESIGNS.items()),
+    *((design, 1) for design, (_, count) in DESIGNS.items() if count == 2),
+    *((design, 0) for design in ("two values", "two at random", "two scenes")),
 ]
+"""Designs, and how many of their cases have completed: all, one of two, none."""
 FAILED = "diverged"
 
 

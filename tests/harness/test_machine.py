@@ -1,10 +1,8 @@
 """What this machine has, and a machine that lacks what POSIX gives."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
-from textwrap import dedent
 
 import numpy as np
 import psutil
@@ -14,6 +12,7 @@ from harness import machine
 from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import read_study
 from harness.run.resources import SHARE_OF_MACHINE, Measurement, default_memory_limit
+from tests.conftest import finished
 from tests.harness.interpret.conftest import DEPTH, LAYER, SITE, STRENGTH, measured_rows
 
 MIB = 2**20
@@ -87,48 +86,45 @@ def refused(event, arguments):
 sys.addaudithook(refused)
 """
 """Takes from Python and from Linux what other systems lack."""
-EVERY_MODULE = """
-import importlib, pkgutil, mpm_warp, harness
 
-for package in (mpm_warp, harness):
-    for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-        if not found.name.endswith("__main__"):
-            importlib.import_module(found.name)
+
+EVERYTHING = """
+import importlib, pkgutil, signal, sys
+import mpm_warp, harness
+from harness.cli.main import main
+
+if __name__ == "__main__":
+    assert not hasattr(signal, "SIGHUP")
+    for package in (mpm_warp, harness):
+        for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            if not found.name.endswith("__main__"):
+                importlib.import_module(found.name)
+    for line in sys.argv[1:]:
+        assert main(line.split()) == 0, line
 """
+"""Imports every module and runs some commands."""
 
 
 @pytest.mark.slow
 def test_given_a_machine_without_posix_modules_commands_and_a_run_work(tmp_path: Path) -> None:
-    (tmp_path / "sitecustomize.py").write_text(WITHOUT_POSIX)
-    (tmp_path / "lacks.py").write_text("import signal\nassert not hasattr(signal, 'SIGHUP')\n")
-    (tmp_path / "every_module.py").write_text(EVERY_MODULE)
-    (tmp_path / "tiny.toml").write_text(
-        dedent("""
-            title = "tiny"
-            scene = "material_point"
-            [fixed]
-            step_count = 64
-        """)
-    )
-    (tmp_path / "test.csv").write_text(measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH))
-    (tmp_path / "site.toml").write_text(SITE + LAYER)
-    root = str(Path(__file__).parents[2])
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), root])}
-    for words in (
-        "lacks.py",
-        "every_module.py",
-        "-m harness --help",
-        "-m harness describe cone_penetration",
-        "-m harness run tiny.toml --workers 1",
-        "-m harness interpret site.toml",
+    test = measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH)
+    tiny = 'title = "tiny"\nscene = "material_point"\n[fixed]\nstep_count = 64\n'
+    for name, text in (
+        ("sitecustomize.py", WITHOUT_POSIX),
+        ("everything.py", EVERYTHING),
+        ("tiny.toml", tiny),
+        ("test.csv", test),
+        ("site.toml", SITE + LAYER),
     ):
-        end = subprocess.run(
-            [sys.executable, *words.split()],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert end.returncode == 0, (words, end.stderr)
+        (tmp_path / name).write_text(text)
+    commands = (
+        "help run",
+        "describe cone_penetration",
+        "run tiny.toml --workers 1",
+        "interpret site.toml",
+    )
+    path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
+    everything = [sys.executable, "everything.py", *commands]
+    end = finished(everything, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path})
+    assert end.returncode == 0, end.stderr
     assert read_study(tmp_path / "results" / "tiny.nc")["status"].item() == COMPLETED

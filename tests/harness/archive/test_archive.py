@@ -1,3 +1,5 @@
+"""Case files and collected files: what was written comes back, in the layout of the study."""
+
 import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
@@ -68,32 +70,16 @@ def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
         assert list(read.coords) == list(known.coords)
 
 
-def test_the_file_of_another_case_is_refused(folder: Path, small: Study) -> None:
+def test_the_file_of_a_case_is_neither_that_of_another_nor_of_a_study(
+    folder: Path, small: Study
+) -> None:
     one, other, _ = small.cases
     complete(folder, [one])
+    with pytest.raises(ArchiveError, match="not the result of a study, but of one case"):
+        study_files.read_study(case_files.case_file(folder, one))
     case_files.case_file(folder, one).rename(case_files.case_file(folder, other))
     with pytest.raises(ArchiveError, match="is not the result of case"):
         case_files.read_case(folder, other)
-
-
-def test_another_format_version_is_refused_by_name(
-    folder: Path, small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    case = small.cases[0]
-    complete(folder, [case])
-    monkeypatch.setattr(netcdf_files, "FORMAT_VERSION", 99)
-    with pytest.raises(ArchiveError, match="it has format 1, this program reads 99"):
-        case_files.read_case(folder, case)
-
-
-def test_a_write_that_fails_leaves_the_file_as_it_was(folder: Path) -> None:
-    path = folder / "a.nc"
-    netcdf_files.write_netcdf(result([0.1], 1.0), path)
-    content = path.read_bytes()
-    with pytest.raises(ValueError, match="'bad'"):
-        netcdf_files.write_netcdf(xr.Dataset({"bad": ((), {"no": "netCDF"})}), path)
-    assert path.read_bytes() == content
-    assert list(folder.iterdir()) == [path]
 
 
 def test_dims_are_the_varied_parameters_then_the_scenes_own(folder: Path, small_file: Path) -> None:
@@ -128,13 +114,6 @@ def test_curves_of_different_length_are_padded(folder: Path, small: Study) -> No
     assert resistance.penetration.values.tolist() == [0.1, 0.2, 0.3]
     expected = [[0.1 / 3, 0.2 / 3, np.nan], [0.1 / 3, 0.2 / 3, 0.3 / 3], [np.nan, np.nan, 0.3 / 3]]
     np.testing.assert_array_equal(resistance.values, np.array(expected))
-
-
-def test_the_file_of_a_case_is_not_a_study(folder: Path, small: Study) -> None:
-    case = small.cases[0]
-    complete(folder, [case])
-    with pytest.raises(ArchiveError, match="not the result of a study, but of one case"):
-        study_files.read_study(case_files.case_file(folder, case))
 
 
 def test_a_missing_result_is_answered_with_the_nearest(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,10 +15,11 @@ from harness.archive import atomic_files, case_files, study_files
 from harness.archive.atomic_files import ArchiveError, abandoned, prepare, write_csv, write_whole
 from harness.archive.conventions import COMPLETED
 from harness.cli.main import main
+from harness.run.collect_and_clean import collect_and_write
 from harness.study.cases import Case
-from harness.study.study import Study, load_study
+from harness.study.study import Study
 from tests.conftest import LIMIT, finished
-from tests.harness.conftest import written
+from tests.harness.conftest import keep, study_in, written
 
 KILLED_AS_IT_WRITES = """
 import os, sys
@@ -87,8 +87,8 @@ def test_no_cell_of_a_table_is_a_formula_of_a_spreadsheet(tmp_path: Path) -> Non
     assert rows == [numbers, [f"'{it}" for it in formulas], escaped]
 
 
-def arguments(small_file: Path, out: Path) -> list[str]:
-    return ["run", str(small_file), "--out", str(out), "--workers", "1"]
+def arguments(study: Study, out: Path) -> list[str]:
+    return ["run", str(study.source), "--out", str(out), "--workers", "1"]
 
 
 def harness(
@@ -117,106 +117,61 @@ def completed(out: Path, study: Study) -> list[Case]:
     return done
 
 
-@pytest.fixture
-def full_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of its own that can be filled."""
-    mount, place = shutil.which("mount"), tmp_path / "disk"
-    place.mkdir()
-    command = [str(mount), "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(place)]
-    if mount is None or subprocess.run(command, capture_output=True, check=False).returncode:
-        pytest.skip("a file system cannot be mounted here")
-    yield place
-    subprocess.run(["umount", str(place)], check=True)
-
-
 @pytest.mark.slow
-def test_a_full_disk_ends_the_run_and_loses_nothing(
-    full_disk: Path, small_file: Path, small: Study
+@pytest.mark.usefixtures("in_this_process")
+def test_files_that_may_not_grow_as_on_a_full_disk_end_the_run_and_lose_nothing(
+    stub: Study, tmp_path: Path
 ) -> None:
-    filler = full_disk / "filler"
-    assert main([*arguments(small_file, full_disk), "--set", "adhesion_factor=[0]"]) == 0
-    before = study_files.read_study(full_disk / "small.nc")
-    first = written(small, full_disk)
-    room = os.statvfs(full_disk)
-    filler.write_bytes(bytes(room.f_bavail * room.f_frsize - 8192))
+    folder, run = keep(stub, tmp_path), arguments(stub, tmp_path)
+    case_files.discard(folder, stub.cases[1:])
+    before, first = collect_and_write(stub, tmp_path), written(stub, tmp_path)
+    (case,) = completed(tmp_path, stub)
+    size = case_files.case_file(folder, case).stat().st_size
 
-    code, told = harness(arguments(small_file, full_disk))
-    assert code == 2
-    assert told[-1].endswith(".nc: cannot be written: No space left on device")
-    assert "3 cases: 2 missing, 1 completed; " in told[-2]
-    assert len(completed(full_disk, small)) == 1
-    assert study_files.read_study(full_disk / "small.nc").identical(before)
-
-    with filler.open("ab") as file:
-        room = os.statvfs(full_disk)
-        file.write(bytes(room.f_bavail * room.f_frsize))
-    code, told = harness(arguments(small_file, full_disk))
-    assert (code, len(told)) == (2, 1)
-    assert told[0] == f"harness: {full_disk}: cannot be written to: No space left on device"
-
-    filler.unlink()
-    assert harness(arguments(small_file, full_disk))[0] == 0
-    assert first.items() <= written(small, full_disk).items()
-    assert len(completed(full_disk, small)) == 3
-
-
-@pytest.mark.slow
-def test_files_that_may_not_grow_end_the_run_and_lose_nothing(
-    small_file: Path, tmp_path: Path, small: Study
-) -> None:
-    out = tmp_path / "out"
-    arguments_ = arguments(small_file, out)
-    assert main([*arguments_, "--set", "adhesion_factor=[0]"]) == 0
-    (case, *_) = completed(out, small)
-    size = case_files.case_file(case_files.case_folder(out, small), case).stat().st_size
-    code, told = harness(arguments_, file_size=size // 2)
+    code, told = harness(run, file_size=size // 2)
     assert code == 2
     assert told[-1].endswith(".nc: cannot be written: File too large")
-    assert completed(out, small) == [case]
-    assert harness(arguments_)[0] == 0
-    assert len(completed(out, small)) == 3
+    assert "3 cases: 2 missing, 1 completed; " in told[-2]
+    assert completed(tmp_path, stub) == [case]
+    assert study_files.read_study(tmp_path / "stub.nc").equals(before)
+
+    told_of_none = f"harness: {tmp_path}: cannot be written to: File too large"
+    assert harness(run, file_size=1) == (2, [told_of_none])
+    assert main(run) == 0
+    assert first.items() <= written(stub, tmp_path).items()
+    assert len(completed(tmp_path, stub)) == 3
 
 
 @pytest.mark.slow
-def test_a_folder_that_is_read_only_is_one_line(
-    small_file: Path, tmp_path: Path, small: Study
-) -> None:
+def test_a_folder_that_is_read_only_is_one_line(stub: Study, tmp_path: Path) -> None:
     before: list[str] = []
     if os.geteuid() == 0:  # root may write everywhere, unless it gives that up
         setpriv = shutil.which("setpriv")
         if setpriv is None:
             pytest.skip("root cannot give up its rights here")
         before = [setpriv, "--bounding-set=-dac_override", "--inh-caps=-dac_override"]
-    out = tmp_path / "out"
-    assert main([*arguments(small_file, out), "--set", "adhesion_factor=[0]"]) == 0
-    folder = case_files.case_folder(out, small)
+    folder = keep(stub, tmp_path)
+    case_files.discard(folder, stub.cases[1:])
     folder.chmod(0o555)
-    code, told = harness(arguments(small_file, out), before)
+    code, told = harness(arguments(stub, tmp_path), before)
     folder.chmod(0o755)
     assert (code, told) == (2, [f"harness: {folder}: cannot be written to: Permission denied"])
-    assert len(completed(out, small)) == 1
+    assert len(completed(tmp_path, stub)) == 1
 
 
 @pytest.mark.slow
-def test_two_runs_in_one_folder_do_not_harm_each_other(small_file: Path, tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    setting = ["--set", f"rigidity_index={list(range(100, 160, 10))}"]
-    runs = [
-        subprocess.Popen(
-            [sys.executable, "-m", "harness", *arguments(small_file, out), *setting],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        for _ in range(2)
-    ]
+def test_two_runs_in_one_folder_do_not_harm_each_other(stub_offered: None, tmp_path: Path) -> None:
+    text = f'title = "t"\nscene = "stub"\n[vary]\nnumber = {list(range(40))}\n'
+    study, out = study_in(tmp_path, text, name="forty"), tmp_path / "out"
+    command = [sys.executable, "-m", "harness", *arguments(study, out)]
+    silent, pipe = subprocess.DEVNULL, subprocess.PIPE
+    runs = [subprocess.Popen(command, stdout=silent, stderr=pipe, text=True) for _ in range(2)]
     try:
         told = [run.communicate(timeout=LIMIT)[1] for run in runs]
     finally:
         for run in runs:
             run.kill()
     assert [run.returncode for run in runs] == [0, 0], told
-    study = load_study(str(small_file), setting[1:])
-    assert len(completed(out, study)) == 18
-    assert set(study_files.read_study(out / "small.nc").status.values.flat) == {COMPLETED}
+    assert len(completed(out, study)) == 40
+    assert set(study_files.read_study(out / "forty.nc").status.values.flat) == {COMPLETED}
     assert not list(out.rglob(".*"))

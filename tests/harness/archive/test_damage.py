@@ -25,6 +25,8 @@ from harness.run.collect_and_clean import collect_and_write, outcomes
 from harness.study.study import Study, with_snapshots
 from tests.harness.conftest import DONE, Command, Depth, Refusal, damage, keep
 
+Harm = Callable[[Path], object]
+"""Makes a file unusable."""
 READERS = ("compare", "plot", "report")
 DIGEST = 72
 """Bytes of mark and digest at the end of a file."""
@@ -70,14 +72,6 @@ def test_no_flipped_bit_and_no_cut_reaches_the_netcdf_library(
             read_netcdf(result)
 
 
-def cut(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[:-100])
-
-
-def empty(path: Path) -> None:
-    path.write_bytes(b"")
-
-
 def rewritten(path: Path) -> None:
     """As a user does who corrects a number by xarray."""
     with xr.open_dataset(path) as dataset:
@@ -93,19 +87,8 @@ def newer(path: Path) -> None:
         write_netcdf(result, path)
 
 
-def fifo(path: Path) -> None:
-    path.unlink()
-    os.mkfifo(path)
-
-
-def folder(path: Path) -> None:
-    path.unlink()
-    path.mkdir()
-
-
-def device(path: Path) -> None:
-    path.unlink()
-    path.symlink_to("/dev/zero")
+def in_its_place(make: Harm) -> Harm:
+    return lambda path: (path.unlink(), make(path))
 
 
 FAILING: dict[Path, BaseException] = {}
@@ -125,37 +108,35 @@ def failing_files(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Path, "open", or_fail)
 
 
-def failing(error: BaseException) -> Callable[[Path], None]:
+def failing(error: BaseException) -> Harm:
     """A file whose reading fails, as of another user's, on a bad disk, or without memory."""
-
-    def harm(path: Path) -> None:
-        FAILING[path] = error
-
-    harm.__name__ = type(error).__name__
-    return harm
+    return lambda path: FAILING.update({path: error})
 
 
-UNUSABLE: dict[Callable[[Path], None], str] = {
-    cut: "the mark of this program is missing at its end",
-    empty: "the mark of this program is missing at its end",
-    rewritten: "as by xarray (`xarray.open_dataset` reads it then)",
-    newer: "it has format 99, this program reads 1",
-    fifo: "it is no file",
-    folder: "it is no file",
-    device: "it is no file",
-    failing(PermissionError(errno.EACCES, "Permission denied")): "Permission denied",
-    failing(OSError(errno.EIO, "Input/output error")): "Input/output error",
-    failing(MemoryError()): "not enough memory",
+DENIED = PermissionError(errno.EACCES, "Permission denied")
+NO_FILE = "it is no file"
+UNUSABLE: dict[str, tuple[Harm, str]] = {
+    "cut": (
+        lambda path: path.write_bytes(path.read_bytes()[:-100]),
+        "the mark of this program is missing at its end",
+    ),
+    "rewritten": (rewritten, "as by xarray (`xarray.open_dataset` reads it then)"),
+    "newer": (newer, "it has format 99, this program reads 1; use the program that wrote it"),
+    "a fifo": (in_its_place(os.mkfifo), NO_FILE),
+    "a folder": (in_its_place(Path.mkdir), NO_FILE),
+    "a device": (in_its_place(lambda path: path.symlink_to("/dev/zero")), NO_FILE),
+    "not allowed": (failing(DENIED), "Permission denied"),
+    "larger than the memory": (failing(MemoryError()), "not enough memory"),
 }
 """What is no damage, and the reason that is told."""
 
 
-of_each = pytest.mark.parametrize("harm", UNUSABLE, ids=lambda it: it.__name__)
+of_each = pytest.mark.parametrize(("harm", "reason"), UNUSABLE.values(), ids=UNUSABLE)
 
 
 @of_each
 def test_a_result_that_cannot_be_read_is_one_line_and_stays(
-    harm: Callable[[Path], None], result: Path, small: Study, refusal: Refusal
+    harm: Harm, reason: str, result: Path, small: Study, refusal: Refusal
 ) -> None:
     harm(result)
     before = identity(result)
@@ -163,7 +144,7 @@ def test_a_result_that_cannot_be_read_is_one_line_and_stays(
         more = ["-o", str(result.with_suffix(".html"))] if command == "report" else []
         line = refusal([command, str(result), *more])
         assert line.startswith(f"harness: {result}: cannot be read: ")
-        assert UNUSABLE[harm] in line
+        assert reason in line
     for command in ("collect", "run"):
         line = refusal([command, str(small.source), "--out", str(result.parent)])
         assert line.endswith("; not overwritten: move it away, or give another --out")
@@ -172,14 +153,14 @@ def test_a_result_that_cannot_be_read_is_one_line_and_stays(
 
 @of_each
 def test_a_case_that_cannot_be_read_is_told_and_kept_by_every_command(
-    harm: Callable[[Path], None], result: Path, small: Study, command: Command
+    harm: Harm, reason: str, result: Path, small: Study, command: Command
 ) -> None:
     path = case_file(case_folder(result.parent, small), small.cases[1])
     harm(path)
     before, of_study = identity(path), (small.source, "--out", result.parent)
     said = command("status", *of_study, code=1).out.splitlines()
     assert said[2].split()[1] == UNREADABLE
-    assert UNUSABLE[harm] in said[2]
+    assert reason in said[2]
     assert "3 cases: 2 completed, 1 unreadable" in said[-1]
     assert f"{path}: cannot be read: " in command("collect", *of_study, code=1).err
     assert "kept: move it away, or `harness run --fresh`" in command("run", *of_study, code=1).err
@@ -189,18 +170,19 @@ def test_a_case_that_cannot_be_read_is_told_and_kept_by_every_command(
     assert identity(path) == before
 
 
-def test_damage_is_told_and_replaced(result: Path, small: Study, command: Command) -> None:
-    place, case = case_folder(result.parent, small), small.cases[1]
-    path, of_study = case_file(place, case), (small.source, "--out", result.parent)
-    damage(path)
+@pytest.mark.usefixtures("in_this_process")
+def test_damage_is_told_and_replaced(stub: Study, tmp_path: Path, command: Command) -> None:
+    place, case, result = keep(stub, tmp_path), stub.cases[1], tmp_path / "stub.nc"
+    collect_and_write(stub, tmp_path)
+    damage(case_file(place, case))
     damage(result)
-    (outcome,) = {it for it in outcomes(small, result.parent) if it.status == DAMAGED}
+    (outcome,) = {it for it in outcomes(stub, tmp_path) if it.status == DAMAGED}
     assert "was damaged or changed after it was written" in outcome.message
-    told = command("run", *of_study).err
+    told = command("run", stub.source, "--out", tmp_path).err
     assert "the case is run again" in told
     assert "3 cases, 2 done already" in told
     assert case_files.is_complete(place, case)
-    assert read_netcdf(result).attrs["study"] == "small"
+    assert read_netcdf(result).attrs["study"] == "stub"
 
 
 def test_snapshots_that_cannot_be_read_are_kept(result: Path, small: Study) -> None:
@@ -231,11 +213,10 @@ def test_a_folder_that_cannot_be_read_is_one_line(
 
 @pytest.mark.parametrize("command", ["status", "collect", "clean", "run"])
 def test_a_file_in_place_of_the_folder_of_results_is_told(
-    command: str, result: Path, small: Study, refusal: Refusal
+    command: str, small: Study, refusal: Refusal
 ) -> None:
-    out = result.with_suffix(".toml")
-    line = refusal([command, str(small.source), "--out", str(out)])
-    assert line == f"harness: {out}: is not a folder"
+    line = refusal([command, str(small.source), "--out", str(small.source)])
+    assert line == f"harness: {small.source}: is not a folder"
 
 
 @pytest.mark.parametrize("command", ["report", "plot"])

@@ -7,10 +7,8 @@ import shlex
 import signal
 import subprocess
 import sys
-from multiprocessing import connection
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import pytest
 
@@ -18,7 +16,6 @@ from harness.cli.commands import studies
 from harness.cli.help import HELP
 from harness.cli.options import make_parser
 from harness.cli.process import DEFECT, DONE
-from harness.run import pool
 from tests.conftest import finished
 from tests.harness.conftest import Command, Refusal
 
@@ -141,19 +138,3 @@ def test_bytes_that_are_no_text_are_refused(refusal: Refusal) -> None:
     """The result holds the command line; every case would be computed, and none be kept."""
     line = refusal(["run", "mesh_size", "--out", b"bad\xff".decode(errors="surrogateescape")])
     assert line.endswith("is not valid text and could not be stored in a result")
-
-
-@pytest.mark.slow
-def test_a_limit_beyond_what_the_system_can_wait_for_is_waited_for(
-    small_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    waits: list[float | None] = []
-
-    def noted(them: list[Any], left: float | None) -> list[Any]:
-        waits.append(left)
-        return connection.wait(them, left)
-
-    monkeypatch.setattr(pool, "wait", noted)
-    options = ("--set=adhesion_factor=0", f"--out={tmp_path}", "--case-timeout=1e9")
-    command("run", small_file, *options)
-    assert max(left for left in waits if left is not None) <= pool.LONGEST_WAIT

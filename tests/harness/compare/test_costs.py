@@ -282,7 +282,10 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: Path) -> None:
+def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest_and_can_be_compared(
+    result: Path, command: Command
+) -> None:
+    assert "update_rate " in command("compare", result, result, "--tolerance", "1e6").out
     dataset = xr.open_dataset(result)
     assert dict(dataset.update_rate.sizes) == {"physics": 3, "threads": 2}
     assert (dataset.update_rate_lowest <= dataset.update_rate).all()
@@ -305,10 +308,3 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest(result: P
     assert list(table(rows, GAIN).values()) == [
         f"{gain:.2f}" for gain in dataset.thread_gain.sel(threads=2).values
     ]
-
-
-@pytest.mark.slow
-def test_two_benches_can_be_compared(result: Path, tmp_path: Path, command: Command) -> None:
-    command("bench", *QUICK, "--out", tmp_path)
-    told = command("compare", result, tmp_path / "bench.nc", "--tolerance", "1e6").out
-    assert "update_rate " in told

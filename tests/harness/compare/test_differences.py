@@ -94,17 +94,6 @@ def test_what_was_not_compared_is_not_passed(tmp_path: Path, refusal: Refusal, t
         differences(one.assign(nothing), other.assign(nothing))
 
 
-def test_cases_of_one_result_alone_are_told(two: Two) -> None:
-    one, other = two(*FACTORS)
-    _, lonely = differences(one.isel(adhesion_factor=[0, 1]), other)
-    assert lonely == ["only in the second: adhesion_factor=1.0"]
-
-
-def test_results_of_other_parameters_are_not_compared(two: Two) -> None:
-    with pytest.raises(NothingToCompareError):
-        differences(*two(*FACTORS, settings=("density=1800",)))
-
-
 def test_a_result_from_before_a_parameter_is_compared_at_its_default(two: Two) -> None:
     one, other = two(*FACTORS)
     older = one.drop_vars("friction_coefficient")
@@ -151,8 +140,10 @@ def test_what_an_older_result_does_not_say_is_what_the_scene_derives(
     ]
 
 
-def test_a_result_from_before_a_parameter_is_not_compared_elsewhere(two: Two) -> None:
+def test_a_result_of_other_parameters_or_from_before_one_is_not_compared(two: Two) -> None:
     one, other = two(*FACTORS, settings=("friction_coefficient=0.1",))
+    with pytest.raises(NothingToCompareError):
+        differences(one, other)
     with pytest.raises(NothingToCompareError):
         differences(one.drop_vars("friction_coefficient"), other)
 

@@ -44,9 +44,11 @@ def test_what_a_file_says_of_the_cone_holds_where_the_site_file_says_nothing(
     assert "area_ratio = 0.8 by the file" in found.notes
     assert found.pre_drilled == (0.0 if kind == "ags" else 1.55)
     assert found.cone_radius == pytest.approx(np.sqrt(15e-4 / np.pi))
-    own = columns_of(changed(folder, ("[test]", "[test]\ncone_area = 10")))
+    own = columns_of(changed(folder, ("[test]", "[test]\ncone_area = 10\narea_ratio = 0.6")))
     assert own.cone_radius == pytest.approx(np.sqrt(10e-4 / np.pi))
+    assert own.area_ratio == 0.6
     assert "cone_area = 10 by the site file, 15 by the file" in own.notes
+    assert "area_ratio = 0.6 by the site file, 0.8 by the file" in own.notes
 
 
 @pytest.mark.parametrize("said", ["0, mm2", "15, -", "", "15"])
@@ -120,41 +122,35 @@ def test_a_column_of_a_gef_may_have_several_codes_of_a_missing_value(folder: Pat
     assert [row for row, fs in enumerate(found.values["fs"]) if np.isnan(fs)] == [5, 20]
 
 
-def test_the_length_of_the_rods_is_corrected_by_inclination(folder: Path) -> None:
-    """At 10 degrees all along, but for a missing value: cos 10 of the way from the first row on."""
-    text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling, 8")
-    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, Graden(deg),")
-    head, end, data = text.partition("#EOH=\n")
-    lines = [line.split("; ") for line in data.splitlines()]
-    for number, line in enumerate(lines):
-        line[2] = "10.0" if number != 5 else "-999.0"
-    tilted = head + end + "\n".join(map("; ".join, lines)) + "\n"
-    found = columns_of(site_of(folder, "gef", tilted))
-    way = np.array([row[0] for row in rows_of(folder)]) - rows_of(folder)[0][0]
-    expected = rows_of(folder)[0][0] + 0.01 + np.cos(np.radians(10.0)) * way
+FIVE = np.tan(np.radians(5.0))
+
+
+@pytest.mark.parametrize(
+    ("given", "step"),
+    [
+        ({8: "10.0"}, np.cos(np.radians(10.0))),
+        ({9: "5.0", 10: "5.0"}, 1.0 / np.sqrt(1.0 + 2.0 * FIVE**2)),
+        ({9: "5.0", 10: "5.0", 8: "0.0"}, 1.0),
+    ],
+    ids=["resultant", "two planes", "resultant and two planes"],
+)
+def test_the_length_of_the_rods_is_corrected_by_inclination(
+    folder: Path, given: dict[int, str], step: float
+) -> None:
+    """Columns of a GEF, by their quantity, the same all along but for a missing value."""
+    rows = rows_of(folder)
+    head, _, data = as_gef(rows).replace("Gecorrigeerde diepte, 11", "x, 99").partition("#EOH=\n")
+    for number, quantity in enumerate(given, start=6):
+        head += f"#COLUMNINFO= {number}, deg, Helling, {quantity}\n#COLUMNVOID= {number}, -999.0\n"
+    tilt = "; ".join(given.values())
+    lines = [f"{line.removesuffix(';!')}; {tilt};!" for line in data.splitlines()]
+    lines[5] = lines[5].replace(next(iter(given.values())), "-999.0")
+    found = columns_of(site_of(folder, "gef", "\n".join([f"{head}#EOH=", *lines])))
+    way = np.array([row[0] for row in rows]) - rows[0][0]
+    expected = rows[0][0] + 0.01 + step * way
     np.testing.assert_allclose(found.values["depth"], expected, rtol=1e-12)
-    assert "depth corrected by inclination, by 0.17 m at the end" in found.notes
-
-
-def test_inclinations_in_two_planes_are_those_of_a_gef_that_has_no_resultant(folder: Path) -> None:
-    """Columns of quantity 9 and 10: 1 / sqrt(1 + 2 tan^2 5); a resultant goes before them."""
-    text = as_gef(rows_of(folder)).replace("Gecorrigeerde diepte, 11", "Helling NZ, 9")
-    text = text.replace("#COLUMNINFO= 3, m,", "#COLUMNINFO= 3, deg,")
-    info = next(line for line in text.splitlines() if line.startswith("#COLUMNINFO= 3"))
-    count = text.count("#COLUMNINFO")
-    more = [f"#COLUMNINFO= {count + 1}, deg, Helling OW, 10"]
-    for resultant, slope in ((False, 2.0**0.5 * np.tan(np.radians(5.0))), (True, 0.0)):
-        if resultant:
-            more.append(f"#COLUMNINFO= {count + 2}, deg, Helling, 8")
-        head, end, data = text.replace(info, "\n".join([info, *more])).partition("#EOH=\n")
-        lines = []
-        for line in data.splitlines():
-            values = [*line.removesuffix("!").rstrip("; ").split("; "), "5.0", *["0.0"][:resultant]]
-            values[2] = "5.0"
-            lines.append("; ".join(values) + "; !")
-        depth = columns_of(site_of(folder, "gef", head + end + "\n".join(lines))).values["depth"]
-        steps = np.diff(depth) / np.diff([row[0] for row in rows_of(folder)])
-        np.testing.assert_allclose(steps, 1.0 / np.hypot(1.0, slope))
+    told = f"depth corrected by inclination, by {(1.0 - step) * way[-1]:.2g} m at the end"
+    assert told in found.notes
 
 
 def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path) -> None:
@@ -190,13 +186,6 @@ def test_what_exports_have_around_their_rows(folder: Path) -> None:
     for name, column in zip(("depth", "qc", "fs", "u2"), np.array(rows).T, strict=True):
         np.testing.assert_allclose(found.values[name], column * (1.0 if name == "depth" else 1e6))
     assert "4 lines above the header left out" in found.notes
-
-
-def test_what_the_two_files_say_otherwise_of_the_cone_is_told(folder: Path) -> None:
-    path = site_of(folder, "gef", as_gef(rows_of(folder)), ("area_ratio = 0.8", "area_ratio = 0.6"))
-    found = columns_of(path)
-    assert found.area_ratio == 0.6
-    assert "area_ratio = 0.6 by the site file, 0.8 by the file" in found.notes
 
 
 def test_rows_of_the_bro_may_stand_in_any_order(folder: Path) -> None:
@@ -283,14 +272,7 @@ def test_units_of_other_countries(folder: Path) -> None:
         np.testing.assert_allclose(found[name], times * 98066.5, rtol=1e-5)
 
 
-def test_levels_become_depths(folder: Path) -> None:
-    rows = rows_of(folder)
-    levels = as_csv([(round(4.5 - z, 3), *others) for z, *others in rows])
-    found = columns_of(site_of(folder, "csv", levels, ("[test]", "[test]\nground_level = 4.5")))
-    np.testing.assert_allclose(found.values["depth"], [row[0] for row in rows])
-
-
-def test_depths_of_levels_are_without_rounding(folder: Path) -> None:
+def test_levels_become_depths_without_rounding(folder: Path) -> None:
     """0.3 and 0.6 are 0.9 m, where a layer may end or u0 begin."""
     text = "depth [m],qc [MPa],fs [kPa],u2 [kPa]\n-0.6,0.2,5,0\n-0.7,0.2,5,0\n"
     found = columns_of(site_of(folder, "csv", text, ("[test]", "[test]\nground_level = 0.3")))

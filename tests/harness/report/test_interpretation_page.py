@@ -25,22 +25,22 @@ rigidity_index = 100
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, list[str]]:
-    """Text of the page of one test, and of two; and the files that are written of the two."""
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What is written of two tests."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "test.csv").write_text(measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH))
     (folder / "a.v1.toml").write_text(SITE + LAYER)
     (folder / "b.toml").write_text(SITE.replace("A site", "B site") + LAYER + ASSUMED)
     emptied = ("\n5,", "\n5,,,\n5.05,"), ("\n7,", "\n7,,,\n7.02,,,\n7.05,")
     changed(folder, *emptied, file="test.csv")
-    one, two = [str(folder / "a.v1.toml")], [str(folder / f"{it}.toml") for it in ("a.v1", "b")]
-    assert main(["interpret", *one, "--out", str(folder / "one")]) == 0
-    assert main(["interpret", *two, "--out", str(folder / "two")]) == 0
-    pages = [
-        (folder / place).read_text()
-        for place in ("one/a.v1_interpretation.html", "two/soundings_interpretation.html")
-    ]
-    return pages[0], pages[1], sorted(it.name for it in (folder / "two").iterdir())
+    both = [str(folder / f"{it}.toml") for it in ("a.v1", "b")]
+    assert main(["interpret", *both, "--out", str(folder / "out")]) == 0
+    return folder / "out"
+
+
+@pytest.fixture(scope="module")
+def page(written: Path) -> str:
+    return (written / "soundings_interpretation.html").read_text()
 
 
 def words(page: str) -> str:
@@ -48,35 +48,31 @@ def words(page: str) -> str:
     return " ".join(html.unescape(re.sub(r"<(style|[^>]*)>", " ", page)).split())
 
 
-def test_what_it_is_not_stands_in_plain_words(pages: tuple[str, str, list[str]]) -> None:
-    for page in pages[:2]:
-        assert "not a characteristic or design value" in words(page)
-        assert "not the strength of soil that drains" in words(page)
+def test_what_it_is_not_stands_in_plain_words_and_nothing_is_fetched_or_runs(page: str) -> None:
+    assert "not a characteristic or design value" in words(page)
+    assert "not the strength of soil that drains" in words(page)
+    assert not re.search(r"https?://|<script|<clay>", page)
 
 
-def test_the_sentence_the_picture_and_all_inputs_are_there(
-    pages: tuple[str, str, list[str]],
-) -> None:
-    page = words(pages[0])
-    assert "2 to 10 m: su (isotropic, at 0.36 %/h)" in page
-    assert pages[0].count('src="data:image/png;base64,') == 1
-    assert "rigidity_index 120 120 (120 to 120)" in page
-    assert re.search(r"cause 2 to 10 m numerical (99|100) %", page)
-    assert "2 to 10 m value missing 3 84 5, 7 to 7.02" in page
-    assert "area_ratio 0.8 net area ratio of the cone" in page
-    assert page.count("(assumed)") == page.count("strength isotropic (assumed)") == 1
-
-
-def test_several_tests_are_set_beside_each_other(pages: tuple[str, str, list[str]]) -> None:
-    page = words(pages[1])
-    assert pages[1].count('src="data:image/png;base64,') == 3
-    assert 'href="#test-2">B site<' in pages[1]
+def test_the_sentence_the_picture_and_all_inputs_of_each_test_are_there(page: str) -> None:
+    assert page.count('src="data:image/png;base64,') == 3
+    assert 'href="#test-2">B site<' in page
+    _, first, second = map(words, re.split(r'id="test-\d"', page))
+    assert "2 to 10 m: su (isotropic, at 0.36 %/h)" in first
+    assert "rigidity_index 120 120 (120 to 120)" in first
+    assert re.search(r"cause 2 to 10 m numerical (99|100) %", first)
+    assert "2 to 10 m value missing 3 84 5, 7 to 7.02" in first
+    assert "area_ratio 0.8 net area ratio of the cone" in first
+    assert first.count("(assumed)") == first.count("strength isotropic (assumed)") == 1
     # Known exactly in one layer, and no strength in the last: neither has a share.
-    assert re.search(r" K0 - \d+ % - ", page)
-    assert re.search(r" numerical \d+ % \d+ % - ", page)
-    assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in page
-    assert "assumed <clay> adhesion_factor sleeve assumed <clay> strength" in page
-    assert pages[2] == [
+    assert re.search(r" K0 - \d+ % - ", second)
+    assert re.search(r" numerical \d+ % \d+ % - ", second)
+    assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in second
+    assert "assumed <clay> adhesion_factor sleeve assumed <clay> strength" in second
+
+
+def test_each_test_and_both_together_have_files(written: Path) -> None:
+    assert sorted(it.name for it in written.iterdir()) == [
         f"{name}_interpretation.{form}"
         for name, forms in (
             ("a.v1", ("csv", "nc", "png", "svg")),
@@ -85,11 +81,6 @@ def test_several_tests_are_set_beside_each_other(pages: tuple[str, str, list[str
         )
         for form in forms
     ]
-
-
-def test_nothing_is_fetched_and_nothing_runs(pages: tuple[str, str, list[str]]) -> None:
-    for page in pages[:2]:
-        assert not re.search(r"https?://|<script|<clay>", page)
 
 
 def test_two_site_files_of_one_name_are_refused(tmp_path: Path, refusal: Refusal) -> None:

@@ -1,6 +1,7 @@
 """The page that reports results: what is in it, and the commands that write it."""
 
 import re
+import shlex
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from harness.pictures.cases import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
 from mpm_warp.provenance import sources_digest
-from tests.conftest import blocks, said_by_commands
+from tests.conftest import blocks
 from tests.harness.conftest import Command
 
 LARGEST_PAGE = 5_000_000
@@ -129,6 +130,13 @@ def test_studies_that_share_no_case_say_so(results: list[xr.Dataset]) -> None:
     assert found["shared"] == []
 
 
+@pytest.fixture
+def blank(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are drawn but not rendered, which takes the most."""
+    monkeypatch.setattr("harness.report.report.image", lambda *_, **__: b"")
+
+
+@pytest.mark.usefixtures("blank")
 def test_main_pictures_of_several_studies_stand_in_the_summary_too(
     results: list[xr.Dataset],
 ) -> None:
@@ -146,6 +154,7 @@ def test_a_deviation_outside_the_validity_of_its_reference_is_in_brackets(
     assert (first, second) == ("[-12.7 %]", "-8.0 %")
 
 
+@pytest.mark.usefixtures("blank")
 @pytest.mark.parametrize(
     ("tolerances", "told"),
     [({"lu_2004": 0.01}, "1 tolerance missed"), ({"lu_2004": 0.01, "eror": 1}, "2 tolerances")],
@@ -174,6 +183,7 @@ def test_a_page_is_written_again_but_no_other_file(
     assert out.read_text() == "<p>my own page</p>"
 
 
+@pytest.mark.usefixtures("blank")
 def test_every_kind_of_result_has_a_page(two_soils: xr.Dataset, tmp_path: Path) -> None:
     exact = two_soils.drop_vars(["cone_factor", "error_finest"]).assign_attrs(
         scene="thick_cylinder"
@@ -183,6 +193,7 @@ def test_every_kind_of_result_has_a_page(two_soils: xr.Dataset, tmp_path: Path) 
     assert Elements((tmp_path / "page.html").read_text()).open == []
 
 
+@pytest.mark.usefixtures("blank")
 def test_distributions_of_few_cases_have_a_table_and_a_picture(results: list[xr.Dataset]) -> None:
     few = results[0].copy(deep=True)
     few.rigidity_index.attrs[DISTRIBUTION] = "low 50, high 1000"
@@ -201,14 +212,18 @@ README = Path(__file__).parents[3] / "harness" / "README.md"
 
 
 @pytest.mark.parametrize("section", ["Pictures", "The report"])
-def test_its_commands_run(section: str, results: list[xr.Dataset], tmp_path: Path) -> None:
+def test_its_commands_run(
+    section: str, results: list[xr.Dataset], here: Path, command: Command
+) -> None:
     (text,) = re.findall(rf"^## {section}\n(.*?)^## ", README.read_text(), re.MULTILINE | re.DOTALL)
     (commands,) = blocks(text, "sh")
-    (tmp_path / "results").mkdir()
+    (here / "results").mkdir()
     for name, dataset in zip(("adhesion_factor", "rigidity_index"), results, strict=True):
-        write_study(tmp_path / "results" / f"{name}.nc", dataset.assign_attrs(study=name))
-    paths = [Path(line) for line in said_by_commands(commands, tmp_path).splitlines()]
-    assert all((tmp_path / path).stat().st_size > 0 for path in paths)
+        write_study(Path(f"results/{name}.nc"), dataset.assign_attrs(study=name))
+    lines = commands.splitlines()
+    told = "".join(command(*shlex.split(line)[1:]).out for line in lines)
+    paths = [Path(line) for line in told.splitlines()]
+    assert all(path.stat().st_size > 0 for path in paths)
     names = {path.name for path in paths}
     expected = {f"adhesion_factor_curve.{form}" for form in ("png", "pdf", "svg")}
     assert names == (expected if section == "Pictures" else {"report.html"})

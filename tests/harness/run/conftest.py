@@ -3,9 +3,8 @@
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from textwrap import dedent
 
 import pytest
 import xarray as xr
@@ -16,33 +15,7 @@ from harness.run.pool import Watcher, run_cases
 from harness.run.resources import DEFAULTS, RunOptions
 from harness.study.cases import Case
 from harness.study.study import Study
-from mpm_warp.scenes import catalogue
-from tests.harness.conftest import prepared, study_in
-
-STUB_FOLDER = Path(__file__).parents[1] / "stub"
-STUB = """
-    title = "Three cases that take no time"
-    scene = "stub"
-
-    [vary]
-    number = [0, 0.5, 1]
-"""
-
-
-@pytest.fixture
-def stub_offered(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The stub is a scene, here and in processes that are started from here."""
-    monkeypatch.syspath_prepend(STUB_FOLDER)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(STUB_FOLDER), str(Path.cwd())]))
-    catalogue._all_scenes.cache_clear()
-    yield
-    catalogue._all_scenes.cache_clear()
-
-
-@pytest.fixture
-def stub(stub_offered: None, tmp_path: Path) -> Study:
-    """Three cases of the stub, in a file `stub.toml`."""
-    return study_in(tmp_path, dedent(STUB), name="stub")
+from tests.harness.conftest import prepared
 
 
 @pytest.fixture

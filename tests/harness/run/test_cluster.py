@@ -1,7 +1,6 @@
 """Studies on a Dask cluster: a real scheduler and real workers, some of which are killed."""
 
 import json
-import shutil
 import subprocess
 import sys
 import threading
@@ -23,7 +22,7 @@ from harness.study.study import Study
 from tests.conftest import LIMIT, wait_until
 from tests.harness.conftest import Refusal, study_in, written
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("in_this_process")]
 
 CASE_COUNT = 20
 DEFINITION = f"""
@@ -86,12 +85,14 @@ def twenty(stub_offered: None, tmp_path: Path) -> Study:
     return study_in(tmp_path, DEFINITION, name="twenty")
 
 
-def test_a_worker_that_dies_has_its_case_run_again_elsewhere(
+def test_given_a_worker_that_comes_late_and_one_that_dies_all_cases_are_run(
     cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     out, local = tmp_path / "out", tmp_path / "local"
-    worker, _ = cluster.add_workers(2)
     run = cluster.run(twenty, out)
+    assert run.stderr is not None
+    assert run.stderr.readline().endswith(": there is no worker yet; the cases wait for one\n")
+    worker, _ = cluster.add_workers(2)
     wait_until(lambda: len(written(twenty, out)) >= 5)
     worker.kill()
     told = run.communicate(timeout=LIMIT)[1]
@@ -192,17 +193,6 @@ def test_a_worker_without_the_package_is_told_before_a_case_is_given_to_it(
     assert not (tmp_path / "out").exists()
 
 
-def test_cases_wait_for_the_first_worker_and_one_line_says_so(
-    cluster: Cluster, twenty: Study, tmp_path: Path
-) -> None:
-    run = cluster.run(twenty, tmp_path / "out", "--set", "number=1")
-    assert run.stderr is not None
-    assert run.stderr.readline().endswith(": there is no worker yet; the cases wait for one\n")
-    cluster.add_workers(1)
-    told = run.communicate(timeout=LIMIT)[1]
-    assert run.returncode == 0, told
-
-
 REFUSED = {
     "--dask=tcp://127.0.0.1:9": "cannot be reached: Timed out trying to connect to tcp://127.0.0.1:9",
     "--dask=nonsense://x": "cannot be reached: unknown address scheme 'nonsense'",
@@ -247,35 +237,15 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     assert f"version {asked} of stub is asked for; here is {here}" in outcome.message
 
 
-def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal) -> None:
+def test_tls_without_certificates_or_with_others_is_one_line(
+    small_file: Path, refusal: Refusal
+) -> None:
     run = ["run", str(small_file), "--dask", "tls://127.0.0.1:9"]
     line = refusal(run)
     assert "--dask tls://127.0.0.1:9: there is no certificate: set DASK_DISTRIBUTED__COMM" in line
     names = ("ca-file", "client.cert", "client.key")
     settings = {f"distributed.comm.tls.{name}": "/nowhere/cert.pem" for name in names}
     with dask.config.set(settings):
-        assert "cannot be reached: " in refusal(run)
-
-
-@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl makes the certificates")
-def test_tls_with_certificates_of_another_authority_is_one_line(
-    tmp_path: Path, small_file: Path, refusal: Refusal, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Valid ones, each its own authority: the scheduler's is refused here, or ours is there."""
-    for name in ("ours", "theirs"):
-        files = ["-keyout", f"{tmp_path}/{name}.key", "-out", f"{tmp_path}/{name}.pem"]
-        make = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}"]
-        subprocess.run([*make, *files], check=True, capture_output=True)
-    ours = {"CA_FILE": "ours.pem", "SCHEDULER__CERT": "ours.pem", "SCHEDULER__KEY": "ours.key"}
-    for key, file in ours.items():
-        monkeypatch.setenv(f"DASK_DISTRIBUTED__COMM__TLS__{key}", str(tmp_path / file))
-    with ExitStack() as processes:
-        cluster = Cluster(tmp_path, processes, "--protocol", "tls")
-        for authority in ("theirs", "ours"):
-            own = {"client.cert": "theirs.pem", "client.key": "theirs.key"}
-            own["ca-file"] = f"{authority}.pem"
-            paths = {f"distributed.comm.tls.{it}": str(tmp_path / own[it]) for it in own}
-            with dask.config.set(paths):
-                line = refusal(["run", str(small_file), "--dask", cluster.address])
-            assert f"--dask {cluster.address}: cannot be reached: " in line
-            assert line.endswith("valid certificates of one authority are needed on both sides")
+        line = refusal(run)
+    assert "--dask tls://127.0.0.1:9: cannot be reached: " in line
+    assert line.endswith("valid certificates of one authority are needed on both sides")

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from harness.archive.atomic_files import ArchiveError, partial_ending, prepare
-from harness.archive.case_files import case_file, discard, write_case
+from harness.archive.atomic_files import partial_ending, prepare
+from harness.archive.case_files import case_file, write_case
 from harness.archive.conventions import COMPLETED, CRASHED, HALF_WIDTH
 from harness.archive.netcdf_files import write_netcdf
 from harness.archive.provenance import SOURCES
@@ -154,23 +154,17 @@ def test_results_of_other_settings_whose_files_are_gone_are_kept(
     assert read_study(out / "small_before.nc").cone_factor.size == 3
 
 
-@pytest.mark.parametrize("content", ["noise", "site", "classic"])
 @pytest.mark.parametrize("command", ["collect", "run"])
-def test_a_file_that_is_no_result_of_a_study_is_not_overwritten(
-    content: str, command: str, small: Study, out: Path, half_done: Study, refusal: Refusal
+def test_the_result_of_a_site_is_not_overwritten_by_that_of_a_study(
+    command: str, small: Study, out: Path, half_done: Study, refusal: Refusal
 ) -> None:
     path = out / "small.nc"
-    match content:
-        case "noise":
-            path.write_bytes(b"years of work")
-        case "site":  # of `harness interpret`
-            write_netcdf(DONE.assign_attrs(site="small"), path)
-        case "classic":
-            DONE.to_netcdf(path, format="NETCDF3_CLASSIC", engine="scipy")
+    write_netcdf(DONE.assign_attrs(site="small"), path)
     before = path.read_bytes()
-    line = refusal([command, str(small.source), "--out", str(out)])
-    assert line.startswith(f"harness: {path}: ")
-    assert line.endswith("; not overwritten: move it away, or give another --out")
+    assert refusal([command, str(small.source), "--out", str(out)]) == (
+        f"harness: {path}: is not the result of a study; not overwritten: move it away, or give "
+        "another --out"
+    )
     assert path.read_bytes() == before
 
 
@@ -211,15 +205,6 @@ def test_results_of_other_sources_are_kept_and_told(
         path = out / "small.nc"
         told = command("compare", path).err.splitlines()
         assert OTHERS.replace("small", str(path), 1) in told
-
-
-@pytest.mark.slow
-def test_fresh_computes_them_anew(small: Study, out: Path, of_small: Command) -> None:
-    keep_made(small, out, "earlier", "earlier", "earlier")
-    assert "sources" not in of_small("run", "--fresh").err
-    dataset = read_study(out / "small.nc")
-    assert dataset.attrs[SOURCES] == f"mpm_warp {sources_digest('mpm_warp')}"
-    assert "cone_factor" in dataset
 
 
 @pytest.fixture
@@ -378,10 +363,3 @@ def test_what_was_written_anew_since_it_was_listed_is_kept(
     assert remove_stray(found) == 1
     assert capsys.readouterr().err == f"harness: {path}: was written anew meanwhile; kept\n"
     assert list(folder.iterdir()) == [path]
-
-
-def test_a_folder_called_like_a_case_file_is_not_discarded(small: Study, folder: Path) -> None:
-    case_file(folder, small.cases[0]).mkdir()
-    with pytest.raises(ArchiveError, match="is a folder among result files"):
-        discard(folder, small.cases)
-    assert case_file(folder, small.cases[0]).is_dir()

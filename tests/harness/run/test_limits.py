@@ -34,7 +34,7 @@ from mpm_warp.scenes.elastic.columns import ElasticColumnWave
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
 from mpm_warp.scenes.run_size import NUMBER_BYTES, law_bytes, shortest_crossing
 from mpm_warp.scenes.sounding.sounding import Sounding
-from tests.harness.conftest import Command, values
+from tests.harness.conftest import Command
 
 from .conftest import Record
 
@@ -157,6 +157,7 @@ def test_the_shortest_crossing_is_that_of_cells_at_the_surface(make: Callable[[]
     assert shortest_crossing(grid) == pytest.approx(grid.cell_lengths.min(), rel=1e-12)
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     stub: Study, tmp_path: Path, command: Command
 ) -> None:
@@ -224,43 +225,30 @@ def test_a_long_standing_wave_takes_no_more_than_a_short_one() -> None:
 
 
 def test_a_case_of_days_is_told_of_in_one_line(
-    small_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    stub: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    study = load_study(str(small_file), ["cells_per_radius=60", "penetration=[1, 200]"])
+    study = load_study(str(stub.source), ["number=1", "seconds=[1, 1e14, 2e14]"])
     run_study(study, tmp_path, lambda cases, folder, watcher: None, fresh=False)
     (line,) = [it for it in capsys.readouterr().err.splitlines() if "24 hours" in it]
-    assert "3 of 6 cases may take longer than 24 hours; " in line
-    assert "penetration=200.0" in line
-    assert " days on one thread; --case-timeout ends such cases" in line
-
-
-LENGTHS = ("penetration", "adhesion_factor")
+    assert "2 of 3 cases may take longer than 24 hours; seconds=200000000000000.0: " in line
+    assert "about 116 days on one thread; --case-timeout ends such cases" in line
 
 
 @pytest.fixture
-def mixed(small_file: Path) -> Study:
+def mixed(stub: Study) -> Study:
     """Four cases; of those of one length both take as long."""
-    return load_study(str(small_file), ["penetration=[1, 3]", "adhesion_factor=[0, 1]"])
+    return load_study(str(stub.source), ["seconds=[1, 3]", "number=[0, 1]"])
 
 
-def test_the_costliest_case_is_first_and_equal_ones_stay_in_their_order(mixed: Study) -> None:
-    assert sorted(values(mixed, *LENGTHS)) == [(1, 0), (1, 1), (3, 0), (3, 1)]
-    assert len({predicted_time(case) for case in mixed.cases}) == 2
-    ordered = resources.costliest_first(mixed.cases)
-    lengths = [tuple(case.parameters[name] for name in LENGTHS) for case in ordered]
-    assert lengths == [(3, 0), (3, 1), (1, 0), (1, 1)]
-    # A predicted time is that of points times steps, at the speed that is told of everywhere.
-    size = mixed.parts[0].scene(**ordered[0].parameters).run_size()
-    assert (
-        predicted_time(ordered[0]) == size.particle_count * size.step_count / resources.UPDATE_RATE
-    )
-
-
-def test_a_case_of_unknown_time_is_last(small_file: Path) -> None:
-    refused, sound = load_study(str(small_file), ["adhesion_factor=[0, 1]"]).cases
-    refused = replace(refused, parameters={**refused.parameters, "penetration": -1.0})
-    assert predicted_time(refused) == 0.0
-    assert resources.costliest_first([refused, sound]) == [sound, refused]
+def test_the_costliest_case_is_first_equal_ones_in_their_order_and_those_of_unknown_time_last(
+    mixed: Study,
+) -> None:
+    one, two, *costly = mixed.cases
+    refused = replace(one, parameters={**one.parameters, "seconds": -1.0})
+    assert resources.costliest_first([refused, one, two, *costly]) == [*costly, one, two, refused]
+    # That of one point times its steps, at the speed that is told of everywhere.
+    seconds = [predicted_time(case) * resources.UPDATE_RATE for case in (refused, one, costly[0])]
+    assert seconds == pytest.approx([0.0, 2.0, 4.0])
 
 
 @pytest.mark.parametrize(("workers", "first"), [(1, 1), (2, 3)])
@@ -274,6 +262,6 @@ def test_several_workers_begin_with_the_costliest_and_one_goes_by_the_study(
 
     monkeypatch.setattr("harness.run.run_study.run_cases", note)
     on_this_machine(mixed, workers)(mixed.cases, tmp_path, Record())
-    assert given[0].parameters["penetration"] == first
+    assert given[0].parameters["seconds"] == first
     assert len(given) == len(mixed.cases)
     assert (given == list(mixed.cases)) == (workers == 1)

@@ -3,7 +3,6 @@
 import inspect
 import io
 import re
-import time
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ from harness.run.run_study import Display
 from harness.study.study import Study, load_study
 from tests.harness.conftest import HEAD, Command, Refusal, written
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("in_this_process")]
 
 TIMED = "[timing]\nrepeats = 3\n"
 
@@ -93,7 +92,7 @@ def test_running_again_goes_on_where_it_stopped(
 ) -> None:
     out, study = tmp_path / "out", stub
     folder = case_files.case_folder(out, study)
-    run = ["run", stub.source, "--out", out, "--workers=1"]
+    run = ["run", stub.source, "--out", out]
 
     command(*run, "--set", "number=[0.5]")
     assert "stub: 3 cases, 1 done already" in command(*run).err
@@ -137,7 +136,7 @@ def test_a_study_may_ask_for_timed_runs(stub: Study, tmp_path: Path, command: Co
 
     def told_after(definition: str) -> Any:
         source.write_text(definition)
-        return command("run", *where, "--workers=1").err
+        return command("run", *where).err
 
     assert "0 done already" in told_after(untimed)
     keys = [case.key for case in load_study(str(source)).cases]
@@ -187,49 +186,24 @@ def test_elsewhere_than_on_a_terminal_there_is_a_line_a_case_with_its_times(
     assert stream.getvalue() == f"[1/3] adhesion_factor=0.5: {told}\n"
 
 
-def test_the_bar_shows_cases_done_running_and_time_left(
+def test_the_bar_shows_what_is_set_up_runs_and_is_done_and_the_time_left_and_is_removed(
     small: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = [100.0]
+    """By a clock of its own: that of the machine may be set back."""
+    clock, stream = [100.0], Terminal()
     monkeypatch.setattr("time.monotonic", lambda: clock[0])
-    stream = Terminal()
+    monkeypatch.setattr("tqdm.std.time", lambda: -clock[0])
+    first, second, third = small.cases
     with Display(4, stream) as display:
-        first, second, third = small.cases
-        display.finished(first, Outcome("completed"))
+        display.advanced(first, 0.0)
+        display.bar.refresh()
+        assert "0/4 cases, 1 setting up, after" in stream.getvalue()
+        display.finished(first, Outcome("completed", seconds=2.0))
         display.advanced(second, 0.75)
         clock[0] += 60  # half of four cases are done after a minute
         display.advanced(third, 0.25)
-    shown = stream.getvalue().split("\r")
-    line = "1/4 cases, 2 running, at 50%, after 01:00, 01:00 left"
-    bar = "█" * 12 + " " * 12
-    assert any(it.startswith(f"{bar} {line}") for it in shown)
-
-
-def test_the_bar_moves_on_where_the_clock_of_the_machine_is_set_back(
-    small: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    now, clock = time.time(), [100.0]
-    monkeypatch.setattr("tqdm.std.time", lambda: now - 86400.0)
-    monkeypatch.setattr("time.monotonic", lambda: clock[0])
-    stream = Terminal()
-    with Display(2, stream) as display:
-        clock[0] += 60
-        display.advanced(small.cases[0], 0.5)
-        assert "1 running, at 50%, after 01:00, 03:00 left" in stream.getvalue()
-
-
-def test_a_case_is_being_set_up_until_it_computes_and_the_line_is_left_clean(small: Study) -> None:
-    stream = Terminal()
-    with Display(3, stream) as display:
-        display.advanced(small.cases[0], 0.0)
-        display.bar.refresh()
-        assert "0/3 cases, 1 setting up, after" in stream.getvalue()
-    assert re.search(r"\r +\r$", stream.getvalue())
-
-
-def test_lines_of_cases_stand_above_the_bar(small: Study) -> None:
-    stream = Terminal()
-    with Display(3, stream) as display:
-        display.finished(small.cases[0], Outcome("completed", seconds=2.0))
-        assert "\r[1/3] adhesion_factor=0.0: completed, 2.0 s\n" in stream.getvalue()
-        assert "1/3 cases" in stream.getvalue().rpartition("\n")[2]
+    shown = stream.getvalue()
+    assert "\r[1/4] adhesion_factor=0.0: completed, 2.0 s\n" in shown
+    bar, line = "█" * 12 + " " * 12, "1/4 cases, 2 running, at 50%, after 01:00, 01:00 left"
+    assert f"\r{bar} {line}" in shown
+    assert re.search(r"\r +\r$", shown)
