@@ -104,9 +104,7 @@ def declared(**bounds: float) -> Parameter:
         ({"p10": 1.0, "p50": 2.0, "p90": 3.0}, 2.0, 2.5 / math.sqrt(12.0)),
     ],
 )
-def test_an_input_has_the_moments_of_its_distribution(
-    written: object, mean: float, deviation: float | None
-) -> None:
+def test_an_input_has_these_moments(written: object, mean: float, deviation: float | None) -> None:
     """A Latin hypercube of n draws has a mean within its range over n of the exact one."""
     count = 20_000
     drawn = sampled({"x": declared().checked(written)}, count, 1)["x"]

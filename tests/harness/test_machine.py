@@ -30,7 +30,7 @@ def test_given_allowed_cores_they_are_counted_otherwise_all(
     assert machine.usable_cores() == usable
 
 
-def test_given_a_container_its_memory_is_that_of_the_machine(
+def test_given_a_container_its_memory_counts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told = tmp_path / "memory.max"

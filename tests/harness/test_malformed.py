@@ -123,9 +123,7 @@ def test_any_study_is_read_or_refused_in_one_line(study: dict[str, Any], tmp_pat
         max_size=5,
     ),
 )
-def test_any_command_line_is_done_or_refused_in_one_line(
-    command: str, rest: list[str], tmp_path: Path
-) -> None:
+def test_any_command_line_is_done_or_refused(command: str, rest: list[str], tmp_path: Path) -> None:
     with contextlib.chdir(tmp_path):
         check([command, *rest])
 

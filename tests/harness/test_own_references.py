@@ -56,16 +56,21 @@ def computed(tmp_path: Path) -> Computed:
     return made
 
 
-def test_it_has_its_value_within_its_range_and_none_outside(computed: Computed) -> None:
+def test_it_has_its_value_within_its_range_and_table_and_page_say_so(computed: Computed) -> None:
     result = computed(STUDY)
     np.testing.assert_allclose(result.reference_our_lab, [np.nan, 11.5, 11.5], rtol=1e-15)
     np.testing.assert_allclose(result.deviation_our_lab[1:], [-0.15 / 11.5, 0.85 / 11.5])
-
-
-def test_a_formula_that_is_0_has_no_deviation_and_no_remark(computed: Computed) -> None:
-    """A warning of NumPy is an error of every test."""
-    result = computed(STUDY.replace("10 + alpha_c", "0 * alpha_c - 1"))
-    assert np.isinf(result.deviation_our_lab[1:]).all()
+    table, (text, _) = result_table(result), page([result])
+    (outside, *_), (within, *_) = (
+        [line for line in table.splitlines() if line.split()[:1] == [index]]
+        for index in ("50", "100")
+    )
+    assert "[outside]" in outside
+    assert "11.50  -1.3%" in within
+    assert "our_lab: unpublished; criterion not stated, test of su not stated; Ir 80" in table
+    assert "measured" in table
+    for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):
+        assert f"<td>{told}</td>" in text
 
 
 def test_one_without_a_value_anywhere_is_told(
@@ -78,16 +83,10 @@ def test_one_without_a_value_anywhere_is_told(
         assert told.startswith("harness: reference it: has a value for none of the cases (")
 
 
-def test_the_table_shows_it_and_says_where_it_does_not_hold(computed: Computed) -> None:
-    table = result_table(computed(STUDY))
-    (outside, *_), (within, *_) = (
-        [line for line in table.splitlines() if line.split()[:1] == [index]]
-        for index in ("50", "100")
-    )
-    assert "[outside]" in outside
-    assert "11.50  -1.3%" in within
-    assert "our_lab: unpublished; criterion not stated, test of su not stated; Ir 80" in table
-    assert "measured" in table
+def test_a_formula_that_is_0_has_no_deviation_and_no_remark(computed: Computed) -> None:
+    """A warning of NumPy is an error of every test."""
+    result = computed(STUDY.replace("10 + alpha_c", "0 * alpha_c - 1"))
+    assert np.isinf(result.deviation_our_lab[1:]).all()
 
 
 def test_the_picture_draws_it_within_its_range(computed: Computed) -> None:
@@ -131,12 +130,6 @@ def test_columns_may_be_parameters_of_a_law(tmp_path: Path) -> None:
     assert study.compared.references[1].names == {name}
 
 
-def test_the_page_lists_it(computed: Computed) -> None:
-    text, _ = page([computed(STUDY)])
-    for told in ("Our &lt;laboratory&gt; 2026", "10 + alpha_c + apex_angle / 60", "measured"):
-        assert f"<td>{told}</td>" in text
-
-
 def test_it_may_have_a_tolerance_which_holds_within_its_range(computed: Computed) -> None:
     text = STUDY + '[compare]\nreferences = ["lu_2004", "our_lab"]\ntolerance = { our_lab = 0.05 }'
     ((missed,),) = misses(computed(text)).values()
@@ -150,7 +143,7 @@ def test_it_is_inherited_from_a_base_and_changed_there(tmp_path: Path) -> None:
     assert [it.id for it in study.compared.references] == ["our_lab", "it"]
 
 
-def test_a_damaged_one_in_a_result_is_reported_in_a_line(
+def test_one_damaged_in_a_result_is_told(
     computed: Computed, tmp_path: Path, refusal: Refusal
 ) -> None:
     result = computed(STUDY)

@@ -70,9 +70,7 @@ def test_a_file_is_read_as_xarray_reads_it(tmp_path: Path) -> None:
         assert list(read.coords) == list(known.coords)
 
 
-def test_the_file_of_a_case_is_neither_that_of_another_nor_of_a_study(
-    folder: Path, small: Study
-) -> None:
+def test_a_case_file_is_of_no_other_case_and_of_no_study(folder: Path, small: Study) -> None:
     one, other, _ = small.cases
     complete(folder, [one])
     with pytest.raises(ArchiveError, match="not the result of a study, but of one case"):
@@ -135,9 +133,7 @@ def test_parameters_that_a_scene_returns_are_those_of_the_case(folder: Path, sma
     assert not {"rigidity_index_parameter", "adhesion_factor_parameter"} & set(dataset.variables)
 
 
-def test_what_a_scene_derives_from_varied_parameters_is_no_coordinate(
-    folder: Path, small: Study
-) -> None:
+def test_what_a_scene_derives_from_them_is_no_coordinate(folder: Path, small: Study) -> None:
     """Not where a law gives it in place of a default either, as Cam clay its strength."""
     derived = []
     for case in small.cases:

@@ -30,7 +30,7 @@ write_whole(b"later", Path(sys.argv[1]))
 """
 
 
-def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_that_the_next_removes(
+def test_a_process_killed_as_it_writes_leaves_the_earlier_file(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "picture.png"
@@ -44,7 +44,7 @@ def test_a_process_killed_as_it_writes_leaves_the_earlier_file_and_one_that_the_
     assert set(tmp_path.iterdir()) == {path}
 
 
-def test_no_name_that_is_guessed_leads_a_file_elsewhere(
+def test_no_guessed_link_leads_a_file_elsewhere(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     outside, folder = tmp_path / "outside", tmp_path / "results"
@@ -62,7 +62,7 @@ def test_no_name_that_is_guessed_leads_a_file_elsewhere(
     assert len(list(folder.iterdir())) == 2  # nor is it removed
 
 
-def test_names_of_half_written_files_are_not_to_be_guessed(
+def test_half_written_files_have_random_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen = list[str]()
@@ -119,9 +119,7 @@ def completed(out: Path, study: Study) -> list[Case]:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("in_this_process")
-def test_files_that_may_not_grow_as_on_a_full_disk_end_the_run_and_lose_nothing(
-    stub: Study, tmp_path: Path
-) -> None:
+def test_on_a_full_disk_a_run_ends_and_loses_nothing(stub: Study, tmp_path: Path) -> None:
     folder, run = keep(stub, tmp_path), arguments(stub, tmp_path)
     case_files.discard(folder, stub.cases[1:])
     before, first = collect_and_write(stub, tmp_path), written(stub, tmp_path)

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 from typing import NoReturn
 
 import numpy as np
@@ -32,7 +31,6 @@ from harness.study.study import Study, load_study
 from mpm_warp.provenance import sources_digest
 from mpm_warp.results import curves, variable
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.uncertainty import further_runs
 from tests.harness.conftest import DONE, HEAD, Command, Refusal, damage, keep, prepared, study_in
 
 
@@ -107,9 +105,7 @@ OF_TWO_SCENES = {
 
 
 @pytest.mark.parametrize("difference", OF_TWO_SCENES)
-def test_results_of_one_name_over_other_dims_are_told_apart(
-    tmp_path: Path, difference: str
-) -> None:
+def test_results_of_one_name_over_other_dims_are_two(tmp_path: Path, difference: str) -> None:
     results = [it.assign(factor=FACTOR) for it in OF_TWO_SCENES[difference]]
     made = study_in(tmp_path, 'title = "t"\nscene = ["strip_footing", "material_point"]\n')
     write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *results)))
@@ -161,7 +157,7 @@ def one(small_file: Path) -> Study:
 
 
 @pytest.mark.parametrize("status", ["completed", "diverged", "failed", None])
-def test_dims_mean_the_same_whatever_became_of_the_cases(
+def test_dims_are_the_same_whatever_happened(
     status: str | None, one: Study, tmp_path: Path
 ) -> None:
     folder = prepared(one, tmp_path)
@@ -174,9 +170,7 @@ def test_dims_mean_the_same_whatever_became_of_the_cases(
     assert dataset.sizes.get("penetration", 3) == 3  # the axis of the curves, where there are any
 
 
-def test_scalars_of_an_incomplete_case_are_no_numbers_beside_its_curve(
-    small: Study, folder: Path
-) -> None:
+def test_an_incomplete_case_has_curves_and_no_scalars(small: Study, folder: Path) -> None:
     first, second, _ = small.cases
     write_case(folder, first, results_of(1.0), "completed")
     write_case(folder, second, results_of(2.0).isel(penetration=slice(2)), "diverged", "why")
@@ -210,28 +204,21 @@ def test_a_failed_case_keeps_its_traceback_for_who_asks(
 def test_of_a_law_of_ones_own_table_and_report_say_that_nothing_is_known(tmp_path: Path) -> None:
     """In one of two cases; the collected file says what was built, and so does not say Tresca."""
     made = study_in(tmp_path, HEAD + "[vary]\nadhesion_factor = [0, 1]\n")
-    laws, results = ("tresca", "their_clay.Hardening"), []
-    for law in laws:
-        parts = {"mesh": 0.1}
-        reasons = [] if law == "tresca" else [f"law: nobody has measured {law}"]
-        run = SimpleNamespace(
-            name="cone_factor",
-            factor=10.0,
-            description="Nc",
-            remedies={"mesh": "more cells"},
-            usual_correction=0.0,
-            usual_correction_is="nothing is corrected",
+    laws = ("tresca", "their_clay.Hardening")
+    reason = f"law: nobody has measured {laws[1]}: nothing is corrected"
+    results = [
+        DONE.assign(
+            cone_factor_uncertainty=((), half_width, {"role": "uncertainty"}),
+            why_no_uncertainty=((), why, {"role": "reason"}),
+            cone_factor_shear=0.0,
+            built_law=((), law, {"role": "built"}),
         )
-        known = further_runs.TestRun.stated(run, 0.1, parts, reasons)
-        shear = variable(0.0, unit="1", meaning="shear part")
-        built = variable(law, unit=None, meaning="law as built", role="built")
-        results.append(xr.Dataset(known | {"cone_factor_shear": shear, "built_law": built}))
+        for law, half_width, why in zip(laws, (0.1, np.nan), ("", reason), strict=True)
+    ]
     write_study(tmp_path / "s.nc", collect(made, keep(made, tmp_path, *results)))
     dataset = read_study(tmp_path / "s.nc")
-    assert dataset.cone_factor.values.tolist() == [10.1, 10.0]
     assert np.isnan(dataset.cone_factor_uncertainty.values).tolist() == [False, True]
     assert dataset.material.values.tolist() == list(laws)
-    reason = f"law: nobody has measured {laws[1]}: nothing is corrected"
     line = f"no uncertainty of adhesion_factor=1.0: {reason}"
     assert line in cone_factor_table(dataset).splitlines()
     written = page([dataset])[0]
@@ -285,9 +272,7 @@ def test_a_damaged_case_does_not_keep_the_others_from_being_collected(
 
 
 @pytest.mark.usefixtures("completed")
-def test_a_result_is_not_replaced_by_one_of_nothing(
-    small: Study, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_no_result_is_replaced_by_nothing(small: Study, tmp_path: Path, refusal: Refusal) -> None:
     collect_and_write(small, tmp_path)
     result = tmp_path / "small.nc"
     before = result.read_bytes()
@@ -304,9 +289,7 @@ def test_a_result_is_not_replaced_by_one_of_nothing(
 
 
 @pytest.mark.parametrize("command", ["compare", "plot", "report"])
-def test_a_missing_file_is_one_line_without_an_empty_list(
-    command: str, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_a_missing_file_is_one_line(command: str, tmp_path: Path, refusal: Refusal) -> None:
     path = tmp_path / "none.nc"
     assert refusal([command, str(path)]) == f"harness: {path}: no such file"
     for number in range(20):

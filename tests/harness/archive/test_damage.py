@@ -212,17 +212,13 @@ def test_a_folder_that_cannot_be_read_is_one_line(
 
 
 @pytest.mark.parametrize("command", ["status", "collect", "clean", "run"])
-def test_a_file_in_place_of_the_folder_of_results_is_told(
-    command: str, small: Study, refusal: Refusal
-) -> None:
+def test_results_that_are_no_folder_are_told(command: str, small: Study, refusal: Refusal) -> None:
     line = refusal([command, str(small.source), "--out", str(small.source)])
     assert line == f"harness: {small.source}: is not a folder"
 
 
 @pytest.mark.parametrize("command", ["report", "plot"])
-def test_a_study_in_place_of_its_results_is_told_what_to_give(
-    command: str, small: Study, refusal: Refusal
-) -> None:
+def test_a_study_given_as_result_is_told(command: str, small: Study, refusal: Refusal) -> None:
     line = refusal([command, str(small.source)])
     assert line.endswith("it is no result; give the .nc file that `harness run` wrote")
 

@@ -91,7 +91,7 @@ def test_snapshots_go_with_their_case_which_is_not_done_without_them(own: Ran) -
     assert list(own.folder.iterdir()) == []
 
 
-def test_a_run_without_snapshots_leaves_those_of_another_and_none_of_an_earlier_one(
+def test_a_run_without_snapshots_leaves_those_of_another_run(
     own: Ran,
 ) -> None:
     without = replace(own.case, snapshots=())

@@ -62,9 +62,7 @@ def test_what_differs_between_the_cases_is_told_of_each(
     assert read_study(tmp_path / "small.nc")["commit"].values.tolist() == ["earlier", "later", ""]
 
 
-def test_a_case_that_never_reached_a_device_has_none(
-    small: Study, cases: list[Case], folder: Path
-) -> None:
+def test_a_case_that_crashed_has_no_device(small: Study, cases: list[Case], folder: Path) -> None:
     write_case(folder, cases[0], xr.Dataset(), CRASHED, "worker killed")
     dataset = collect(small, folder)
     assert dataset.attrs["device"] == "cuda:0"

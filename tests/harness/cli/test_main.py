@@ -101,8 +101,6 @@ def test_a_signal_ends_any_command_as_an_exception_that_removes_what_is_half_don
         ("harness run adh", {"adhesion_factor"}),
         ("harness run mi", {"mine.toml"}),
         ("harness describe cone_b", {"cone_bearing"}),
-        ("harness new mine --scene strip", {"strip_footing"}),
-        ("harness run mesh_size --fr", {"--fresh"}),
         ("harness compare so", {"some.nc"}),
     ],
 )

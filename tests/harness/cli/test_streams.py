@@ -30,7 +30,7 @@ def full() -> Iterator[TextIO]:
         yield stream
 
 
-def test_output_has_no_characters_that_control_a_terminal(
+def test_output_cannot_control_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     say("a\x1b[2Jb\u202e\tc", "ä 中 \x1b[31m")
@@ -63,7 +63,7 @@ def test_a_word_of_100_kilobytes_is_a_short_line(arguments: str, refusal: Refusa
 
 
 @pytest.mark.parametrize("streams", ["2>&-", "2>/dev/full", "<&- >&- 2>&-"])
-def test_a_stream_that_is_closed_or_full_is_no_error(
+def test_a_closed_or_full_stream_is_no_error(
     streams: str, small_file: Path, tmp_path: Path
 ) -> None:
     command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {ONE} {streams}"

@@ -249,7 +249,7 @@ def test_table_shows_what_is_known_of_the_error_beside_the_cone_factor() -> None
 TWO = ("karlsrud_2005", "mayne_peuchen_2018")
 
 
-def test_a_band_has_two_ends_and_says_what_it_is(two_soils: xr.Dataset) -> None:
+def test_a_band_has_two_ends_says_what_it_is_and_is_no_reference(two_soils: xr.Dataset) -> None:
     dataset = with_experience(two_soils, TWO)
     band = dataset["experience_karlsrud_2005"]
     entry = band_of("karlsrud_2005")
@@ -261,13 +261,11 @@ def test_a_band_has_two_ends_and_says_what_it_is(two_soils: xr.Dataset) -> None:
     assert "triaxial compression" in band.attrs["strength"]
     assert "second hand" in band.attrs["how_known"]
     assert "OCR 1.2 to 6.3" in band.attrs["validity"]
-
-
-def test_a_band_is_no_reference_and_nothing_deviates_from_it(two_soils: xr.Dataset) -> None:
-    added = with_experience(two_soils, TWO)
-    assert with_role(added, Role.EXPERIENCE) == [f"experience_{name}" for name in TWO]
-    assert not with_role(added, Role.REFERENCE, Role.DEVIATION)
-    assert set(added.data_vars) - set(two_soils.data_vars) == set(with_role(added, "experience"))
+    assert with_role(dataset, Role.EXPERIENCE) == [f"experience_{name}" for name in TWO]
+    assert not with_role(dataset, Role.REFERENCE, Role.DEVIATION)
+    assert set(dataset.data_vars) - set(two_soils.data_vars) == set(
+        with_role(dataset, "experience")
+    )
 
 
 def test_the_table_has_one_line_for_all_bands(two_soils: xr.Dataset) -> None:
@@ -312,7 +310,7 @@ def test_bands_are_no_results_that_are_compared(two: Two) -> None:
         ),
     ],
 )
-def test_which_strength_is_told_of_each_law(
+def test_each_law_tells_its_strength(
     long_name: str, by_compression: list[float], said: str
 ) -> None:
     """A case that did not complete tells nothing."""

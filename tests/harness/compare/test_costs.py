@@ -47,7 +47,7 @@ def stating(dataset: xr.Dataset, half_width: list[float], settled: list[float]) 
     )
 
 
-def test_the_case_that_is_known_best_is_the_reference_and_its_uncertainty_the_floor(
+def test_the_best_known_case_is_the_reference_and_its_u_the_floor(
     two_soils: xr.Dataset,
 ) -> None:
     dataset = stating(two_soils, [np.nan, 0.09, 0.3], [1.0, 1.0, 1.0])
@@ -78,7 +78,7 @@ def test_the_reference_is_that_of_the_least_error_but_for_what_a_longer_run_take
     assert "largest part of its U: mesh, 90 % of U^2: more cells" in str(found)
 
 
-def test_a_case_that_has_not_settled_has_no_error_and_is_no_reference(
+def test_a_case_not_settled_has_no_error_and_is_no_reference(
     two_soils: xr.Dataset,
 ) -> None:
     dataset = stating(two_soils, [np.nan] * 3, [1.0, 1.0, 0.0])
@@ -149,9 +149,7 @@ def test_cases_of_one_scene_of_several(tmp_path: Path) -> None:
     assert other.settings == {"damping_ratio": 0.2, "cells_per_length": 10}
 
 
-def test_recommended_are_the_cheapest_settings_good_for_every_soil(
-    tmp_path: Path, two_soils: xr.Dataset
-) -> None:
+def test_the_cheapest_settings_good_for_every_soil(tmp_path: Path, two_soils: xr.Dataset) -> None:
     """None that failed once."""
     file = written(tmp_path, two_soils)
     found = recommend("cone_penetration", 0.05, [file])
@@ -175,9 +173,7 @@ def test_recommend_from_the_command_line(
     assert "cells_per_radius = 2.0: error 2.00% and 2.5 s" in told
 
 
-def test_a_setting_that_shares_its_name_with_a_result_is_told(
-    tmp_path: Path, two_soils: xr.Dataset
-) -> None:
+def test_a_setting_named_as_a_result_is_told(tmp_path: Path, two_soils: xr.Dataset) -> None:
     far = two_soils.rename(cells_per_radius="penetration_parameter")
     found = recommend("cone_penetration", 0.05, [written(tmp_path, far)])
     assert (found.settings, found.case_count) == ({"penetration": 2.0}, 1)
@@ -213,9 +209,7 @@ def test_why_nothing_is_recommended_is_told(tmp_path: Path, two_soils: xr.Datase
         recommend("step_cost", 0.05, [])
 
 
-def test_no_error_is_promised_below_the_uncertainty_of_the_reference(
-    tmp_path: Path, two_soils: xr.Dataset
-) -> None:
+def test_no_error_is_promised_below_the_floor(tmp_path: Path, two_soils: xr.Dataset) -> None:
     dataset = two_soils.assign(error_floor=0.04 + 0.0 * two_soils.error_finest)
     found = recommend("cone_penetration", 0.05, [written(tmp_path, dataset)])
     assert found.error == pytest.approx(0.04)

@@ -168,7 +168,7 @@ def test_a_parameter_that_is_no_more_is_named(two: Two) -> None:
 
 
 @pytest.mark.parametrize(("tolerance", "code"), [("0", 1), ("0.005", 1), ("0.02", 0)])
-def test_two_files_beside_each_other(
+def test_two_files_compared(
     tmp_path: Path, command: Command, tolerance: str, code: int, two: Two
 ) -> None:
     paths = tmp_path / "one.nc", tmp_path / "other.nc"
@@ -216,9 +216,7 @@ def missed(dataset: xr.Dataset, **tolerances: float) -> list[str]:
         ("eror", 1.0, "is neither a reference nor a result here; did you mean 'error'?"),
     ],
 )
-def test_what_is_beyond_a_tolerance_or_not_there_is_missed(
-    tmp_path: Path, name: str, limit: float, told: str
-) -> None:
+def test_beyond_a_tolerance_is_missed(tmp_path: Path, name: str, limit: float, told: str) -> None:
     assert missed(collected(tmp_path), **{name: limit}) == ([f"{name}: {told}"] if told else [])
 
 
@@ -250,7 +248,7 @@ def test_a_scene_that_does_not_have_a_result_does_not_miss_its_tolerance() -> No
 
 
 @pytest.mark.parametrize(("limit", "code"), [(0.02, 0), (0.011, 1)])
-def test_compare_ends_with_1_where_a_tolerance_is_missed(
+def test_missed_tolerances_end_with_1(
     tmp_path: Path, command: Command, limit: float, code: int
 ) -> None:
     dataset = collected(tmp_path).assign_attrs(design="full")

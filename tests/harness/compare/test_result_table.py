@@ -100,9 +100,7 @@ def test_a_headline_has_the_half_width_that_is_stated_of_it() -> None:
         (123456.0, np.nan, "1.23e+05"),
     ],
 )
-def test_a_value_has_the_digits_that_its_half_width_justifies(
-    value: float, half_width: float, text: str
-) -> None:
+def test_a_value_has_digits_by_its_half_width(value: float, half_width: float, text: str) -> None:
     assert stated(value, half_width) == text
 
 
@@ -137,9 +135,6 @@ def test_cones_and_other_scenes_have_a_table_each() -> None:
     assert cones[3].split()[:4] == ["cone_penetration", "11.36", "+-", "0.11"]
     assert others[3].split() == ["t_bar_penetration", "0.5", "10.81", "+-", "0.07", "completed"]
     assert others[4].split() == ["t_bar_penetration", "0", "9.12", "completed"]
-
-
-def test_each_scene_has_the_half_width_of_its_own_headline() -> None:
     np.testing.assert_array_equal(uncertainty_of(cone_and_bar()), [0.11, 0.07, np.nan])
 
 

@@ -72,7 +72,7 @@ def test_uniform_ground_and_what_is_missing_stay() -> None:
 
 
 @pytest.mark.parametrize(("ratio", "before", "behind"), [(2.0, 3.0, 9.0), (0.5, 7.0, 4.0)])
-def test_a_border_is_felt_farther_in_the_stronger_layer(
+def test_borders_reach_far_in_the_stronger_layer(
     ratio: float, before: float, behind: float
 ) -> None:
     net, _ = felt(ratio, 1.0)
@@ -140,9 +140,7 @@ def test_a_site_of_two_layers_is_sharpened(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("shift", [-5.5, 5.5])
-def test_between_the_border_told_and_the_one_found_there_is_no_strength(
-    folder: Path, shift: float
-) -> None:
+def test_no_strength_between_border_told_and_border_found(folder: Path, shift: float) -> None:
     """There the layer whose inputs hold by the site file is not that of the resistance."""
     told = BORDER + shift * RADIUS
     path = changed(folder, ("to = 5.0", f"to = {told}"), ("from = 5.0", f"from = {told}"))
@@ -165,9 +163,7 @@ def test_between_the_border_told_and_the_one_found_there_is_no_strength(
 
 
 @pytest.mark.parametrize("has_sleeve", [True, False])
-def test_clay_beside_sand_inside_a_layer_feels_another_layer(
-    folder: Path, has_sleeve: bool
-) -> None:
+def test_clay_beside_sand_in_a_layer_feels_another_layer(folder: Path, has_sleeve: bool) -> None:
     """In rows 1.12 radii apart 2 of the 3 radii above it, and 3 of the 4 below; 3 rows are none.
 
     Without fs, beside what may be sand as well.

@@ -223,7 +223,7 @@ def test_a_damaged_file_is_one_line(folder: Path, damage: str, refusal: Refusal)
 @pytest.mark.parametrize(
     "damage", ["gef: no file", "csv: empty", "csv: binary", "gef: cut in its header", "ags: AGS 3"]
 )
-def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
+def test_a_test_that_is_not_read_gets_no_site_file(
     here: Path, damage: str, refusal: Refusal
 ) -> None:
     kind = damage.partition(":")[0]
@@ -240,9 +240,7 @@ def test_no_site_file_is_written_for_a_test_that_cannot_be_read(
 @pytest.mark.parametrize(
     "damage", ["csv: no column", "csv: a column twice", "csv: unknown unit", "ags: two tests"]
 )
-def test_a_new_site_file_is_told_what_it_has_to_name(
-    here: Path, damage: str, command: Command
-) -> None:
+def test_a_new_site_file_is_told_what_to_name(here: Path, damage: str, command: Command) -> None:
     kind, (harm, problem) = damage.partition(":")[0], DAMAGED[damage]
     Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(here)).encode()))
     assert problem in command("new", "mine", "--interpret", f"test.{kind}").err.splitlines()[0]

@@ -103,9 +103,7 @@ def test_the_schema_and_the_reader_take_the_same(tmp_path: Path, change: str) ->
 
 
 @pytest.mark.parametrize(("old", "new", "told"), REFUSED.values(), ids=REFUSED)
-def test_the_schema_and_the_reader_refuse_the_same(
-    tmp_path: Path, old: str, new: str, told: str
-) -> None:
+def test_schema_and_reader_refuse_the_same(tmp_path: Path, old: str, new: str, told: str) -> None:
     text = WHOLE.replace(old, new, 1)
     assert text != WHOLE
     path = tmp_path / "site.toml"
@@ -115,9 +113,7 @@ def test_the_schema_and_the_reader_refuse_the_same(
     assert not SCHEMA.is_valid(tomllib.loads(text))
 
 
-def test_a_new_site_file_is_valid_and_every_key_of_it_is_described(
-    tmp_path: Path, command: Command
-) -> None:
+def test_a_new_site_file_is_valid_and_described(tmp_path: Path, command: Command) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(site_text("test.csv", {"area_ratio": 0.8}))
     assert SCHEMA.is_valid(tomllib.loads(path.read_text()))

@@ -33,9 +33,7 @@ def test_every_kind_of_file_gives_the_same_columns(folder: Path, kind: str) -> N
 
 
 @pytest.mark.parametrize("kind", ["gef", "xml", "ags", "cpt"])
-def test_what_a_file_says_of_the_cone_holds_where_the_site_file_says_nothing(
-    folder: Path, kind: str
-) -> None:
+def test_what_a_file_says_of_the_cone_holds_unless_told_otherwise(folder: Path, kind: str) -> None:
     said = site_of(folder, kind, WRITERS[kind](rows_of(folder)))
     assert columns_of(said).area_ratio == 0.8
     assert "cone_area = 15 by the file" in columns_of(said).notes
@@ -101,9 +99,7 @@ def test_the_length_of_the_rods_is_the_depth_where_there_is_no_other(
 
 
 @pytest.mark.parametrize("quantity", [5, 7])
-def test_pore_pressure_of_another_filter_is_not_u2(
-    folder: Path, quantity: int, refusal: Refusal
-) -> None:
+def test_pressure_of_other_filters_is_no_u2(folder: Path, quantity: int, refusal: Refusal) -> None:
     """Whatever a GEF calls it, unless the site file says so."""
     text = as_gef(rows_of(folder)).replace("Waterspanning, 6", f"Pore pressure, {quantity}")
     path = site_of(folder, "gef", text)
@@ -134,9 +130,7 @@ FIVE = np.tan(np.radians(5.0))
     ],
     ids=["resultant", "two planes", "resultant and two planes"],
 )
-def test_the_length_of_the_rods_is_corrected_by_inclination(
-    folder: Path, given: dict[int, str], step: float
-) -> None:
+def test_inclination_corrects_the_depth(folder: Path, given: dict[int, str], step: float) -> None:
     """Columns of a GEF, by their quantity, the same all along but for a missing value."""
     rows = rows_of(folder)
     head, _, data = as_gef(rows).replace("Gecorrigeerde diepte, 11", "x, 99").partition("#EOH=\n")
@@ -231,9 +225,7 @@ def test_changes_of_rods_and_gaps_are_told(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("delimiter", [";", "\t"])
-def test_decimal_commas_are_read_where_the_cells_are_not_parted_by_commas(
-    folder: Path, delimiter: str
-) -> None:
+def test_decimal_commas_are_read_unless_they_part_the_cells(folder: Path, delimiter: str) -> None:
     rows = rows_of(folder)
     text = as_csv(rows).replace(",", delimiter).replace(".", ",")
     found = columns_of(site_of(folder, "csv", text))

@@ -22,9 +22,7 @@ from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, m
 @pytest.mark.parametrize(
     ("index", "adhesion", "exact"), [(100, 0.0, 10.71), (100, 0.5, 11.51), (100, 1.0, 12.16)]
 )
-def test_the_table_gives_the_factors_of_the_main_job(
-    index: float, adhesion: float, exact: float
-) -> None:
+def test_the_table_has_the_known_factors(index: float, adhesion: float, exact: float) -> None:
     factor, half_width = cone_factor(rigidity_index=index, adhesion_factor=adhesion)
     assert abs(factor - exact) < half_width
 
@@ -135,7 +133,7 @@ def test_the_sleeve_tells_the_adhesion(folder: Path) -> None:
     assert max(widths[:2]) < 0.95 * widths[2]
 
 
-def test_the_error_of_the_sleeve_is_one_of_the_strength_where_it_tells_the_adhesion(
+def test_the_error_of_a_sleeve_that_tells_the_adhesion_has_a_share(
     folder: Path,
 ) -> None:
     """As far as the strength by a sleeve friction off by its standard deviation differs."""
@@ -187,9 +185,7 @@ def test_a_measure_that_cannot_be_used_is_told(folder: Path) -> None:
         (("stress_anisotropy = 0.2", "K0 = 0.05"), "Delta beyond the table"),
     ],
 )
-def test_a_depth_without_strength_says_why(
-    folder: Path, change: tuple[str, str], reason: str
-) -> None:
+def test_no_strength_has_a_reason(folder: Path, change: tuple[str, str], reason: str) -> None:
     found = interpret(load_site(changed(folder, change)))
     words = found.reason.attrs["flag_meanings"].split()
     assert reason.replace(" ", "_") in {words[it] for it in found.reason.values}
@@ -238,9 +234,7 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     ]
 
 
-def test_another_site_of_the_same_name_is_not_replaced_silently(
-    here: Path, command: Command
-) -> None:
+def test_another_site_of_one_name_is_not_replaced_silently(here: Path, command: Command) -> None:
     told = 'site_interpretation.nc: was of a site with another title, "A site", and is replaced'
     for _ in range(2):
         assert told not in command("interpret", "site.toml").err
@@ -249,9 +243,7 @@ def test_another_site_of_the_same_name_is_not_replaced_silently(
 
 
 @pytest.mark.parametrize("ending", ["nc", "csv", "png", "svg", "html", "a result"])
-def test_a_file_of_another_program_is_not_replaced(
-    ending: str, here: Path, refusal: Refusal
-) -> None:
+def test_a_file_of_others_is_not_replaced(ending: str, here: Path, refusal: Refusal) -> None:
     """Nothing is written then, a table with the columns of a test and a result of a study too."""
     path = Path(f"results/site_interpretation.{'nc' if ending == 'a result' else ending}")
     path.parent.mkdir()
@@ -266,9 +258,7 @@ def test_a_file_of_another_program_is_not_replaced(
     assert [*path.parent.iterdir()] == [path]
 
 
-def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
-    here: Path, command: Command
-) -> None:
+def test_ground_that_is_not_simulated_is_told_with_its_site(here: Path, command: Command) -> None:
     rows = (here / "test.csv").read_text().splitlines()
     (here / "test.csv").write_text("\n".join([rows[0], rows[50]]))
     *_, line = command("interpret", "site.toml", "--check", code=2).err.splitlines()
@@ -286,7 +276,7 @@ def test_a_ground_that_cannot_be_simulated_is_told_with_its_site(
     ],
     ids=["titles", "below 0", "no number", "no value", "long"],
 )
-def test_strengths_of_a_laboratory_that_cannot_be_are_one_line(
+def test_impossible_laboratory_data_are_told(
     text: str, told: str, here: Path, refusal: Refusal
 ) -> None:
     Path("lab.csv").write_text(text)

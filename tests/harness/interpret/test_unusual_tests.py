@@ -95,9 +95,7 @@ def test_a_row_on_a_border_is_of_the_lower_layer_alone(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("friction", ["0.3", "0"])
-def test_soil_of_high_pore_pressure_is_clay_though_its_sleeve_says_little(
-    folder: Path, friction: str
-) -> None:
+def test_high_pore_pressure_is_clay_whatever_the_sleeve_says(folder: Path, friction: str) -> None:
     """Sensitive clay has an Ic below that of clay; with the pore pressure of sand it is none."""
     rewritten(folder, "qc", 0.4, slice(ROW, ROW + 10))
     rewritten(folder, "fs", friction, slice(ROW, ROW + 10))
@@ -155,9 +153,7 @@ def test_a_sleeve_or_filter_that_is_asked_has_to_be_there(
 
 
 @pytest.mark.parametrize("friction", ["0", "-1", ""])
-def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_tell_something(
-    folder: Path, friction: str
-) -> None:
+def test_a_sleeve_that_is_to_tell_the_adhesion_has_values(folder: Path, friction: str) -> None:
     rewritten(folder, "fs", friction, slice(ROW, ROW + 1))
     path = changed(folder, ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"'))
     found = interpret(load_site(path))
@@ -169,9 +165,7 @@ def test_where_the_sleeve_is_to_tell_the_adhesion_it_has_to_tell_something(
     [(None, "not undrained clay"), ("", "no fs and it may be sand")],
     ids=["sleeve", "no sleeve"],
 )
-def test_the_filter_is_not_blamed_in_sand_above_the_water(
-    folder: Path, friction: str | None, told: str
-) -> None:
+def test_no_filter_is_blamed_above_the_water(folder: Path, friction: str | None, told: str) -> None:
     """Below the water table a filter that stands still is not saturated in any soil."""
     rewritten(folder, "u2", "0", slice(ROW, None))
     rewritten(folder, "qc", 8.0, slice(ROW, None))  # MPa

@@ -99,7 +99,7 @@ def test_studies_are_compared_where_they_share_parameters(results: list[xr.Datas
     ]
 
 
-def test_in_which_order_results_hold_their_parameters_does_not_matter(
+def test_the_order_of_the_parameters_in_results_does_not_matter(
     results: list[xr.Dataset],
 ) -> None:
     one, other = (it.assign(apex_angle=((), 60.0, {"role": "parameter"})) for it in results)
@@ -108,7 +108,7 @@ def test_in_which_order_results_hold_their_parameters_does_not_matter(
     assert found["shared"] == expected["shared"]
 
 
-def test_studies_of_scenes_with_other_parameters_share_cases_two_by_two(
+def test_studies_of_other_parameters_share_cases_two_by_two(
     results: list[xr.Dataset],
 ) -> None:
     """As those of two versions of the simulator."""
@@ -137,14 +137,14 @@ def blank(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("blank")
-def test_main_pictures_of_several_studies_stand_in_the_summary_too(
+def test_main_pictures_of_several_studies_are_in_the_summary_too(
     results: list[xr.Dataset],
 ) -> None:
     alone, both = (page(given)[0].count("<img") for given in (results[:1], results))
     assert both == 2 * (alone + 1)
 
 
-def test_a_deviation_outside_the_validity_of_its_reference_is_in_brackets(
+def test_a_deviation_outside_the_validity_is_in_brackets(
     results: list[xr.Dataset],
 ) -> None:
     """Lu et al. give factors for Ir 50 to 500."""

@@ -165,9 +165,7 @@ def test_when_all_workers_are_gone_a_line_says_so_and_the_run_ends_and_goes_on_l
     assert kept.items() <= written(twenty, out).items()
 
 
-def test_a_case_that_kills_its_workers_is_recorded_as_crashed(
-    cluster: Cluster, twenty: Study, tmp_path: Path
-) -> None:
+def test_a_case_that_kills_workers_crashed(cluster: Cluster, twenty: Study, tmp_path: Path) -> None:
     """After four deaths the scheduler no longer takes the workers for the reason."""
     cluster.add_workers(4)
     run = cluster.run(twenty, tmp_path / "out", "--set", "number=1", "--set", "end=killed")
@@ -237,9 +235,7 @@ def test_a_worker_with_another_version_of_the_scene_computes_nothing(twenty: Stu
     assert f"version {asked} of stub is asked for; here is {here}" in outcome.message
 
 
-def test_tls_without_certificates_or_with_others_is_one_line(
-    small_file: Path, refusal: Refusal
-) -> None:
+def test_tls_without_certificates_is_one_line(small_file: Path, refusal: Refusal) -> None:
     run = ["run", str(small_file), "--dask", "tls://127.0.0.1:9"]
     line = refusal(run)
     assert "--dask tls://127.0.0.1:9: there is no certificate: set DASK_DISTRIBUTED__COMM" in line

@@ -105,9 +105,7 @@ def test_a_study_of_the_same_name_is_not_replaced_silently(
     assert named in told
 
 
-def test_results_of_other_settings_are_not_replaced_silently(
-    out: Path, half_done: Study, of_small: Command
-) -> None:
+def test_results_of_other_settings_are_told(out: Path, half_done: Study, of_small: Command) -> None:
     of_small("collect", code=1)
     keep(half_done, out)
     assert "other result" not in of_small("collect").err
@@ -190,7 +188,7 @@ def keep_made(study: Study, out: Path, *sources: str | None) -> None:
 
 
 @pytest.mark.parametrize("name", ["run", "status", "collect"])
-def test_results_of_other_sources_are_kept_and_told(
+def test_results_of_other_sources_are_told(
     name: str, small: Study, out: Path, command: Command, of_small: Command
 ) -> None:
     ours = f"mpm_warp {sources_digest('mpm_warp')}"
@@ -318,7 +316,7 @@ def test_a_linked_folder_is_refused_and_left_as_it_is(
     assert set(outside.rglob("*")) == before
 
 
-def test_the_folder_of_results_itself_may_be_a_link(
+def test_the_results_may_be_a_link(
     small: Study, out: Path, tmp_path: Path, of_small: Command
 ) -> None:
     folder = prepared(small, tmp_path / "real")

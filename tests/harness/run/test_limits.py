@@ -78,7 +78,7 @@ def test_the_largest_grid_is_refused_before_anything_large_is_built() -> None:
     ],
     ids=lambda scene: scene.catalogue_name(),
 )
-def test_the_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
+def test_arrays_of_a_run_take_less_than_predicted_and_not_far_less(
     scene: CatalogueScene,
 ) -> None:
     """Set-up takes up to half of it besides."""
@@ -158,7 +158,7 @@ def test_the_shortest_crossing_is_that_of_cells_at_the_surface(make: Callable[[]
 
 
 @pytest.mark.usefixtures("in_this_process")
-def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
+def test_only_a_case_beyond_the_limit_is_refused(
     stub: Study, tmp_path: Path, command: Command
 ) -> None:
     settings = ["--set", "number=1", "--set", "points=[1, 3000000]"]
@@ -169,7 +169,7 @@ def test_a_case_beyond_the_limit_is_refused_and_the_others_run(
     assert "points=1: completed" in told
 
 
-def test_the_plan_says_the_memory_by_which_a_run_refuses(
+def test_a_run_refuses_by_the_memory_planned(
     small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     settings = ["adhesion_factor=0", "adhesion_factor=[0, 1]"]
@@ -205,7 +205,7 @@ def test_what_is_sampled_on_the_way_counts_as_memory(scene: CatalogueScene) -> N
     ],
     ids=lambda scene: type(scene).__name__,
 )
-def test_what_has_more_steps_than_can_be_counted_is_refused_before_the_run(
+def test_more_steps_than_can_be_counted_are_refused_before_the_run(
     scene: CatalogueScene,
 ) -> None:
     with pytest.raises(SceneError, match=r"^needs .* time steps, where at most 1e\+12 can be"):
@@ -224,7 +224,7 @@ def test_a_long_standing_wave_takes_no_more_than_a_short_one() -> None:
     )
 
 
-def test_a_case_of_days_is_told_of_in_one_line(
+def test_a_case_of_days_is_told(
     stub: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = load_study(str(stub.source), ["number=1", "seconds=[1, 1e14, 2e14]"])
@@ -240,7 +240,7 @@ def mixed(stub: Study) -> Study:
     return load_study(str(stub.source), ["seconds=[1, 3]", "number=[0, 1]"])
 
 
-def test_the_costliest_case_is_first_equal_ones_in_their_order_and_those_of_unknown_time_last(
+def test_the_costliest_case_is_first_and_one_of_unknown_time_last(
     mixed: Study,
 ) -> None:
     one, two, *costly = mixed.cases

@@ -87,9 +87,7 @@ def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
-def test_the_death_of_a_worker_takes_one_case(
-    tmp_path: Path, stub: Study, number: signal.Signals
-) -> None:
+def test_a_dead_worker_takes_one_case(tmp_path: Path, stub: Study, number: signal.Signals) -> None:
     study = load_study(str(stub.source), ["seconds=[1000, 0]", "number=1"])
 
     def kill(case: Case, fraction: float) -> None:
@@ -105,9 +103,7 @@ def test_the_death_of_a_worker_takes_one_case(
     assert record.outcomes[study.cases[0].key].status == CRASHED
 
 
-def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
-    tmp_path: Path, stub: Study
-) -> None:
+def test_a_case_that_takes_too_long_is_ended_alone(tmp_path: Path, stub: Study) -> None:
     long, short = load_study(str(stub.source), ["seconds=[10, 0]", "number=1"]).cases
     folder, fractions = prepared(stub, tmp_path), list[float]()
 
@@ -126,9 +122,7 @@ def test_a_case_that_takes_too_long_is_ended_and_the_others_go_on(
     assert not multiprocessing.active_children()
 
 
-def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
-    stub_folder: Path, stub: Study
-) -> None:
+def test_a_result_of_a_worker_that_died_after_it_is_kept(stub_folder: Path, stub: Study) -> None:
     case = stub.cases[0]
 
     def kill(case: Case, fraction: float) -> None:
@@ -143,9 +137,7 @@ def test_a_result_written_by_a_worker_that_died_before_it_could_tell_is_kept(
     assert case_files.read_outcome(stub_folder, case).status == COMPLETED
 
 
-def test_what_another_run_has_completed_meanwhile_is_not_run_again(
-    stub_folder: Path, stub: Study
-) -> None:
+def test_what_another_run_has_completed_is_not_run(stub_folder: Path, stub: Study) -> None:
     first, *others = stub.cases
 
     def complete(case: Case, fraction: float) -> None:
@@ -190,7 +182,7 @@ def test_the_time_of_a_case_begins_with_its_computation(begun: Begun) -> None:
     assert worker.deadline <= time.monotonic() + 1.0
 
 
-def test_while_all_processes_are_stopped_no_time_of_a_case_passes(
+def test_no_time_passes_while_all_are_stopped(
     begun: Begun, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As by Ctrl-Z; a limit of 10 s, of which 5 are gone, and an hour's stop."""

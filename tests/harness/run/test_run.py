@@ -61,7 +61,7 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
     assert {name: asked[name] for name in expected} == expected
 
 
-def test_run_gives_a_dataset_a_table_and_pictures(
+def test_a_run_gives_dataset_and_pictures(
     small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     compared = '[compare]\nreferences = ["lu_2004"]\nexperience = ["karlsrud_2005"]\n'
@@ -87,9 +87,7 @@ def test_run_gives_a_dataset_a_table_and_pictures(
     assert [Path(line).name for line in again] == [path.name for path in pictures]
 
 
-def test_running_again_goes_on_where_it_stopped(
-    stub: Study, tmp_path: Path, command: Command
-) -> None:
+def test_a_run_goes_on_where_it_stopped(stub: Study, tmp_path: Path, command: Command) -> None:
     out, study = tmp_path / "out", stub
     folder = case_files.case_folder(out, study)
     run = ["run", stub.source, "--out", out]

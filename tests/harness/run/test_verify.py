@@ -71,7 +71,7 @@ def test_quick_checks_are_the_cheapest_of_their_scenes_and_short() -> None:
         assert check.predicted_time == min(alike) < verify.QUICK_TIME
 
 
-def test_checks_side_by_side_give_the_results_of_each_alone_in_their_order(
+def test_checks_side_by_side_give_the_same_in_their_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("harness.run.verify.QUICK_TIME", 0.0)
@@ -112,7 +112,7 @@ def test_command_says_what_falls_short(monkeypatch: pytest.MonkeyPatch, command:
     assert "FALLS SHORT: error" in command("verify", "--scene", "gravity_column", code=1).out
 
 
-def test_scenes_are_named_one_by_one_and_one_without_a_quick_check_is_told(
+def test_scenes_are_named_and_one_without_a_quick_check_is_told(
     command: Command,
 ) -> None:
     named = ("--scene", "material_point", "gravity_column", "--scene", "circular_footing")

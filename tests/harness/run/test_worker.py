@@ -10,7 +10,7 @@ import xarray as xr
 
 from harness.archive import case_files
 from harness.run.pool import run_cases
-from harness.run.resources import RunOptions, with_samples
+from harness.run.resources import RunOptions
 from harness.run.run_study import Display
 from harness.run.worker import compute, run_case
 from harness.study.cases import Case
@@ -67,17 +67,7 @@ def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
     assert max(peaks) - peaks[warm] < 0.25 * (case_count - warm) * arrays
 
 
-def test_warm_run_times_are_all_kept() -> None:
-    first = xr.Dataset({"run_time": ((), 9.0), "compile_time": ((), 8.0), "error": ((), 0.1)})
-    timed = with_samples(first, [3.0, 1.0, 2.0, 5.0])
-    assert timed.run_time_sample.values.tolist() == [3, 1, 2, 5]
-    assert timed.repeat.values.tolist() == [1, 2, 3, 4]
-    assert (timed.run_time, timed.run_time_minimum) == (2.5, 1)
-    assert (timed.compile_time, timed.error) == (8, 0.1)
-    assert all("long_name" in variable.attrs for variable in timed.drop_vars(first).values())
-
-
-def test_a_repeat_that_gives_other_numbers_fails_the_case(
+def test_other_numbers_in_a_repeat_are_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = GravityColumn.run

@@ -287,9 +287,7 @@ MISTAKES += [(SOUNDING + text, told) for text, told in OF_A_SOUNDING] + OTHERS
 
 
 @pytest.mark.parametrize(("text", "told"), MISTAKES, ids=[told for _, told in MISTAKES])
-def test_a_wrong_study_is_one_line_and_nothing_written(
-    text: str, told: str, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_a_wrong_study_is_refused(text: str, told: str, tmp_path: Path, refusal: Refusal) -> None:
     path = tmp_path / "s.toml"
     path.write_text(text)
     line = refusal(["run", str(path), "--out", str(tmp_path / "out")])

@@ -19,16 +19,14 @@ CONE = 'title = "A cone"\nscene = "cone_penetration"\n'
     ("given", "moments"),
     [("[10, 5]", (5.0, 10.0)), ("{ from = 2, to = 4, count = 3 }", (2.0, 3.0, 4.0))],
 )
-def test_moments_are_a_list_or_a_range(
+def test_moments_are_listed_or_a_range(
     given: str, moments: tuple[float, ...], tmp_path: Path
 ) -> None:
+    """In a study or by the option, which takes a list without brackets too."""
     study = study_in(tmp_path, f"{CONE}snapshots = {given}\n")
+    for option in (given, *(("5, 10", "5, 10,") if given[0] == "[" else ())):
+        assert with_snapshots(study_in(tmp_path, CONE), option).cases[0].snapshots == moments
     assert study.cases[0].snapshots == moments
-
-
-@pytest.mark.parametrize("given", ["5, 10", "5, 10,", "[10, 5]", "{from = 5, to = 10, count = 2}"])
-def test_the_option_takes_a_list_or_a_range(given: str, tmp_path: Path) -> None:
-    assert with_snapshots(study_in(tmp_path, CONE), given).cases[0].snapshots == (5.0, 10.0)
 
 
 @pytest.mark.parametrize("given", ["a", "[", "-1", "1, 1"])
@@ -47,6 +45,7 @@ def test_of_several_scenes_the_option_goes_to_those_that_take_snapshots(tmp_path
     }
 
 
+SECRET = "root:x:0:0:"
 HEAD = 'title = "t"\nscene = "sounding"\n'
 GROUND = "depth [m], strength [kPa]\n# a remark\n0, 40\n2, 10\n2, 20\n8, 60\n"
 COLUMNS = '[profile]\n"depth [m]" = [0, 2, 2, 8]\n"strength [kPa]" = [40, 10, 20, 60]\n'
@@ -67,42 +66,27 @@ def test_a_study_that_stands_on_another_has_its_ground(tmp_path: Path) -> None:
     assert all(it.parameters["profile"] for it in own.cases)
 
 
-def device(path: Path) -> None:
-    path.symlink_to("/dev/zero")
-
-
-def fifo(path: Path) -> None:
-    os.mkfifo(path)
-
-
-def elsewhere(path: Path) -> None:
-    (path.parent.parent / "secret").write_text("root:x:0:0:")
-    path.symlink_to("../secret")
-
-
 def large(path: Path) -> None:
     with path.open("wb") as file:
         file.truncate(1 << 40)
 
 
-def secret(path: Path) -> None:
-    path.write_text("root:x:0:0:")
-
-
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (device, "must be in the folder of the study, or below it"),
-        (fifo, "is not a regular file"),
-        (elsewhere, "must be in the folder of the study, or below it"),
+        (lambda it: it.symlink_to("/dev/zero"), "in the folder of the study, or below it"),
+        (lambda it: it.symlink_to("../secret"), "in the folder of the study, or below it"),
+        (os.mkfifo, "is not a regular file"),
         (large, "a profile has at most 1000000"),
-        (secret, "must name columns with units"),
+        (lambda it: it.write_text(SECRET), "must name columns with units"),
     ],
+    ids=["device", "elsewhere", "fifo", "large", "secret"],
 )
 def test_nothing_but_a_profile_beside_the_study_is_read(
-    make: Callable[[Path], None], message: str, tmp_path: Path
+    make: Callable[[Path], object], message: str, tmp_path: Path
 ) -> None:
+    (tmp_path.parent / "secret").write_text(SECRET)
     make(tmp_path / "odd.csv")
     with pytest.raises(StudyError, match=message) as error:
         study_in(tmp_path, HEAD + '[profile]\nfile = "odd.csv"\n')
-    assert "root:x" not in str(error.value)
+    assert SECRET not in str(error.value)

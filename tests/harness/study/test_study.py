@@ -125,6 +125,10 @@ cell_count = [10, 20]
 [scenes.thick_cylinder.fixed]
 radius_ratio = 2
 """
+BEGUN_WITH_TWO: dict[str, list[object]] = {
+    "adhesion_factor": [0, 0.5, 1, 0, 0],
+    "cells_per_radius": [2, 2, 2, 1, 3],
+}
 # Parameters of the cases, by design and settings.
 CASES: dict[str, tuple[str, list[str], dict[str, list[object]]]] = {
     "all combinations in the order of the study": (
@@ -159,7 +163,7 @@ CASES: dict[str, tuple[str, list[str], dict[str, list[object]]]] = {
     "a setting that varies leaves what one at a time begins with": (
         IN_TURN,
         ["cells_per_radius=[1, 3]"],
-        {"adhesion_factor": [0, 0.5, 1, 0, 0], "cells_per_radius": [2, 2, 2, 1, 3]},
+        BEGUN_WITH_TWO,
     ),
     "derived in their order": (DERIVED, [], {"domain_radius": [30, 60], "domain_above": [10, 20]}),
     "derived though others need it": (NEEDED, [], {"ductility": [4, 10]}),
@@ -170,7 +174,54 @@ CASES: dict[str, tuple[str, list[str], dict[str, list[object]]]] = {
         ["cell_count=5", "grid_angle=[0, 20]"],
         {"cell_count": [5, None, None], "grid_angle": [None, 0, 20]},
     ),
+    "varied under a scene, which leaves what all begin with": (
+        IN_TURN + "[scenes.cone_penetration.vary]\ncells_per_radius = [1, 3]\n",
+        [],
+        BEGUN_WITH_TWO,
+    ),
 }
+ON_A_BASE: dict[str, tuple[str, str, dict[str, list[object]]]] = {
+    "what is given anew": (
+        HEAD + "[fixed]\npenetration = 3\n[vary]\nrigidity_index = [50, 60]\n",
+        "[vary]\nadhesion_factor = [0, 1]\n[fixed]\nrigidity_index = 70\n",
+        {"penetration": [3, 3], "rigidity_index": [70, 70], "adhesion_factor": [0, 1]},
+    ),
+    "what varies, which leaves what the base begins with": (
+        IN_TURN,
+        "[vary]\ncells_per_radius = [1, 3]\n",
+        BEGUN_WITH_TWO,
+    ),
+    "another design": (
+        IN_TURN,
+        'design = "full"\n[vary]\ncells_per_radius = [1, 3]\n',
+        {"adhesion_factor": [0.5, 0.5, 1, 1], "cells_per_radius": [1, 3, 1, 3]},
+    ),
+    "what stands under a scene, joined key by key": (
+        TWO_SCENES,
+        '[scenes.thick_cylinder.fixed]\nsection = "plane_strain"\n',
+        {
+            "radius_ratio": [2, 2, None],
+            "section": ["plane_strain", "plane_strain", None],
+            "cell_count": [10, 20, None],
+        },
+    ),
+    "what is fixed for all scenes, before what the base says for one": (
+        SEVERAL,
+        "fixed = { rigidity_index = 300 }\n",
+        {"rigidity_index": [300, 300, 300], "cells_per_radius": [4, 8, None]},
+    ),
+    "what varies in all scenes, before what the base says for one": (
+        SEVERAL,
+        "vary.rigidity_index = [300]\n",
+        {"rigidity_index": [300, 300, 300], "cells_per_radius": [4, 8, None]},
+    ),
+    "what is said for one scene, before what is for all": (
+        SEVERAL,
+        "vary.rigidity_index = [300]\n[scenes.strip_footing.fixed]\nrigidity_index = 400\n",
+        {"rigidity_index": [400, 400, 300]},
+    ),
+}
+"""A base, what the study says beside it, and the parameters of its cases."""
 
 
 @pytest.mark.parametrize(("text", "settings", "expected"), CASES.values(), ids=CASES)
@@ -181,11 +232,21 @@ def test_the_cases_of_a_study(
     assert values(study, *expected) == list(zip(*expected.values(), strict=True))
 
 
+@pytest.mark.parametrize(("base", "text", "expected"), ON_A_BASE.values(), ids=ON_A_BASE)
+def test_the_cases_of_a_study_on_a_base(
+    base: str, text: str, expected: dict[str, list[object]], tmp_path: Path
+) -> None:
+    study_in(tmp_path, base, name="base")
+    study = study_in(tmp_path, f'base = "base.toml"\n{text}')
+    assert values(study, *expected) == list(zip(*expected.values(), strict=True))
+
+
 def test_cases_are_called_by_what_varies_and_are_of_their_scenes(tmp_path: Path) -> None:
     listed = study_in(tmp_path, LISTED, "cells_per_radius=1", "adhesion_factor=0").cases
     assert [case.label for case in listed] == ["rigidity_index=50.0", "rigidity_index=70.0"]
     scenes = [case.scene for case in study_in(tmp_path, SEVERAL).cases]
     assert scenes == ["strip_footing", "strip_footing", "material_point"]
+    assert study_in(tmp_path, 'base = "adhesion_factor"\ntitle = "mine"').title == "mine"
 
 
 def test_ranges(tmp_path: Path) -> None:
@@ -198,56 +259,7 @@ def test_ranges(tmp_path: Path) -> None:
     assert varied["rigidity_index"] == (500, 50, 5)
 
 
-def test_a_study_stands_on_another(tmp_path: Path) -> None:
-    varied = "[fixed]\npenetration = 3\n[vary]\nrigidity_index = [50, 60]\n"
-    study_in(tmp_path, HEAD + varied, name="base")
-    text = 'base = "base.toml"\n[vary]\nadhesion_factor = [0, 1]\n[fixed]\nrigidity_index = 70\n'
-    (part,) = study_in(tmp_path, text).parts
-    assert part.fixed == {"penetration": 3, "rigidity_index": 70}
-    assert part.varied == {"adhesion_factor": (0, 1)}
-    assert study_in(tmp_path, 'base = "adhesion_factor"\ntitle = "mine"').cases
-
-
-def test_a_study_that_varies_leaves_what_its_base_begins_with(tmp_path: Path) -> None:
-    study_in(tmp_path, IN_TURN, name="base")
-    text = 'base = "base.toml"\n[vary]\ncells_per_radius = [1, 3]\n'
-    study = study_in(tmp_path, text)
-    expected = [(0, 2), (0.5, 2), (1, 2), (0, 1), (0, 3)]
-    assert values(study, "adhesion_factor", "cells_per_radius") == expected
-    (part,) = study_in(tmp_path, 'design = "full"\n' + text).parts
-    assert part.fixed == {}
-
-
-def test_a_scene_that_varies_leaves_what_all_begin_with(tmp_path: Path) -> None:
-    own = "[scenes.cone_penetration.vary]\ncells_per_radius = [1, 3]\n"
-    (part,) = study_in(tmp_path, IN_TURN + own).parts
-    assert part.fixed == {"cells_per_radius": 2}
-
-
-def test_what_stands_under_a_scene_is_joined_key_by_key(tmp_path: Path) -> None:
-    study_in(tmp_path, TWO_SCENES, name="base")
-    text = 'base = "base.toml"\n[scenes.thick_cylinder.fixed]\nsection = "plane_strain"\n'
-    part, _ = study_in(tmp_path, text).parts
-    assert part.fixed == {"radius_ratio": 2, "section": "plane_strain"}
-    assert part.varied == {"cell_count": (10, 20)}
-
-
-@pytest.mark.parametrize(
-    "table", ["fixed = { rigidity_index = 300 }", "vary.rigidity_index = [300]"]
-)
-def test_what_a_study_says_for_all_scenes_holds_before_what_its_base_says_for_one(
-    tmp_path: Path, table: str
-) -> None:
-    study_in(tmp_path, SEVERAL, name="base")
-    text = f'base = "base.toml"\n{table}\n'
-    footing, _ = study_in(tmp_path, text).parts
-    assert values(study_in(tmp_path, text), "rigidity_index") == [(300,)] * 3
-    assert footing.varied["cells_per_radius"] == (4, 8)
-    own = "[scenes.strip_footing.fixed]\nrigidity_index = 400\n"
-    assert values(study_in(tmp_path, text + own), "rigidity_index") == [(400,), (400,), (300,)]
-
-
-def test_so_do_its_exclusions_snapshots_and_listed_cases(tmp_path: Path) -> None:
+def test_exclusions_snapshots_and_listed_cases_go_before_those_of_a_base(tmp_path: Path) -> None:
     own = "[scenes.cone_penetration]\nexclude = ['adhesion_factor == 0']\nsnapshots = [1]\n"
     varied = "[vary]\nadhesion_factor = [0, 1]\n"
     study_in(tmp_path, HEAD + varied + own, name="base")
@@ -278,7 +290,7 @@ NOT_VARIED = r'^--set rigidity_index = .* design = "list" .* a number'
         (TWO_SCENES, "cell_cuont=5", r"^--set cell_cuont = 5: .* did you mean 'cell_count'"),
     ],
 )
-def test_a_setting_that_does_not_go_with_the_study_is_told(
+def test_a_setting_beside_the_study_is_told(
     text: str, setting: str, told: str, tmp_path: Path
 ) -> None:
     with pytest.raises(StudyError, match=told):
@@ -307,9 +319,7 @@ POINT = 'title = "t"\nscene = "material_point"\n'
         'material = "modified_cam_clay"\n"material.swelling_slope" = 0.03',
     ],
 )
-def test_a_law_is_given_with_its_own_parameters_in_each_way_that_toml_has(
-    tmp_path: Path, table: str
-) -> None:
+def test_a_law_is_given_in_each_way_that_toml_has(tmp_path: Path, table: str) -> None:
     (case,) = study_in(tmp_path, f"{POINT}[fixed]\n{table}\n").cases
     assert case.parameters["material"] == "modified_cam_clay"
     assert case.parameters["material.swelling_slope"] == 0.03
@@ -317,7 +327,7 @@ def test_a_law_is_given_with_its_own_parameters_in_each_way_that_toml_has(
     assert built.material.own["swelling_slope"] == 0.03
 
 
-def test_only_cases_of_a_law_have_its_parameters_and_another_law_replaces_them(
+def test_only_cases_of_a_law_have_its_parameters(
     tmp_path: Path,
 ) -> None:
     """And a stress that looks like kilopascals is told."""

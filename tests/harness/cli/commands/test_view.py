@@ -87,7 +87,7 @@ def test_the_series_leads_to_points_grid_and_surface(seen: Path) -> None:
     assert grid["displacement"].shape == (grid.n_points, 3)
 
 
-def test_no_temporary_file_is_needed_for_vtk(
+def test_vtk_needs_no_temporary_file(
     seen: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """VTK ends the process where the disk of temporary files is full."""
@@ -98,9 +98,7 @@ def test_no_temporary_file_is_needed_for_vtk(
     assert pv.read(written[0]).n_points > 0
 
 
-def test_without_snapshots_there_is_nothing_to_view(
-    seen: Path, tmp_path: Path, refusal: Refusal
-) -> None:
+def test_without_snapshots_nothing_is_viewed(seen: Path, tmp_path: Path, refusal: Refusal) -> None:
     assert "no such file" in refusal(["view", str(tmp_path / "a.nc")])
     (result,) = seen.glob("results/*.nc")
     copy = tmp_path / result.name
