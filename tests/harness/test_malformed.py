@@ -3,14 +3,13 @@
 Hypothesis makes studies and command lines that nobody would write, the same ones every time; with
 ``--deep`` many, others every time. A mutant is a sound file in which one to three places are
 changed: a number, a word, a character, a line, a piece. Each is given to the command that reads
-such a file. The slowest mutants are printed (``-s``).
+such a file.
 """
 
 import contextlib
 import json
 import random
 import re
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -204,30 +203,15 @@ def mutant(source: random.Random, text: str) -> str:
     return text
 
 
-def seconds_of(arguments: list[str]) -> float:
-    """How long a command takes, which is done or refused in one line."""
-    begin = time.perf_counter()
-    answered(arguments)
-    return time.perf_counter() - begin
-
-
-def told_of_slowest(seconds: list[tuple[float, str]]) -> None:
-    """The slowest of some mutants; a limit in the test would be one of the machine."""
-    slowest, what = max(seconds)
-    print(f"\n{len(seconds)} mutants, the slowest {slowest:.2f} s: {what}")
-
-
 def test_a_mutant_of_a_study_is_read_or_refused_in_one_line(tmp_path: Path, depth: Depth) -> None:
     files = sorted(studies_folder().glob("*.toml"))
     texts = [it.read_text() for it in files]
     path, out = tmp_path / "mutant.toml", str(tmp_path / "out")
     commands = (["status", str(path), "--out", out], ["describe", str(path)], ["plan", str(path)])
-    source, seconds = random.Random("studies"), []
+    source = random.Random("studies")
     for number in range(depth(30, 2000)):
         path.write_text(mutant(source, source.choice(texts)), newline="")
-        arguments = commands[number % len(commands)]
-        seconds.append((seconds_of(arguments), f"{number} {arguments[0]}"))
-    told_of_slowest(seconds)
+        answered(commands[number % len(commands)])
     assert not Path(out).exists()
 
 
@@ -246,11 +230,10 @@ SOUNDING = 'title = "t"\nscene = "sounding"\n[fixed]\nfrom_depth = 1\nto_depth =
 def test_a_mutant_of_a_profile_is_read_or_refused_in_one_line(tmp_path: Path, depth: Depth) -> None:
     study, ground = tmp_path / "ground.toml", tmp_path / "ground.csv"
     study.write_text(SOUNDING + '[profile]\nfile = "ground.csv"\n')
-    source, seconds = random.Random("profiles"), []
-    for number in range(depth(20, 500)):
+    source = random.Random("profiles")
+    for _ in range(depth(20, 500)):
         ground.write_text(mutant(source, GROUND), newline="")
-        seconds.append((seconds_of(["plan", str(study)]), str(number)))
-    told_of_slowest(seconds)
+        answered(["plan", str(study)])
 
 
 def test_a_mutant_of_a_site_file_or_of_its_test_is_interpreted_or_refused_in_one_line(
@@ -259,19 +242,15 @@ def test_a_mutant_of_a_site_file_or_of_its_test_is_interpreted_or_refused_in_one
     if depth(1, 0):  # pictures of those that are sound take the most of a second each
         monkeypatch.setattr(command, "image", lambda *_: b"")
         monkeypatch.setattr(command, "write_own", lambda *_: None)
-    rows, count, seconds = rows_of(write_site(tmp_path)), depth(20, 500), []
+    rows = rows_of(write_site(tmp_path))
     tests = {kind: write(rows) for kind, write in WRITERS.items()}
     sites = {kind: (SITE + LAYER).replace("test.csv", f"test.{kind}") for kind in tests}
 
-    def interpreted(what: str, kind: str, site: str, test: str) -> None:
-        (tmp_path / "site.toml").write_text(site, newline="")
-        (tmp_path / f"test.{kind}").write_text(test, newline="")
-        arguments = ["interpret", str(tmp_path / "site.toml"), "--out", str(tmp_path / "out")]
-        seconds.append((seconds_of(arguments), f"{what} {kind}"))
-
-    source = random.Random("sites and tests")
-    for number in range(count):
+    source, file = random.Random("sites and tests"), tmp_path / "site.toml"
+    for _ in range(depth(20, 500)):
         kind = source.choice(list(tests))
-        interpreted(f"site {number}", kind, mutant(source, sites[kind]), tests[kind])
-        interpreted(f"test {number}", kind, sites[kind], mutant(source, tests[kind]))
-    told_of_slowest(seconds)
+        site, test = sites[kind], tests[kind]
+        for texts in ((mutant(source, site), test), (site, mutant(source, test))):
+            for path, text in zip((file, tmp_path / f"test.{kind}"), texts, strict=True):
+                path.write_text(text, newline="")
+            answered(["interpret", str(file), "--out", str(tmp_path / "out")])
