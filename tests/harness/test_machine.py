@@ -118,7 +118,7 @@ def test_given_a_machine_without_posix_modules_commands_and_a_run_work(tmp_path:
     ):
         (tmp_path / name).write_text(text)
     commands = (
-        "help run",
+        "list",
         "describe cone_penetration",
         "run tiny.toml --workers 1",
         "interpret site.toml",

@@ -53,12 +53,12 @@ def test_every_case_tells_its_times_apart_its_work_and_its_memory(case: Case) ->
 
 def test_memory_stays_flat_from_case_to_case(tmp_path: Path) -> None:
     """A worker that kept the arrays of each case would grow by their size each time."""
-    case_count, warm = 60, 10
-    scene = GravityColumn(cell_count=200).build()
+    case_count, warm, size = 40, 10, {"size": 4000, "samples": 1}
+    scene = scene_class("step_cost")(**size).build()
     assert scene is not None
     arrays = sum(array.byte_count for array in make_plan(scene).arrays.values())
     cases = [
-        case_of("gravity_column", cell_count=200, settlement_ratio=1e-4 + 1e-7 * number)
+        case_of("step_cost", **size, sample_time=0.01 + 1e-6 * number)
         for number in range(case_count)
     ]
     run_cases(cases, tmp_path, 1, Display(case_count, io.StringIO()))
