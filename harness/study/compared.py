@@ -22,7 +22,8 @@ from harness.references.reference import (
 )
 from harness.references.registry import BANDS, REFERENCES, reference_of, without_mode
 from harness.references.strength import Criterion, StrengthMode
-from harness.study.files import find_study, flat_material
+from harness.study.files import find_study
+from harness.study.laws import flat_material
 from harness.study.scene_part import Scene, ScenePart
 from harness.study.tables import LINE, StudyError, Table, is_number, text_key
 from mpm_warp.fields.checks import POSITIVE, shown
@@ -119,6 +120,9 @@ def _own_references(table: Table, parts: Sequence[ScenePart]) -> dict[str, Refer
     if table.values and not compared:
         raise StudyError(f"{table.where}: {NO_CONE_FACTOR}")
     known = dict.fromkeys(name for part in compared for name in part.parameters)
+    for name, own in table.values.items():
+        if not isinstance(own, dict):
+            raise table.refuse(name, f"belongs to a reference, a table [{OWN_REFERENCES}.its_name]")
     return {name: read_own_reference(name, table.table(name), known) for name in table.values}
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.study.designs import VARY_REPLACES_FIXED
-from harness.study.laws import without_replaced
+from harness.study.laws import ASSIGNING_TABLES, without_replaced
 from harness.study.scene_part import SCENE_KEYS
 from harness.study.tables import StudyError, Table, is_number, text_key
 from mpm_warp.errors import ParameterError
@@ -39,8 +39,6 @@ MOST_KEY_PARTS = 20
 LONG_KEY = re.compile(
     rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_KEY_PARTS}}}"
 )
-ASSIGNING_TABLES = ("fixed", "vary", "derived")
-"""Tables that give a parameter its value; a study's own entry replaces all those of its base."""
 
 
 def studies_folder() -> Path:
@@ -137,10 +135,12 @@ def read_toml(path: Path) -> dict[str, Any]:
 def _remedy(text: str, error: ValueError) -> str:
     """How to correct the line that a TOML error names, if it is a common mistake; else ""."""
     place = re.search(r"at line (\d+)", str(error))
-    if place is None:
-        return ""
-    line = text.splitlines()[int(place[1]) - 1].partition("#")[0].strip()
+    lines = text.splitlines() or [""]
+    line = lines[int(place[1]) - 1 if place else -1].partition("#")[0].strip()  # else at the end
     key, equals, value = (part.strip() for part in line.partition("="))
+    of_all, dot, own = key.partition(".")
+    if of_all == PARAMETER and dot and "overwrite" in str(error):
+        return f'; give both in one table: {of_all} = {{ {LAW} = "its_name", {own} = {value} }}'
     if equals and re.fullmatch(r"[A-Za-z][\w -]*", value):
         return f'; a text needs quotes: {key} = "{value}"'
     if equals and re.fullmatch(r"[-+]?\d+,\d+", value):
@@ -207,48 +207,6 @@ def merged(base: Mapping[str, Any], own: Mapping[str, Any], design: object) -> d
                 if isinstance(inherited[name], dict) and isinstance(value[name], dict):
                     result[key][name] = merged(inherited[name], value[name], design)
     return result
-
-
-def flat_tables(document: Table) -> dict[str, Any]:
-    """The tables of a study in which parameters of a law have names as "material.its_parameter".
-
-    A study may also have them in one table, material = { law = "its_name", its_parameter = 1 }.
-    """
-    flat = dict(document.values)
-    for key in {*ASSIGNING_TABLES, "scenes", "case"} & flat.keys():
-        where = f"{document.where} [{key}]"
-        match flat[key]:
-            case dict() as table if key == "scenes":
-                flat[key] = {
-                    name: flat_tables(Table(f"{where} [{name}]", own))
-                    if isinstance(own, dict)
-                    else own
-                    for name, own in table.items()
-                }
-            case dict() as table:
-                flat[key] = flat_material(where, table)
-            case list() as tables:
-                flat[key] = [
-                    flat_material(f"{document.where} [[case]] {number}:", own)
-                    if isinstance(own, dict)
-                    else own
-                    for number, own in enumerate(tables, 1)
-                ]
-    return flat
-
-
-def flat_material(where: str, table: Mapping[str, Any]) -> dict[str, Any]:
-    """The entries of a table in which those of a law have names as "material.its_parameter"."""
-    flat: dict[str, Any] = {}
-    for key, value in table.items():
-        is_law = key == PARAMETER and isinstance(value, dict)
-        entries = {f"{key}.{own}": it for own, it in value.items()} if is_law else {key: value}
-        for given, own in entries.items():
-            name = PARAMETER if given == f"{PARAMETER}.{LAW}" else given
-            if name in flat:
-                raise StudyError(f"{where} {name}: is given twice; keep one of them")
-            flat[name] = own
-    return flat
 
 
 def with_profile(path: Path, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,13 +16,12 @@ from harness.study.compared import OWN_REFERENCES, Compared, read_compared
 from harness.study.designs import FULL, LATIN_HYPERCUBE, ONE_AT_A_TIME, Design
 from harness.study.files import (
     find_study,
-    flat_material,
-    flat_tables,
     lineage,
     merged,
     study_names,
     with_profile,
 )
+from harness.study.laws import flat_material, flat_tables
 from harness.study.scene_part import (
     SCENE_KEYS,
     SNAPSHOTS,
@@ -130,9 +129,12 @@ def with_snapshots(study: Study, moments: str) -> Study:
     return replace(study, parts=tuple(others.values()))
 
 
-def is_scene(subject: str) -> bool:
-    """Whether `subject` names a scene; if not, it names a study or is the path of a study file."""
-    known = (*scene_names(), *study_names())
+def is_scene(subject: str, *laws: str) -> bool:
+    """Whether `subject` names a scene; if not, it names a study or is the path of a study file.
+
+    `laws` are names that a message may offer beside those of scenes and studies.
+    """
+    known = (*scene_names(), *study_names(), *laws)
     if subject not in known and "." not in subject and "/" not in subject:
         raise StudyError(f"{subject}: neither a scene nor a study{nearest_name(subject, known)}")
     return subject in scene_names()

@@ -21,6 +21,8 @@ LONGEST_MESSAGE = 400
 QUOTED = r"\"[^\"]*\"|'[^']*'"
 NOT_PLAIN = re.compile(r"[0-9]_[0-9]|\b0[xob]")
 """Numbers that TOML allows, and that are taken for a slip on a command line."""
+BARE_WORD = r"(?<![\w\"'.])[A-Za-z_]\w*(?![\w\"'.]|\s*=)"
+"""A word outside quotes that is no key."""
 LONGEST_TEXT = 1000
 """Characters that a text, such as a title, may have; longer ones are mistakes."""
 
@@ -180,9 +182,19 @@ def _remedy(key: str, text: str) -> str:
         return f"give the number without {number[2]}, in the unit of the parameter"
     if re.fullmatch(r"\d[\d.]*(,\s*[\d.]+)+", text):
         return f"put several values in brackets: '{key}=[{text}]'"
+    quoted = re.sub(BARE_WORD, r'"\g<0>"', text)
+    if text.startswith(("[", "{")) and _is_toml(quoted):
+        return f"a text in it needs quotes: '{key}={quoted}'"
     if re.fullmatch(r"[A-Za-z][\w .-]*", text):
         return f"a text of more than one word needs two kinds of quotes: '{key}=\"{text}\"'"
     return "a number, a text or a list"
+
+
+def _is_toml(text: str) -> bool:
+    try:
+        return tomllib.loads(f"value = {text}").keys() == {"value"}
+    except (ValueError, RecursionError):
+        return False
 
 
 def is_number(value: object) -> TypeGuard[float]:

@@ -146,7 +146,11 @@ class Parameter:
             near = (
                 did_you_mean(value, map(str, self.choices or ())) if isinstance(value, str) else ""
             )
-            raise Refused(f"must be {self.allowed}{_size_limit(value, self.kind)}{near}")
+            is_open = self.choices is None and math.isinf(
+                min(self.bounds.maximum, self.bounds.below)
+            )
+            limit = _size_limit(value, self.kind) if is_open else ""
+            raise Refused(f"must be {self.allowed}{limit}{near}")
         return converted
 
     def _contains(self, value: Value) -> bool:

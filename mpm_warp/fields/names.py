@@ -121,5 +121,10 @@ def nearest_name(name: str, known: Iterable[str]) -> str:
 
 
 def nearest_parameter(name: str, known: Collection[str]) -> str:
-    """A phrase with what to give instead: the meaning of an alias, or the nearest name."""
-    return what_to_give(name, known) or nearest_name(name, known)
+    """A phrase with what to give instead: the meaning of an alias, or the nearest name.
+
+    That of a parameter of a law, "material.m", is one of a law too.
+    """
+    of_all, dot, word = name.rpartition(".")
+    alike = [it for it in known if it.startswith(of_all + dot)]
+    return what_to_give(word, alike) or nearest_name(name, alike or known)

@@ -37,7 +37,7 @@ from mpm_warp.fields.names import did_you_mean, known_names, nearest_name
             "; give it with its law, material = {'law': .., 'swelling_slope': ..}",
         ),
         ("material.swelling_slop", 0.1, "did you mean 'material.swelling_slope'"),
-        ("cone_radius", 1e300, "must be a number >= 1e-06 and <= 1000, smaller than 1e+300"),
+        ("cone_radius", 1e300, "must be a number >= 1e-06 and <= 1000; meaning"),
         ("material", 3, "one of 'tresca', 'von_mises'"),
     ],
 )

@@ -128,7 +128,7 @@ def describe(options: argparse.Namespace) -> int:
     if options.subject in laws():
         say(*law_rows(options.subject))
         return DONE
-    if not is_scene(options.subject):
+    if not is_scene(options.subject, *laws()):
         study = load_study(options.subject)
         say(*study_rows(study))
         warn_of_unusual_values(study)

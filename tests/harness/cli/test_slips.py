@@ -26,6 +26,7 @@ MISTAKES = {
     "--scene cone_penetration` writes one, `harness run my_study.toml` runs it",
     "run adhesion_facotr": "no such study; did you mean 'adhesion_factor'?",
     "run cone": "no such study; did you mean 'cone_penetration'?",
+    "describe von_misses": "neither a scene nor a study; did you mean 'von_mises'?",
     "describe cone": "neither a scene nor a study; did you mean 'cone_penetration'?",
     "rnu adhesion_factor": "rnu: is not a command; did you mean 'run'?",
     "adhesion_factor": "is a study, not a command; `harness run adhesion_factor` runs it",
@@ -53,6 +54,10 @@ MISTAKES = {
     "run mesh_size --set adhesion_factor=0,1": "brackets: 'adhesion_factor=[0,1]'",
     "run mesh_size --set material=von mises": "mises; put quotes around a value with blanks",
     "run mesh_size --set material=von-mises": "two kinds of quotes: 'material=\"von-mises\"'",
+    "run mesh_size --set material=[tresca,von_mises]": "a text in it needs quotes: "
+    '\'material=["tresca","von_mises"]\'',
+    "run mesh_size --set material={law=tresca}": "needs quotes: 'material={law=\"tresca\"}'",
+    "run mesh_size --set material.phi=30": "give 'material.critical_state_ratio', 6 sin(phi)",
     "run mesh_size rigidity_index=50": "change a parameter by --set rigidity_index=50",
     "run mesh_size --set rigidity_index": "must be key=value",
     "run mesh_size --set rigidity_index=": "must be key=value",

@@ -57,6 +57,10 @@ OF_A_CONE = [
         'design = "list"\n[[case]]\nmaterial = { law = "modified_cm_clay", cohesion = 1 }',
         "[[case]] 1: material = 'modified_cm_clay' is not allowed: must be one of",
     ),
+    (
+        '[fixed]\nmaterial = { law = "modified_cam_clay", swelling_slope = 1e300 }',
+        "must be a number > 0, smaller than 1e+300; meaning",
+    ),
     # Ranges.
     ("[vary]\nmaterial = { from = 1, to = 2 }", "unknown parameter 'material.from'"),
     (
@@ -133,6 +137,10 @@ OF_A_CONE = [
     ("fixed.density" + ".a" * 3000 + " = 1", "a dotted key has more than 20 parts"),
     ("[fixed\n", "not valid TOML: Expected"),
     ('title = "again"', "not valid TOML: Cannot overwrite"),
+    (
+        '[fixed]\nmaterial = "tresca"\nmaterial.swelling_slope = 0.03',
+        'give both in one table: material = { law = "its_name", swelling_slope = 0.03 }',
+    ),
     ('[fixed]\n"a\\nb" = 1', r"a\nb"),
     ("#" * 2_000_000, "a study has at most"),
     # What is compared.
@@ -230,6 +238,7 @@ OF_A_CONE = [
     (OURS.replace('"Ir"', "\"'a'\""), "a cone factor is a number > 0"),
     (OURS.replace('"Ir"', '"sqrt(-1)"'), "'sqrt(-1)' has no value"),
     ("references = 3", "must be a table"),
+    ('[references]\nlabel = "l"', "belongs to a reference, a table [references.its_name]"),
 ]
 """What a study of a cone says beside title and scene, and what the answer has in it."""
 
