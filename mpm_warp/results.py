@@ -46,6 +46,9 @@ class Drawn:
         to_rest: whether the other axis ends soon after the curves have come to rest.
         slope: the parameter that is the slope of a dashed line from the origin; "" for none.
         joined_over: the parameter whose cases are pieces of one curve; "" for none.
+
+    Raises:
+        SceneError: the name of the picture has other characters than letters, digits and "_".
     """
 
     picture: str
@@ -57,6 +60,10 @@ class Drawn:
     to_rest: bool = False
     slope: str = ""
     joined_over: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.picture.isidentifier():  # it is a part of the name of a file
+            raise SceneError(f"picture = {self.picture!r}: give it letters, digits and _")
 
     @property
     def attributes(self) -> dict[str, str | int]:

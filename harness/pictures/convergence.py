@@ -1,7 +1,6 @@
 """The picture `convergence`: a result over a refinement of the method, with order and limit."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -9,16 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import over_cases
+from harness.compare.convergence import LEAST_POINTS, approach, order_of_error
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, panels, series
 from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 
-LEAST_POINTS = 3
-"""Values needed to observe an order."""
-ORDERS = 0.3, 3.0
-"""Range of observed orders that are accepted; outside, the values do not yet approach a limit."""
 OF_ERROR = "The order is that between the two finest."
 OF_LIMIT = (
     "Order and limit are from the three finest values by Richardson's extrapolation; the dotted "
@@ -45,47 +41,6 @@ REFINED_BY: dict[str, tuple[str, Refinement]] = {
     "poissons_ratio_bound": (r"$1 - 2ν_\mathrm{max}$", COMPRESSIBILITY),
 }
 """By parameter of a method: what goes to zero with refinement, in words, and as a function."""
-
-
-class Approach(NamedTuple):
-    """How values approach their limit: as ``limit + factor * h**order``."""
-
-    order: float
-    limit: float
-    factor: float
-
-    def at(self, h: Floats) -> Floats:
-        """The value at a refinement."""
-        value: Floats = self.limit + self.factor * h**self.order
-        return value
-
-
-def approach(h: Floats, values: Floats) -> Approach | None:
-    """The order and limit observed from the three finest values; None where there are none.
-
-    Richardson's extrapolation, with the order that follows from the three values: so they have to
-    change in one direction, and by less and less. None also where the order is not within `ORDERS`.
-    `h` > 0 goes to zero with refinement; values that are not a number are left out.
-    """
-    from scipy.optimize import brentq
-
-    known = np.flatnonzero(np.isfinite(values))
-    finest = known[np.argsort(h[known])][:LEAST_POINTS]
-    if finest.size < LEAST_POINTS:
-        return None
-    first, second = np.diff(values[finest])
-    if first * second <= 0.0:
-        return None
-    a, b, c = h[finest]
-
-    def misfit(order: float) -> float:
-        return float((c**order - b**order) / (b**order - a**order) - second / first)
-
-    if misfit(ORDERS[0]) * misfit(ORDERS[1]) > 0.0:
-        return None
-    order = float(brentq(misfit, *ORDERS))
-    factor = float(first / (b**order - a**order))
-    return Approach(order, float(values[finest[0]] - factor * a**order), factor)
 
 
 def refined(studied: Studied) -> str | None:
@@ -120,7 +75,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     figure, (axes,) = panels()
     for (cases, label), line in series(studied.groups(name, h)):
         x, y = h[cases], simulated[cases]
-        observed = _order_of_error(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
+        observed = _order(x, y) if is_error else _draw_limit(axes, x, y, line.colour)
         text, dashes = f"{label or 'computed'}: {observed}", "-" if is_error else ""
         if is_corrected:
             text = f"{label or 'computed'}, corrected"
@@ -135,13 +90,10 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
     return captioned(figure, dataset, meaning, of_corrected, studied.bars, legend=axes)
 
 
-def _order_of_error(h: Floats, error: Floats) -> str:
-    """The order between the two finest errors, in words; they are sorted by refinement."""
-    known = np.flatnonzero(np.isfinite(error) & (error > 0.0))[:2]
-    if known.size < 2:
-        return "no order"
-    order = np.diff(np.log(error[known])) / np.diff(np.log(h[known]))
-    return f"order {order.item():.2f}"
+def _order(h: Floats, error: Floats) -> str:
+    """The order of errors in words."""
+    order = order_of_error(h, error)
+    return "no order" if order is None else f"order {order:.2f}"
 
 
 def _draw_limit(axes: Axes, h: Floats, values: Floats, colour: str) -> str:

@@ -182,8 +182,7 @@ def _conditions_over(
 
 def _interpolated(x: Floats, along: Values, at: Floats, values: Values) -> Floats:
     """Values of the cases at ascending positions `at`, at positions `x`; as their axes are."""
-    place, scale = (np.log if it.scale == "log" else np.asarray for it in (along, values))
-    between = np.interp(place(x), place(at), scale(values.numbers))
+    between = np.interp(along.on_axis(x), along.on_axis(at), values.on_axis(values.numbers))
     return np.asarray(np.exp(between) if values.scale == "log" else between)
 
 

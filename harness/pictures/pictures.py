@@ -5,6 +5,7 @@ returns None for results that it does not fit; the functions are listed here.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -12,38 +13,36 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import without_incomplete_curves
+from harness.archive.own_files import check_replaceable, write_own
 from harness.errors import HarnessError
-from harness.pictures.case_curves import cycles_figure, element_tests_figure, resistance_figure
-from harness.pictures.cases import cases_figure, scenes_figure, spread_figure
+from harness.pictures.cases import cases_figure, scenes_figure
 from harness.pictures.convergence import convergence_figure
 from harness.pictures.curve import curve_figure
+from harness.pictures.curves import curves_figure
+from harness.pictures.declared import declared
 from harness.pictures.drawing.caption import MISSING_NUMBERS
-from harness.pictures.drawing.plot_parts import check_replaceable, image, write_own
-from harness.pictures.effects import effects_figure
+from harness.pictures.drawing.plot_parts import image
+from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.map import map_figure
-from harness.pictures.sounding import sounding_figure
+from harness.pictures.spread import spread_figure
 from harness.pictures.stability import stability_figure
-from harness.pictures.tornado import tornado_figure
 from harness.pictures.work_precision import study_figure
 
-PICTURES: dict[str, Callable[[xr.Dataset], Figure | None]] = {
+Picture = Callable[[xr.Dataset], Figure | None]
+PICTURES: dict[str, Picture] = {
     "curve": curve_figure,
     "map": map_figure,
     "tornado": tornado_figure,
     "convergence": convergence_figure,
-    "cycles": cycles_figure,
-    "element_tests": element_tests_figure,
     "spread": spread_figure,
     "effects": effects_figure,
     "cases": cases_figure,
     "scenes": scenes_figure,
     "work_precision": study_figure,
-    "resistance": resistance_figure,
     "stability": stability_figure,
-    "sounding": sounding_figure,
 }
-"""Functions that draw the pictures, by name, main ones first. None means that a result has no
-such picture."""
+"""Functions that draw the pictures of all results, by name, main ones first. None means that a
+result has no such picture. The pictures of curves follow: results declare them themselves."""
 
 
 class NothingToDrawError(HarnessError):
@@ -68,8 +67,9 @@ def draw(
     drawn, failed = rendered(dataset, lambda figure: {form: image(figure, form) for form in forms})
     if not drawn and not failed:
         raise NothingToDrawError(
-            "nothing to draw: the dataset has no headline that varies, no penetration_resistance, "
-            "no error over settings of the method, and no map of its stability"
+            "nothing to draw: the dataset has no headline that varies, no error over settings of "
+            "the method, no map of its stability, and no curve that says where it is drawn; if it "
+            "is older than that, `harness run STUDY --fresh` makes it anew"
         )
     folder.mkdir(parents=True, exist_ok=True)
     content = {
@@ -95,6 +95,17 @@ def _drawable(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.assign(beyond).assign_attrs({MISSING_NUMBERS: told})
 
 
+def _pictures_of(dataset: xr.Dataset) -> dict[str, Picture]:
+    """`PICTURES`, and those of the curves that the result declares."""
+    curves = declared(dataset)
+    if taken := PICTURES.keys() & curves:
+        raise HarnessError(
+            f"picture {min(taken)}: the harness has one of this name; call that of the curve "
+            f"{curves[min(taken)][0]} otherwise"
+        )
+    return PICTURES | {name: partial(curves_figure, names=own) for name, own in curves.items()}
+
+
 def rendered(
     dataset: xr.Dataset, render: Callable[[Figure], Rendered]
 ) -> tuple[dict[str, Rendered], Failures]:
@@ -105,7 +116,7 @@ def rendered(
     sound = _drawable(without_incomplete_curves(dataset))
     made: dict[str, Rendered] = {}
     failed: Failures = {}
-    for name, picture in PICTURES.items():
+    for name, picture in _pictures_of(sound).items():
         try:
             if (figure := picture(sound)) is not None:
                 made[name] = render(figure)

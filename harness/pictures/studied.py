@@ -18,8 +18,8 @@ from harness.archive.conventions import (
     scenes_of,
     uncertainty_of,
 )
-from harness.pictures.drawing.caption import left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import Series, mark_failures, series
+from harness.pictures.drawing.caption import of_half_widths
+from harness.pictures.drawing.plot_parts import draw_values
 from harness.pictures.drawing.quantities import DERIVED, Floats, Values, assigned
 from harness.references.reference import COMPARED
 from harness.study import scene_part
@@ -59,10 +59,8 @@ class Studied:
         return None if self.half_width is None else self.half_width[cases]
 
     def draw(self, axes: Axes, x: Floats, cases: np.ndarray, **style: Any) -> None:
-        """Draw the headline of some cases, and mark those without one; `x` is for all cases."""
-        own, headline = x[cases], self.computed[cases]
-        axes.errorbar(own, headline, self.widths(cases), **style)
-        mark_failures(axes, own[~np.isfinite(headline)])
+        """Draw the headline of some cases; `x` is for all cases."""
+        draw_values(axes, x[cases], self.computed[cases], self.widths(cases), **style)
 
     @functools.cached_property
     def varied(self) -> dict[str, Values]:
@@ -85,6 +83,25 @@ class Studied:
     def is_combined(self) -> bool:
         """Whether values are combined: neither random nor changed one at a time."""
         return self.dataset.attrs.get("design") not in (ONE_AT_A_TIME, LATIN_HYPERCUBE)
+
+    @functools.cached_property
+    def table(self) -> tuple[Values, Values, Floats]:
+        """Two parameters, the one of more values first, and the headline [second, first]."""
+        x, y = sorted(self.varied.values(), key=lambda it: it.different.size, reverse=True)
+        table = np.full((y.different.size, x.different.size), np.nan)
+        row, column = (np.searchsorted(it.different, it.numbers) for it in (y, x))
+        table[row, column] = self.computed
+        return x, y, table
+
+    @property
+    def is_map(self) -> bool:
+        """Whether two numbers vary in all combinations, with at least three values each."""
+        if not self.is_combined or len(self.varied) != 2 or len(self.numbers) != 2:
+            return False
+        table = self.table[2]
+        # Contours need neighbours; with many failed cases curves show more than a map.
+        full = bool(np.isfinite(table).mean() > 0.5)
+        return min(table.shape) >= 3 and self.computed.size == table.size and full
 
     @property
     def method(self) -> tuple[str, ...]:
@@ -140,22 +157,6 @@ def changing(dataset: xr.Dataset, varied: Sequence[Values]) -> list[np.ndarray]:
     differ = [values.numbers != values.numbers[0] for values in varied]
     alone = np.sum(differ, axis=0) == 1
     return [own & alone for own in differ]
-
-
-def case_labels(dataset: xr.Dataset) -> list[str]:
-    """The label of each case; "" if the cases have no common headline."""
-    studied = Studied.of(dataset)
-    return [studied.label(case) if studied else "" for case in range(dataset["status"].size)]
-
-
-def series_of(dataset: xr.Dataset, curves: Floats) -> tuple[list[Series], str]:
-    """Cases to draw, evenly spread among those with a curve, and a sentence on those left out.
-
-    The curves have the shape [case, :], with NaN for missing values.
-    """
-    drawn, labels = np.flatnonzero(np.isfinite(curves).any(axis=1)).tolist(), case_labels(dataset)
-    shown = [line._replace(place=case, label=labels[case]) for case, line in series(drawn)]
-    return shown, left_out(len(drawn) - len(shown), "cases")
 
 
 def method_of(dataset: xr.Dataset, scene: str) -> tuple[str, ...]:

@@ -14,7 +14,6 @@ from harness.archive.conventions import (
     freely_varied,
     over_cases,
     scenes_of,
-    spoken,
     uncertainty_of,
 )
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
@@ -34,9 +33,9 @@ from harness.pictures.drawing.quantities import (
     Floats,
     Values,
     assigned,
+    in_words,
     plain,
     quantity,
-    spelt,
     symbol,
 )
 from harness.pictures.studied import label_of, method_of
@@ -83,7 +82,7 @@ def _settings_key(dataset: xr.Dataset, problems: list[_Problem]) -> str:
     if dataset.attrs.get("design") == ONE_AT_A_TIME:
         return ""
     keys = dict.fromkeys(
-        " / ".join(symbol(it.name) or plain(spoken(it.name)) for it in problem.settings)
+        " / ".join(symbol(it.name) or in_words(it.name) for it in problem.settings)
         for problem in problems
         if len(problem.settings) > 1
     )
@@ -188,7 +187,7 @@ def _draw_fronts(
         if beaten.size:
             label = once(axes, "beaten by another")
             axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
-        scene = [plain(spelt(spoken(problem.scene)))] if several else []
+        scene = [in_words(problem.scene)] if several else []
         soil = problem.soil if len(problems) > 1 else []
         name = ", ".join([*scene, *soil]) if len(problems) <= MOST_LABELS else ""
         label = name or once(axes, FRONT)

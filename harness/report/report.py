@@ -22,13 +22,14 @@ from harness.archive.conventions import (
     uncertainty_of,
     with_role,
 )
+from harness.archive.own_files import MAKER, write_own
 from harness.archive.provenance import OF_CASE, other_version
 from harness.compare.compared import misses, stored_references
 from harness.compare.result_table import which_strength
 from harness.compare.spread import spread_rows, spreads_of
 from harness.errors import counted
 from harness.pictures.drawing.caption import SOIL_AND_CONE
-from harness.pictures.drawing.plot_parts import MAKER, image, write_own
+from harness.pictures.drawing.plot_parts import image
 from harness.pictures.pictures import Failures, rendered
 from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied

@@ -6,9 +6,9 @@ import pytest
 import xarray as xr
 
 from harness.archive.case_files import write_case
+from harness.archive.own_files import MAKER
 from harness.cli.main import main
 from harness.pictures import pictures
-from harness.pictures.drawing.plot_parts import MAKER
 from tests.harness.conftest import HEAD, keep, study_in
 
 AT_RANDOM = """design = "latin_hypercube"

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.netcdf_files import read_attributes, write_netcdf
+from harness.archive.own_files import check_replaceable, not_own, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
@@ -18,8 +19,8 @@ from harness.interpret.measured import REASONS
 from harness.interpret.result import in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
-from harness.pictures.drawing.plot_parts import check_replaceable, image, not_own, write_own
-from harness.pictures.sounding import check_figure, interpretation_figure, soundings_figure
+from harness.pictures.drawing.plot_parts import image
+from harness.pictures.interpreted import check_figure, interpretation_figure, soundings_figure
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from harness.study.files import read_text

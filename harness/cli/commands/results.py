@@ -12,18 +12,19 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import ENDING, find_fields, read_fields
 from harness.archive.conventions import TOLERANCES
+from harness.archive.own_files import NotOwnFileError, check_replaceable, write_own
 from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
+from harness.archive.vtk_files import write_vtk
 from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.compared import NothingToCompareError, misses
 from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, say, tell
-from harness.pictures.drawing.plot_parts import NotOwnFileError, check_replaceable, image, write_own
+from harness.pictures.drawing.plot_parts import image
 from harness.pictures.pictures import Failures, NothingToDrawError, draw
 from harness.pictures.soil import sections_figure, traction_figure, write_animation
-from harness.pictures.vtk_files import write_vtk
 from harness.references.registry import UnknownReferenceError
 from harness.report.report import write_report
 from harness.run.collect_and_clean import outcomes_of, tell_of_other_sources

@@ -10,6 +10,7 @@ from tqdm import tqdm
 from harness.archive.atomic_files import prepare, write_csv, write_whole
 from harness.archive.conventions import COMPLETED, over_cases
 from harness.archive.netcdf_files import write_netcdf
+from harness.archive.own_files import MAKER, check_replaceable, write_own
 from harness.archive.study_files import study_file
 from harness.benchmark.cases import (
     benchmark_cases,
@@ -23,7 +24,7 @@ from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, counted, say, tell
 from harness.machine import usable_cores
-from harness.pictures.drawing.plot_parts import MAKER, check_replaceable, image, write_own
+from harness.pictures.drawing.plot_parts import image
 from harness.pictures.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.resources import RunOptions, spoken_time

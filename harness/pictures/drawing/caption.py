@@ -19,7 +19,6 @@ from harness.archive.conventions import (
     parameter_names,
     reasons_of,
     scenes_of,
-    spoken,
     uncertainty_of,
     varied_names,
     words_of,
@@ -29,10 +28,10 @@ from harness.pictures.drawing.plot_parts import legend_above
 from harness.pictures.drawing.quantities import (
     Values,
     assigned,
+    in_words,
     plain,
     quantity,
     shortened,
-    spelt,
     symbol,
     wrapped,
 )
@@ -95,13 +94,13 @@ def _numbered(dataset: xr.Dataset) -> Iterator[str]:
                 for place, text in enumerate(long, 1)
             )
             text = key if len(long) <= MOST_TEXTS else "numbered in the order of cases"
-            yield f"{plain(spelt(spoken(name))).capitalize()} is {text}."
+            yield f"{in_words(name).capitalize()} is {text}."
 
 
 def _derived(dataset: xr.Dataset) -> str:
     """A sentence on the parameters that the study derives from those it varies."""
     given = [
-        f"{symbol(name) or plain(spelt(spoken(name)))} = {plain(it.attrs[DERIVED_BY])}"
+        f"{symbol(name) or in_words(name)} = {plain(it.attrs[DERIVED_BY])}"
         for name, it in dataset.coords.items()
         if DERIVED_BY in it.attrs
     ]

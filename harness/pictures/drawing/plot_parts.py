@@ -16,48 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-from harness.archive.atomic_files import write_whole
-from harness.errors import HarnessError
+from harness.archive.own_files import MAKER
 from harness.pictures.drawing.quantities import IN_PLACE, SYMBOL, Floats, wrapped
-
-MAKER = "mpm_warp harness"
-"""A text in every picture and page, by which the harness recognises its own files."""
-SEARCHED = 1 << 20
-"""Number of bytes at the beginning and at the end of a file that are searched for it."""
-
-
-class NotOwnFileError(HarnessError):
-    """A file of that name exists which the harness has not written."""
-
-
-def not_own(path: Path) -> NotOwnFileError:
-    """The error for a file of another program that would be overwritten."""
-    return NotOwnFileError(
-        f"{path}: was not written by this program and will not be overwritten; move it away, or "
-        "write to another place"
-    )
-
-
-def check_replaceable(path: Path, mark: str = MAKER) -> None:
-    """Refuse to replace a file without `mark`, a text in every file of this kind by the harness."""
-    if not path.exists() and not path.is_symlink():
-        return
-    if not path.is_file():
-        raise NotOwnFileError(f"{path}: is in the way and is no file; move it away")
-    with path.open("rb") as file:
-        content = file.read(SEARCHED)
-        file.seek(max(0, path.stat().st_size - SEARCHED))
-        content += file.read()
-    if mark.encode() not in content:
-        raise not_own(path)
-
-
-def write_own(content: bytes, path: Path) -> None:
-    """Write a file that holds `MAKER`, whole or not at all."""
-    assert MAKER.encode() in content, "the file would not be recognised"
-    check_replaceable(path)
-    write_whole(content, path)
-
 
 STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
 """Decorator of functions that make a figure or its image: the style of all pictures."""
@@ -67,7 +27,6 @@ _MADE_BY = {
     "svg": {"Creator": MAKER, "Date": None},
 }
 
-KILO = 1e3
 MARKERS = "osD^v<>p"
 """Markers of series, which tell them apart in grey."""
 MOST_LABELS = 8
@@ -76,8 +35,6 @@ FAILED = "#B00020"
 """Colour of cases that failed."""
 LABEL_LETTERS = 30
 """Number of letters in a line of the label of a curve."""
-ROW_LETTERS, ROW_LINE, ROWS_MARGIN = 36, 0.16, 1.6
-"""Number of letters in a line of a row's label, its height, and that around rows [inch]."""
 LEGEND_LINE = 0.25
 """Height of a legend of one line [inch]."""
 SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
@@ -113,16 +70,6 @@ def panels(count: int = 1, height: float | None = None, **layout: Any) -> tuple[
     return figure, list(figure.subplots(1, count, squeeze=False, **layout)[0])
 
 
-def labelled_rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
-    """A figure with one labelled row for each label, `height` [inch] or more; the first on top."""
-    texts = [wrapped(label, ROW_LETTERS) for label in labels]
-    of_text = ROW_LINE * max(text.count("\n") + 1 for text in texts)
-    figure, (axes,) = panels(height=max(height, of_text) * len(labels) + ROWS_MARGIN)
-    axes.set_yticks(range(len(labels)), texts, fontsize=8)
-    axes.set_ylim(len(labels) - 0.5, -0.5)
-    return figure, axes
-
-
 def series_colour(index: int, count: int) -> str:
     """Colour of a series among `count`, by luminance; black if it is the only one."""
     return INK if count == 1 else shade(index / (count - 1))
@@ -140,17 +87,34 @@ def runs(found: np.ndarray) -> list[slice]:
     return [run for (run,) in find_objects(label(found)[0])]
 
 
-def mark_failures(axes: Axes, positions: Floats, *, of_rows: bool = False) -> None:
-    """Mark cases without a value: at the bottom of the axes, or at the left end of their rows."""
-    if positions.size:
-        edge = np.full(positions.shape, 0.03)
+def draw_values(
+    axes: Axes,
+    at: Floats,
+    values: Floats,
+    half_widths: Floats | None = None,
+    *,
+    of_rows: bool = False,
+    **style: Any,
+) -> None:
+    """Draw values with their half widths at places of an axis, or in rows.
+
+    A value that is missing has a cross on the axis itself, where none could be taken for a value.
+    """
+    if of_rows:
+        axes.errorbar(values, at, xerr=half_widths, **style)
+    else:
+        axes.errorbar(at, values, half_widths, **style)
+    failed = at[~np.isfinite(values)]
+    if failed.size:
+        on_axis = np.zeros(failed.shape)
         axes.plot(
-            *((edge, positions) if of_rows else (positions, edge)),
+            *((on_axis, failed) if of_rows else (failed, on_axis)),
             "x",
             color=FAILED,
             transform=axes.get_yaxis_transform() if of_rows else axes.get_xaxis_transform(),
             label=once(axes, "not completed"),
             clip_on=False,
+            zorder=5,
         )
 
 

@@ -99,11 +99,21 @@ def unit_of(dataset: xr.Dataset, name: Hashable) -> str:
     return "" if unit == "1" else _UNITS.get(unit, unit)
 
 
+def readable(unit: str) -> tuple[float, str]:
+    """The unit in which curves are drawn, and the factor to it: stresses are in kPa."""
+    return (1e-3, "kPa") if unit == "Pa" else (1.0, plain(unit))
+
+
 def spelt(text: str) -> str:
     """Words of a name as readers write them."""
     for name, spelling in _SPELT.items():
         text = text.replace(name, spelling)
     return text
+
+
+def in_words(name: Hashable) -> str:
+    """The name of a variable as readers write it."""
+    return plain(spelt(spoken(name)))
 
 
 def axis_label(dataset: xr.Dataset, name: Hashable) -> str:
@@ -131,8 +141,7 @@ def quantity(value: object, unit: str = "") -> str:
 def assigned(dataset: xr.Dataset, name: Hashable, value: object) -> str:
     """A parameter, by its symbol or else its name, and its value: I_r = 100."""
     text = quantity(value, unit_of(dataset, name))
-    own = symbol(name)
-    return f"{own} = {text}" if own else f"{plain(spelt(spoken(name)))} = {text}"
+    return f"{symbol(name) or in_words(name)} = {text}"
 
 
 Floats = NDArray[np.float64]
@@ -178,7 +187,7 @@ class Values:
     @property
     def label(self) -> str:
         """Name and unit."""
-        name = spelt(spoken(self.name))
+        name = in_words(self.name)
         return name if self.unit == "1" else f"{name} [{self.unit}]"
 
     @property
@@ -210,6 +219,10 @@ class Values:
             return "log"
         positive = self.numbers[self.numbers > 0.0]
         return "symlog" if positive.max() >= 100.0 * positive.min() else "linear"
+
+    def on_axis(self, numbers: Floats | float) -> Floats:
+        """Places of values on an even axis: their logarithms, if the axis is logarithmic."""
+        return np.asarray(np.log(numbers) if self.scale == "log" else numbers)
 
     @property
     def has_single_ticks(self) -> bool:

@@ -14,6 +14,7 @@ from harness.archive.collection import collect
 from harness.compare.compared import with_references
 from harness.pictures.pictures import rendered
 from harness.references.registry import reference_of
+from mpm_warp.results import Drawn
 from tests.harness.conftest import as_collected, keep, study_in
 
 REFERENCES = ("lu_2004", "teh_houlsby_1991", "yu_2000")
@@ -24,6 +25,12 @@ SOIL = {
     "friction_coefficient": 0.0,
     "material": "tresca",
     "undrained_shear_strength": STRENGTH,
+}
+OVER_STRENGTH = {
+    "long_name": "net cone resistance",
+    "units": "Pa",
+    "description": "as simulated",
+    **Drawn(picture="resistance", divided_by="undrained_shear_strength").attributes,
 }
 Columns = Mapping[str, Sequence[object]]
 
@@ -66,7 +73,8 @@ def result(
     made = as_collected(made, dims, status, **said)
     made["particle_updates"] = dims, np.reshape(1e6 * (1.0 + np.arange(count)), shape)
     depth = xr.DataArray(np.arange(1.0, 19.0), dims="penetration")
-    made["penetration_resistance"] = made["cone_factor"] * STRENGTH * depth / 18
+    resistance = made["cone_factor"] * STRENGTH * depth / 18
+    made["penetration_resistance"] = resistance.assign_attrs(OVER_STRENGTH)
     made = made.assign_coords(penetration=depth)
     made["penetration"].attrs = {"units": "1", "long_name": "penetration over cone radius"}
     return with_references(made, [reference_of(it) for it in REFERENCES])

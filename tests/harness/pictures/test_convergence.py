@@ -5,7 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.pictures.convergence import approach, convergence_figure
+from harness.compare.convergence import approach
+from harness.pictures.convergence import convergence_figure
 from harness.pictures.work_precision import study_figure
 
 from .conftest import MADE, caption_of, figures, legend, result, texts

@@ -13,12 +13,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from harness.compare.compared import with_experience
-from harness.pictures.case_curves import resistance_figure
 from harness.pictures.curve import curve_figure
-from harness.pictures.drawing.plot_parts import SHADES, panels
+from harness.pictures.drawing.plot_parts import panels
 from harness.pictures.literature import draw_experience
 
-from .conftest import MADE, REFERENCES, caption_of, legend, one_at_a_time, result, texts
+from .conftest import MADE, REFERENCES, legend, result, texts
 
 LABELS = {"Lu et al. 2004", "Teh & Houlsby 1991", "Yu et al. 2000"}
 ENVELOPE = "envelope of the literature (no confidence interval)"
@@ -215,54 +214,6 @@ def test_failed_case_is_marked_on_the_axis() -> None:
     (mark,) = (line for line in figure.axes[0].lines if line.get_marker() == "x")
     assert mark.get_xdata().tolist() == [0.5]
     assert "not completed" in legend(figure)
-
-
-def test_resistance_is_over_the_strength_with_a_label_for_each_case() -> None:
-    figure = resistance_figure(result({"adhesion_factor": [0.0, 0.5, 1.0]}, [11.0, 11.1, np.nan]))
-    axes = figure.axes[0]
-    assert [line.get_ydata()[-1] for line in axes.lines] == pytest.approx([11.0, 11.1])
-    assert written(figure) == ["$α$ = 0", "$α$ = 0.5"]
-    assert "1 of 3 cases have no curve" in caption_of(figure)
-    assert axes.get_xlabel() == "penetration over cone radius $z/R$ [-]"
-
-
-def test_the_curve_of_a_single_case_has_no_label() -> None:
-    assert written(resistance_figure(result({"adhesion_factor": [0.3]}, [11.0]))) == []
-
-
-def twelve(design: str) -> xr.Dataset:
-    """Cases of more and more stiffness and resistance."""
-    columns = {"rigidity_index": [100.0 + case for case in range(12)]}
-    return result(columns, [11.0 + 0.1 * case for case in range(12)], design)
-
-
-def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled() -> None:
-    labels = written(resistance_figure(twelve("one_at_a_time")))
-    assert labels[0] == "start"
-    assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
-    assert written(resistance_figure(one_at_a_time()))[0].startswith("$I")
-
-
-def test_many_curves_have_the_colours_of_the_number_that_they_follow() -> None:
-    columns = {"density": [1.0, 2.0] * 6, "rigidity_index": [100.0 + it for it in range(12)]}
-    made = result(columns, [11.0 + 0.1 * it for it in range(12)], "latin_hypercube")
-    made["cone_factor_correction"] = xr.full_like(made["cone_factor"], 0.2).drop_attrs()
-    figure = resistance_figure(made)
-    axes, scale = figure.axes
-    assert scale.get_xlabel().startswith("rigidity index")
-    colours = [line.get_color() for line in axes.lines]
-    assert colours == [to_hex(SHADES(it / 11)) for it in range(12)]
-    told = "for the known error of mesh, speed and window only the cone factor is corrected."
-    assert told in caption_of(figure)
-
-
-def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:
-    scenes = ["cone_penetration", "ball_penetration"] * 6
-    figure = resistance_figure(twelve("random").assign_coords(scene=("case", scenes)))
-    assert legend(figure) == ["cone penetration", "ball penetration"]
-    colours = [line.get_color() for line in figure.axes[0].lines[:12]]
-    assert colours == colours[:2] * 6
-    assert colours[0] != colours[1]
 
 
 IDS = ("karlsrud_2005", "karlsrud_2005_pore_pressure", "mayne_peuchen_2018")

@@ -16,28 +16,25 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
+from harness.archive.own_files import NotOwnFileError
 from harness.archive.study_files import write_study
 from harness.compare.compared import with_experience
 from harness.pictures.drawing.caption import captioned, fixed
 from harness.pictures.drawing.plot_parts import (
-    FAILED,
     MOST_LABELS,
     SHADES,
-    NotOwnFileError,
     image,
     legend_above,
     panels,
 )
-from harness.pictures.effects import effects_figure
 from harness.pictures.map import map_figure
 from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
-from harness.pictures.tornado import tornado_figure
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from tests.conftest import finished
 from tests.harness.conftest import Command
 
-from .conftest import MADE, caption_of, drawn, figures, legend, random_cases, result, texts
+from .conftest import MADE, caption_of, drawn, figures, legend, result, texts
 
 pytestmark = pytest.mark.slow
 
@@ -230,59 +227,6 @@ def test_what_another_program_wrote_is_not_overwritten(tmp_path: Path) -> None:
 def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(NothingToDrawError, match="nothing to draw: the dataset has no headline"):
         draw(xr.Dataset({"status": ((), "completed")}, attrs={"study": "demo"}), tmp_path)
-
-
-def test_tornado_has_the_widest_bar_on_top_and_names_what_failed() -> None:
-    figure = drawn("one at a time")[1]["tornado"]
-    (axes,) = figure.axes
-    rows = [text.get_text().partition(" ")[0] for text in axes.get_yticklabels()]
-    assert rows == ["rigidity", "adhesion", "material", "speed"]
-    widths = [bar.get_bbox().width for bar in axes.patches if isinstance(bar, Rectangle)]
-    # below and above the start of the rigidity index, then of the others as far as there are cases
-    assert widths == pytest.approx([-3.0, 3.0, 0.8, -0.8])
-    assert texts(axes.texts) == ["25", "500", "1", "von mises"]
-    assert r"Not completed: $v/v_{\mathrm{s}}$ = 0.5." in caption_of(figure)
-
-
-def test_a_bar_without_length_has_its_label() -> None:
-    columns = {"adhesion_factor": [0.5, 1.0, 0.5], "time_step_fraction": [0.85, 0.85, 0.425]}
-    (axes,) = tornado_figure(result(columns, [11.0, 11.8, 11.0], "one_at_a_time")).axes
-    assert texts(axes.texts) == ["1", "0.425"]
-
-
-def test_few_random_values_have_round_ticks() -> None:
-    dataset = random_cases(12)
-    index, adhesion = effects_figure(dataset).axes[:2]
-    assert set(index.get_xticks()) <= {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000}
-    assert adhesion.get_xscale() == "linear"
-    assert not set(adhesion.get_xticks()) & set(dataset.adhesion_factor.values)
-
-
-def test_effects_of_random_cases_are_found_again() -> None:
-    figure = drawn("at random")[1]["effects"]
-    names = [axes.get_xlabel().partition(" ")[0] for axes in figure.axes]
-    assert names == ["rigidity", "adhesion", "material"]
-    line = figure.axes[1].lines[1]  # after the cases
-    slope = np.ptp(line.get_ydata()) / np.ptp(line.get_xdata())
-    assert slope == pytest.approx(1.5, rel=1e-9)  # what was put in is in the span of the fit
-    assert "of their variance it explains 100 %" in caption_of(figure)
-
-
-def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
-    figure = drawn("a few cases")[1]["cases"]
-    (axes,) = figure.axes
-    assert texts(axes.get_yticklabels()) == [
-        "as most",
-        "material = von mises",
-        "$α$ = 1, $β$ = 120",
-        "$β$ = 90, mean effective stress = 60\nkPa",
-    ]
-    (cross,) = (line for line in axes.lines if line.get_marker() == "x")
-    assert (cross.get_color(), np.asarray(cross.get_ydata()).tolist()) == (FAILED, [3.0])
-    assert legend(figure) == ["not completed"]
-    assert "1 of 4 cases did not complete" in caption_of(figure)
-    bottom, top = axes.get_ylim()
-    assert bottom > top, "the first case is the uppermost"
 
 
 def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None:

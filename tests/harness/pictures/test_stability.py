@@ -7,15 +7,23 @@ from typing import cast
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.quantities import Values
-from harness.pictures.stability import STATUSES, short_reason, stability_figure, stability_rows
-from harness.pictures.tornado import tornado_figure
+from harness.pictures.effects import tornado_figure
+from harness.pictures.stability import (
+    BAR,
+    STATUSES,
+    short_reason,
+    stability_figure,
+    stability_rows,
+)
 from tests.harness.conftest import as_collected
 from tests.harness.pictures.conftest import caption_of, collected, figures, legend, texts
 
@@ -88,71 +96,63 @@ TRIED = [OUTCOMES[0], *(({"speed_ratio": it}, "completed") for it in (0.1, 0.4, 
 NO_DEFAULT = [({}, "crashed"), *OUTCOMES[1:]]
 NO_MISES = [*OUTCOMES[:-1], (OUTCOMES[-1][0], "diverged")]
 BELOW, ABOVE = f"0.001 (factor 30), {DIVERGED}", f"0.3 (factor 10), {INACCURATE}"
+STRESS_DERIVED = made("one_at_a_time", [*["completed"] * 2, "diverged"], stress=[np.nan, 0.5, 1.0])
+STRESS_FROM_0 = made("one_at_a_time", [*["completed"] * 2, "diverged"], stress=[0.0, 1.0, 1e4])
+STRESS_NOT_RUN = made(
+    "one_at_a_time", ["completed", "missing", "completed"], stress=[1.0, 2.0, 3.0]
+)
 
 
 @pytest.mark.parametrize(
-    ("outcomes", "name", "stable", "below", "above"),
+    ("dataset", "name", "fails"),
     [
-        (OUTCOMES, "speed ratio", "0.01 to 0.1", BELOW, ABOVE),
+        (one_at_a_time(), "speed ratio (0.03)", f"below: {BELOW}; above: {ABOVE}"),
+        # what completed beyond a failure is no margin
         (
-            OUTCOMES,  # what completed beyond a failure is not stable
-            "Poisson's ratio",
-            "0.3 to 0.49",
-            f"0.2 (difference -0.29), {DIVERGED}",
-            "no case",
+            one_at_a_time(),
+            "Poisson's ratio (0.49)",
+            f"below: 0.2 (factor 2.45), {DIVERGED}; above: no case",
         ),
-        (TRIED, "speed ratio", "0.01 to 0.4", "none failed down to 0.01", "none failed up to 0.4"),
-        (NO_DEFAULT, "speed ratio", "none", *["the default itself, crashed"] * 2),
-        (OUTCOMES, "material", "tresca, von_mises", "", "none failed"),
-        (NO_MISES, "material", "tresca", "", f"von_mises, {DIVERGED}"),
+        (
+            one_at_a_time(TRIED),
+            "speed ratio (0.03)",
+            "below: none failed down to 0.01; above: none failed up to 0.4",
+        ),
+        (
+            one_at_a_time(NO_DEFAULT),
+            "speed ratio (0.03)",
+            "below: the default itself, crashed; above: the default itself, crashed",
+        ),
+        # a text is neither below nor above the default
+        (one_at_a_time(), "material (tresca)", "none failed"),
+        (one_at_a_time(NO_MISES), "material (tresca)", f"von_mises, {DIVERGED}"),
+        (STRESS_DERIVED, "stress (derived)", f"1, {DIVERGED}"),  # it is no number
+        # from zero there is no factor
+        (STRESS_FROM_0, "stress (0)", f"below: no case; above: 10000, {DIVERGED}"),
+        # what was not run says nothing
+        (STRESS_NOT_RUN, "stress (1)", "below: no case; above: none failed up to 3"),
     ],
 )
-def test_what_is_stable_and_what_is_the_margin(
-    outcomes: Sequence[tuple[dict[str, object], str]],
-    name: str,
-    stable: str,
-    below: str,
-    above: str,
-) -> None:
-    row = row_of(one_at_a_time(outcomes), name)
-    told = row["stable"], row["first failure below"], row["first failure above"]
-    assert told == (stable, below, above)
+def test_what_fails_and_with_what_margin(dataset: xr.Dataset, name: str, fails: str) -> None:
+    assert row_of(dataset, name)["what fails"] == fails
 
 
-@pytest.mark.parametrize(
-    ("statuses", "values", "stable", "above"),
-    [
-        # A default that the scene derives is no number.
-        (["completed", "completed", "diverged"], [np.nan, 0.5, 1.0], "derived, 0.5", "1, "),
-        # From zero there is no factor.
-        (["completed", "completed", "diverged"], [0.0, 1.0, 1e4], "0 to 1", "10000 (difference"),
-        # What was not run says nothing.
-        (["completed", "missing", "completed"], [1.0, 2.0, 3.0], "1 to 3", "none failed up to 3"),
-    ],
-)
-def test_values_of_any_kind(
-    statuses: list[str], values: list[float], stable: str, above: str
-) -> None:
-    row = row_of(made("one_at_a_time", statuses, stress=values), "stress")
-    assert row["stable"] == stable
-    assert row["first failure above"].startswith(above)
+def test_what_completed_is_told_value_by_value() -> None:
+    told = "0.001: 0% of 1, 0.01: 100% of 1, 0.03: 100% of 1, 0.1: 100% of 1, 0.3: 0% of 1, 0.5: 0%"
+    assert row_of(one_at_a_time(), "speed ratio (0.03)")["completed"] == f"{told} of 1"
 
 
 def test_a_result_is_told_as_a_share_of_its_limit_and_of_several_the_nearest_counts() -> None:
     dataset = made("one_at_a_time", ["completed"] * 2, stress=[1.0, 2.0])
     dataset["energy_error"] = "case", np.array([-0.01, 0.02]), {"limit": 0.04}
-    assert row_of(dataset, "stress")["limit"] == "up to 50% of the limit"
+    assert row_of(dataset, "stress (1)")["limit"] == "up to 50% of the limit"
     dataset["mass_error"] = "case", np.array([0.8, 0.1]), {"limit": 1.0}
-    assert row_of(dataset, "stress")["limit"] == "up to 80% of the limit"
-    label = stability_figure(dataset).axes[-1].get_xlabel()
-    assert label.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
-
-
-def test_a_result_without_a_limit_has_no_scale() -> None:
-    dataset = one_at_a_time()
-    dataset["energy_error"] = "case", np.full(len(OUTCOMES), 0.01)
-    assert row_of(dataset, "speed ratio")["limit"] == ""
-    assert len(stability_figure(dataset).axes) == len(DEFAULTS)
+    assert row_of(dataset, "stress (1)")["limit"] == "up to 80% of the limit"
+    figure = stability_figure(dataset)
+    (line,) = (label for label in legend(figure) if "limit" in label)
+    assert line.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
+    heights = [path.vertices[0][1] for it in figure.axes[0].collections for path in it.get_paths()]
+    np.testing.assert_allclose(heights, BAR / 2.0 - BAR * np.array([0.8, 0.5]))
 
 
 def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
@@ -163,74 +163,52 @@ def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
             "parameter": "stiffness",
             "completed": "1 to 4: 100% of 4, 5 to 8: 75% of 4, 9 to 12: 50% of 4, "
             "13 to 16: 25% of 4, 17 to 20: 0% of 4",
-            "spread": "100%",
-            "least": "17 to 20",
-            "what fails there": f"4 {DIVERGED}",
+            "what fails": f"0% complete at 17 to 20: {DIVERGED}",
+            "limit": "",
         },
         {
             "parameter": "strength",
             "completed": "1: 40% of 10, 2: 60% of 10",
-            "spread": "20%",
-            "least": "1",
-            "what fails there": f"6 {DIVERGED}",
+            "what fails": f"40% complete at 1: {DIVERGED}",
+            "limit": "",
         },
     ]
-
-
-def marks(figure: Figure, row: int) -> list[tuple[float, str]]:
-    """Place and status of each mark of a strip."""
-    lines = [line for line in figure.axes[row].lines if line.get_gid() in STATUSES]
-    return [(float(line.get_xdata()[0]), str(line.get_gid())) for line in lines]
-
-
-def test_the_picture_has_a_mark_for_each_case_and_a_bar_where_it_is_stable() -> None:
-    figure = stability_figure(one_at_a_time())
-    (bar,) = (line for line in figure.axes[0].lines if line.get_gid() == "stable")
-    (default,) = (line for line in figure.axes[0].lines if line.get_gid() == "default")
-    assert bar.get_xdata().tolist() == [0.01, 0.1]
-    assert default.get_xdata()[0] == 0.03
-    assert sorted(marks(figure, 0)) == [
-        (0.001, "diverged"),
-        (0.01, "completed"),
-        (0.03, "completed"),
-        (0.1, "completed"),
-        (0.3, "inaccurate"),
-        (0.5, "diverged"),
-    ]
-    assert figure.axes[0].get_xscale() == "log"
-    assert figure.axes[1].get_xscale() == "linear"
-    (text,) = figure.axes[0].texts
-    assert "above: 0.3 (factor 10), inaccurate" in text.get_text()
-    assert legend(figure) == ["completed", "inaccurate", "diverged", "default", "stable"]
-
-
-def test_the_share_of_the_limit_colours_what_completed() -> None:
-    dataset = one_at_a_time()
-    energy = np.where(dataset["status"] == "completed", 0.025, np.nan)
-    figure = stability_figure(dataset.assign(energy_error=("case", energy, {"limit": 0.05})))
-    assert len(figure.axes) == len(DEFAULTS) + 1
-    colours: dict[str, set[str]] = {}
-    for line in figure.axes[0].lines:
-        colours.setdefault(str(line.get_gid()), set()).add(str(line.get_color()))
-    assert len({*colours["completed"], *colours["inaccurate"], *colours["diverged"]}) == 3
-
-
-def test_bars_of_the_shares_add_up_to_one() -> None:
-    axes = stability_figure(random_cases()).axes[0]
-    bars = cast("list[Rectangle]", list(axes.patches))
-    heights = np.array([bar.get_height() for bar in bars]).reshape(2, 5)
-    np.testing.assert_allclose(heights[0], [1.0, 0.75, 0.5, 0.25, 0.0])
-    np.testing.assert_allclose(heights.sum(axis=0), 1.0)
-    bottoms = np.array([bar.get_y() for bar in bars]).reshape(2, 5)
-    np.testing.assert_allclose(bottoms, [np.zeros(5), heights[0]])
-    ticks = texts(axes.get_xticklabels())
-    assert ticks == ["1", "5", "9", "13", "17", "20"]
-
-
-def test_where_all_complete_no_least_share_is_told() -> None:
     sound = made("latin_hypercube", ["completed"] * 6, stress=[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
-    (axes,) = stability_figure(sound).axes
-    assert texts(axes.texts) == ["all 6 complete"]
+    assert row_of(sound, "stress")["what fails"] == "all 6 complete"
+
+
+def bars(figure: Figure, row: int) -> list[tuple[str, float, float]]:
+    """Colour, bottom and height of each bar of a row, from the left."""
+    found = [bar for bar in figure.axes[0].patches if bar.get_gid() == row]
+    return [
+        (to_hex(bar.get_facecolor()).upper(), row + BAR / 2 - bar.get_y(), -bar.get_height())
+        for bar in cast("list[Rectangle]", found)
+    ]
+
+
+def test_each_value_has_a_bar_in_the_colour_of_its_status_and_the_default_a_frame() -> None:
+    figure = stability_figure(one_at_a_time())
+    statuses = ["diverged", "completed", "completed", "completed", "inaccurate", "diverged"]
+    assert bars(figure, 0) == [(STATUSES[status], 0.0, BAR) for status in statuses]
+    frames = [bar for bar in figure.axes[0].patches if not bar.get_fill()]
+    assert len(frames) == 3
+    centre = frames[0].get_x() + 0.5 * frames[0].get_width()
+    assert centre == pytest.approx(2.5 / 6.0)
+    assert set(legend(figure)) == {"completed", "inaccurate", "diverged", "default"}
+    written = texts(figure.axes[0].texts)
+    assert written[:6] == ["0.001", "0.01", "0.03", "0.1", "0.3", "0.5"]
+    assert "above: 0.3 (factor 10), inaccurate" in written[6]
+
+
+def test_bars_of_the_shares_add_up_to_a_full_one() -> None:
+    figure = stability_figure(random_cases())
+    drawn = bars(figure, 0)
+    assert [status for status, *_ in drawn].count(STATUSES["diverged"]) == 4
+    heights = [height for status, _, height in drawn if status == STATUSES[COMPLETED]]
+    np.testing.assert_allclose(heights, BAR * np.array([1.0, 0.75, 0.5, 0.25]))
+    assert sum(height for *_, height in drawn) == pytest.approx(5 * BAR)
+    stacked = [bottom for status, bottom, _ in drawn if status == STATUSES["diverged"]]
+    np.testing.assert_allclose(stacked, [0.75 * BAR, 0.5 * BAR, 0.25 * BAR, 0.0])
 
 
 SOUND = made("one_at_a_time", ["completed", "completed"], stress=[1.0, 2.0])
@@ -259,7 +237,7 @@ def test_picture_and_table_come_out_of_plot_and_report(tmp_path: Path) -> None:
     assert main(["report", str(file), "-o", str(page)]) == 0
     text = page.read_text()
     assert text.count("<img") == 1  # a page of one study has no summary
-    assert "<td>0.001 (factor 30), diverged: velocity of particle 352</td>" in text
+    assert "<td>below: 0.001 (factor 30), diverged: velocity of particle 352; above: 0.3" in text
 
 
 @pytest.mark.parametrize(
@@ -285,12 +263,14 @@ def test_a_case_belongs_to_the_parameter_that_the_study_changes(order: str) -> N
     silent = made("one_at_a_time", statuses, speed_ratio=speed, stiffness=stiffness)
     silent.attrs["stability_map"] = order
     result = silent.assign(changed=("case", ["", "stiffness", "speed_ratio"]))
-    rows = [row[0].replace(" ", "_") for row in stability_rows(result)[1:]]
+    rows = [row[0].partition(" (")[0].replace(" ", "_") for row in stability_rows(result)[1:]]
     assert rows == order.split()
-    assert row_of(result, "stiffness")["first failure above"] == "5000 (factor 50), unfinished"
-    assert row_of(result, "speed ratio")["first failure below"] == "no case"
-    assert row_of(silent, "stiffness")["first failure above"] == "no case"  # it cannot be told
-    assert row_of(silent, "speed ratio")["first failure below"] == "no case"
+    of_stiffness, of_speed = "stiffness (100)", "speed ratio (0.03)"
+    failed = "below: no case; above: 5000 (factor 50), unfinished"
+    assert row_of(result, of_stiffness)["what fails"] == failed
+    assert row_of(result, of_speed)["what fails"] == "below: no case; above: none failed up to 0.1"
+    silent_row = row_of(silent, of_stiffness)["what fails"]  # it cannot be told
+    assert silent_row == "below: no case; above: no case"
 
 
 @pytest.mark.parametrize(
@@ -310,10 +290,11 @@ def test_a_bar_has_the_cases_that_change_its_parameter_alone(vary: str, tmp_path
     assert dataset["changed"].values.tolist() == in_turn
     write_study(tmp_path / "s.nc", dataset)
     for result in (dataset, read_study(tmp_path / "s.nc")):
-        assert texts(tornado_figure(result).axes[0].texts) == ["20", "0.1"]
-        found = {row[0]: row for row in stability_rows(result)}
-        assert found["rigidity index"][2] == "20 to 100"
-        assert found["speed ratio"][2] == "0.03 to 0.1"
+        rows = texts(tornado_figure(result).axes[0].get_yticklabels())
+        assert [row.partition(": ")[2] for row in rows] == ["20, 100", "0.03, 0.1"]
+        found = {row[0]: row[1] for row in stability_rows(result)}
+        assert found["rigidity index (100)"] == "20: 100% of 1, 100: 100% of 1"
+        assert found["speed ratio (0.03)"] == "0.03: 100% of 1, 0.1: 100% of 1"
 
 
 GROUND = "depth [m], strength [kPa]; 0, 20; 99, {}"
@@ -331,8 +312,8 @@ def test_long_texts_have_room_in_a_tornado() -> None:
     result["factor"] = "case", [10.0, 12.0, np.nan], {"role": "headline", "long_name": name}
     figure = tornado_figure(result)
     (axes,) = figure.axes
-    assert texts(axes.texts) == ["1"]
-    assert "Not completed: profile = 2." in caption_of(figure)
+    assert texts(axes.get_yticklabels()) == ["profile: derived, 1, 2"]
+    assert "1 of 3 cases did not complete." in caption_of(figure)
     assert axes.get_xlabel() == "cone factor over strength at the tip, at\nthe end [-]"
 
 
@@ -351,14 +332,7 @@ def test_the_caption_says_what_numbers_of_long_texts_are() -> None:
     key = "; ".join(f'{it}: "{GROUND.format(it)}"' for it in range(1, 5))
     assert f"Profile is {key}." in caption_of(few)
     assert "Profile is numbered in the order of cases." in caption_of(many)
-    lines = few.get_supxlabel().count("\n") - many.get_supxlabel().count("\n")
-    assert few.get_figheight() - many.get_figheight() == pytest.approx(lines * LINE)
-    assert lines > 0
-
-
-def test_beside_texts_stands_what_failed_neither_below_nor_above() -> None:
-    figure = stability_figure(of_profiles(2))
-    assert texts(figure.axes[0].texts) == [f"2, {DIVERGED}"]
+    assert few.get_figheight() - many.get_figheight() == pytest.approx(LINE)
 
 
 @pytest.mark.parametrize(

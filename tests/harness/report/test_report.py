@@ -12,7 +12,7 @@ from harness.archive.conventions import DISTRIBUTION
 from harness.archive.provenance import SOURCES
 from harness.archive.study_files import write_study
 from harness.compare.compared import with_tolerances
-from harness.pictures.cases import spread_figure
+from harness.pictures.spread import spread_figure
 from harness.report.report import page, write_report
 from harness.report.tables import case_columns, comparisons
 from mpm_warp.provenance import sources_digest

@@ -11,8 +11,8 @@ import xarray as xr
 from PIL import Image
 
 from harness.archive.case_files import read_fields
+from harness.archive.vtk_files import write_vtk
 from harness.cli.main import main
-from harness.pictures.vtk_files import write_vtk
 from tests.conftest import blocks
 from tests.harness.conftest import Refusal
 

@@ -1,9 +1,4 @@
-"""Pictures by depth, downward: simulated soundings, and interpreted cone tests.
-
-A sounding may be cut into stretches that run in parallel. They are joined to one curve: where two
-overlap it is their mean, and half of their difference, as a root mean square over the overlap, is
-added to its half width in squares.
-"""
+"""Pictures of interpreted cone tests by depth, downward."""
 
 from collections.abc import Sequence
 
@@ -12,102 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.archive.conventions import by_case, case_dims
-from harness.pictures.drawing.caption import captioned, left_out, of_half_widths
-from harness.pictures.drawing.plot_parts import (
-    KILO,
-    STYLED,
-    panels,
-    runs,
-    series,
-    series_colour,
-    shade,
-)
+from harness.pictures.drawing.plot_parts import STYLED, panels, runs, series, series_colour, shade
 from harness.pictures.drawing.quantities import Floats
-from harness.pictures.studied import Studied
 
-RESISTANCE, UNCERTAINTY = "net_resistance", "net_resistance_uncertainty"
-DEPTH, STRETCH = "depth", "stretch_number"
-CURVES = (RESISTANCE, UNCERTAINTY, "cone_factor_at_tip", "strength")
-JOINED = "Stretches run side by side are joined; where two overlap the curve is their mean."
-
-
-def joined(dataset: xr.Dataset) -> xr.Dataset:
-    """The curves of a result over depth and the dim `sounding`, with stretches joined.
-
-    `overlap_difference` [Pa] is added; the coordinate `case` is the first case of each sounding.
-    """
-    # A collected file has no variable that no case has, such as a half width.
-    cases = by_case(dataset[[name for name in ("status", *CURVES) if name in dataset]])
-    numbers, dims = np.arange(dataset["status"].size), case_dims(dataset)
-    groups = numbers[:, None]
-    if STRETCH in dims:
-        groups = np.moveaxis(numbers.reshape(dataset["status"].shape), dims.index(STRETCH), -1)
-        groups = groups.reshape(-1, groups.shape[-1])
-    soundings = [_as_one(cases.drop_vars("status").isel(case=group)) for group in groups]
-    return xr.concat(soundings, dim="sounding")
-
-
-def _as_one(stretches: xr.Dataset) -> xr.Dataset:
-    """The stretches of one sounding joined over all their depths."""
-    mean = stretches.mean("case", keep_attrs=True)
-    resistance = stretches[RESISTANCE]
-    count = resistance.notnull().sum("case")
-    half = 0.5 * (resistance.max("case") - resistance.min("case"))
-    difference = np.zeros(count.size)
-    # All samples of an overlap have its root mean square, because single ones contain noise.
-    for overlap in runs(count.values > 1):
-        difference[overlap] = np.sqrt(np.mean(half.values[overlap] ** 2))
-    of_stretches = mean.get(UNCERTAINTY, xr.full_like(mean[RESISTANCE], np.nan))
-    mean[UNCERTAINTY] = np.hypot(of_stretches, xr.DataArray(difference, dims=DEPTH))
-    mean["overlap_difference"] = DEPTH, difference
-    return mean.assign_coords(case=int(stretches["case"][0]))
-
-
-@STYLED
-def sounding_figure(dataset: xr.Dataset) -> Figure | None:
-    """Strength, net resistance and local cone factor of each sounding over depth.
-
-    The band contains the resistance with 95 % where its error is known.
-    """
-    if RESISTANCE not in dataset or DEPTH not in dataset.dims:
-        return None
-    studied = Studied.of(dataset)
-    soundings = joined(dataset)
-    figure, (strength, resistance, factor) = panels(3, height=5.0, sharey=True)
-    count, is_cut = soundings.sizes["sounding"], STRETCH in dataset["status"].dims
-    shown = series(range(count))
-    varied = studied.varied if studied else ()
-    # The parameters of stretches are no part of the label.
-    names = [name for name in varied if name not in (STRETCH, "to_depth")]
-    for place, line in shown:
-        sounding, colour = soundings.isel(sounding=place), line.colour
-        if not is_cut:  # the samples of other soundings, at other depths, would break its line
-            sounding = sounding.sel({DEPTH: sounding[RESISTANCE].notnull()})
-        label = studied.label(int(sounding["case"]), names) if studied else ""
-        depth = sounding[DEPTH]
-        net, half_width = sounding[RESISTANCE] / KILO, sounding[UNCERTAINTY] / KILO
-        strength.plot(sounding["strength"] / KILO, depth, color=colour, lw=0.8, label=label)
-        resistance.plot(net, depth, color=colour, lw=0.8)
-        band = depth, net - half_width, net + half_width
-        resistance.fill_betweenx(*band, color=colour, alpha=0.25, lw=0)
-        factor.plot(sounding["cone_factor_at_tip"], depth, color=colour, lw=0.8)
-    strength.set(xlabel="strength $s_{\\mathrm{u}}$ [kPa]", xlim=(0.0, None))
-    resistance.set(xlabel="net resistance [kPa]", xlim=(0.0, None))
-    factor.set(xlabel="net resistance over\nstrength at the tip [-]", xlim=(0.0, None))
-    strength.set_ylabel("depth of the tip [m]")
-    strength.invert_yaxis()
-    has_band = bool(np.isfinite(soundings[UNCERTAINTY]).any())
-    return captioned(
-        figure,
-        dataset,
-        of_half_widths(dataset, "Bands hold the resistance", are_shown=has_band),
-        JOINED if is_cut else "",
-        left_out(count - len(shown), "soundings"),
-        legend=strength if count > 1 else None,
-    )
-
-
+KILO = 1e3
 MEASURED = {
     "net_resistance": "$q_{\\mathrm{net}}$",
     "sleeve_friction": "$f_{\\mathrm{s}}$",

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.nodal_values import NodalValues
 from harness.errors import HarnessError
-from harness.pictures.soil import NodalValues
 from mpm_warp.grid.fitted import Floats
 
 VECTORS = ("displacement", "velocity")
