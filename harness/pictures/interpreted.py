@@ -18,7 +18,10 @@ MEASURED = {
 }
 TALL = 6.0
 """Height of the pictures of tests [inch]."""
-SHADES = "Grey: no strength, the table says why; brown: feels another layer."
+SHADES = (
+    "Grey: no strength, the table says why, and lines may leave the panel; brown: feels another "
+    "layer."
+)
 CHECKED = (
     "Simulated: in the ground of the medians; misfit: simulated over expected, less 1; band: "
     "95 % of the test."
@@ -44,7 +47,7 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     if "sharpened_resistance" in found:
         sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
         test.plot(sharp, depth, "k--", lw=0.8, label=text)
-    test.set_xlabel("[kPa]")
+    test.set_xlabel("measured [kPa]")
     here = found.reason.values == 0
     shown = np.array([line.get_xdata() for line in test.get_lines()], dtype=float)
     shown = shown[:, here] if here.any() else shown

@@ -262,7 +262,7 @@ class Values:
         else:
             set_scale(self.scale)
         axis.set_minor_formatter(ticker.NullFormatter())
-        if not self.has_single_ticks:
+        if not self.has_single_ticks or self.different.size == 1:  # of a single value: around it
             wide = self.numbers.max() > 1000.0 * max(self.numbers.min(), 1e-300)
             automatic = ticker.LogLocator(subs=(1,) if wide else (1, 2, 5), numticks=room)
             axis.set_major_locator(automatic if self.logarithmic else ticker.MaxNLocator(room))
