@@ -91,7 +91,7 @@ REFUSED = {
 
 
 def test_the_schema_is_one() -> None:
-    Draft202012Validator.check_schema(site_schema())
+    Draft202012Validator.check_schema(SCHEMA.schema)
 
 
 @pytest.mark.parametrize("change", VALID)
@@ -128,4 +128,4 @@ def test_a_new_site_file_is_valid_and_described(tmp_path: Path, command: Command
 
 
 def test_the_schema_of_sites_is_printed(command: Command) -> None:
-    assert json.loads(command("schema", "site").out) == site_schema()
+    assert json.loads(command("schema", "site").out) == SCHEMA.schema

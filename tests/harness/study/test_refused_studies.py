@@ -12,6 +12,13 @@ SCENE = 'scene = "cone_penetration"\n'
 ALLOWED = {name: it.allowed for name, it in parameters_of(ConePenetration).items()}
 MANY = list(range(1001, 2001))
 OURS = '[references.it]\nformula = "Ir"\nlabel = "l"\nsource = "s"\n'
+
+
+def points(columns: str) -> str:
+    """That reference by points in place of its formula."""
+    return OURS.replace('formula = "Ir"', f"points = {{ {columns} }}")
+
+
 OWN_TABLE = "[scenes.cone_penetration.vary]\nrigidity_index = [50, 60]\n"
 DRAWN = 'design = "latin_hypercube"\nsamples = 4\nseed = 1\n[vary]\n'
 
@@ -201,39 +208,15 @@ OF_A_CONE = [
     (OURS + "range = { It = [1, 2] }", "unknown parameter or symbol 'It'"),
     (OURS + "range = { Ir = [1] }", "must be two numbers"),
     (OURS + "range = { Ir = [2, 1] }", "must be two numbers, the least"),
-    (
-        OURS + 'criterion = "von mises"',
-        "'von_mises', 'modified_cam_clay'; did you",
-    ),
-    (
-        OURS + 'su_mode = "compression"',
-        "one of 'not_stated', 'pure_shear', 'triaxial_compression'",
-    ),
+    (OURS + 'criterion = "von mises"', "'von_mises', 'modified_cam_clay'; did you"),
+    (OURS + 'su_mode = "compression"', "one of 'not_stated', 'pure_shear', 'triaxial_compression'"),
     (OURS + "points = { Ir = [1], Nc = [2] }", "formula says the value too"),
-    (
-        OURS.replace('formula = "Ir"', "points = { Ir = [1] }"),
-        "of one length: symbols, and Nc",
-    ),
-    (
-        OURS.replace('formula = "Ir"', "points = { Ir = [1, 2], Nc = [2] }"),
-        "must be columns of one length",
-    ),
-    (
-        OURS.replace('formula = "Ir"', "points = { Ir = [nan], Nc = [2] }"),
-        "a list of numbers",
-    ),
-    (
-        OURS.replace('formula = "Ir"', "points = { It = [1], Nc = [2] }"),
-        "unknown parameter or symbol 'It'",
-    ),
-    (
-        OURS.replace('formula = "Ir"', "points = { Ir = [50, 60, 50], Nc = [9, 10, 11] }"),
-        "has 2 values at Ir = 50; a place has one",
-    ),
-    (
-        OURS.replace('formula = "Ir"', "points = { Ir = [50, 60], Nc = [9, 0] }"),
-        "[points] Nc = [9, 0]: a cone factor must be > 0",
-    ),
+    (points("Ir = [1]"), "of one length: symbols, and Nc"),
+    (points("Ir = [1, 2], Nc = [2]"), "must be columns of one length"),
+    (points("Ir = [nan], Nc = [2]"), "a list of numbers"),
+    (points("It = [1], Nc = [2]"), "unknown parameter or symbol 'It'"),
+    (points("Ir = [50, 60, 50], Nc = [9, 10, 11]"), "has 2 values at Ir = 50; a place has one"),
+    (points("Ir = [50, 60], Nc = [9, 0]"), "[points] Nc = [9, 0]: a cone factor must be > 0"),
     (OURS.replace('"Ir"', '"2 - 3"'), "formula = '2 - 3': is -1.0; a cone factor is a number > 0"),
     (OURS.replace('"Ir"', "\"'a'\""), "a cone factor is a number > 0"),
     (OURS.replace('"Ir"', '"sqrt(-1)"'), "'sqrt(-1)' has no value"),
