@@ -1,14 +1,13 @@
 """The picture `stability` and its table: where cases complete, with what margin, what fails.
 
-Each parameter has a strip of bars, which are shares of cases by how they ended: one at a time a bar
-for each value, and beside it the distance from the default to the first failure on either side; at
-random a bar for each part of the range.
+Each parameter has a row of bars: shares of cases by how they ended at a value, or in a part of the
+range of random cases. Beside it stands the distance from the default to the first failures.
 """
 
 import re
 import textwrap
-from collections import Counter
 from collections.abc import Sequence
+from statistics import mode
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from matplotlib.figure import Figure
 from harness.archive import conventions
 from harness.archive.conventions import COMPLETED, MISSING, over_cases
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import INK, STYLED, once
+from harness.pictures.drawing.plot_parts import INK, STATUSES, STYLED, once
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.pictures.drawing.rows import labelled_rows
 from harness.pictures.studied import changing
@@ -30,18 +29,6 @@ PART_COUNT = 5
 """Intervals with equally many cases into which the range of a random parameter is divided."""
 ROW_HEIGHT, BAR = 0.55, 0.6
 """Height of the row of a parameter [inch], and of a full bar over it."""
-STATUSES = {
-    COMPLETED: "#009E73",
-    "inaccurate": "#E69F00",
-    conventions.UNFINISHED: "#F0E442",
-    "diverged": "#D55E00",
-    "refused": "#666666",
-    conventions.TIMED_OUT: "#56B4E9",
-    conventions.CRASHED: "#CC79A7",
-    "failed": "#0072B2",
-}
-"""Colour of each status, of those of Okabe and Ito; any other is black."""
-HEADING = "parameter", "completed", "what fails", "limit"
 EXPLAINED = "Bars: shares of cases that ended so, at a value or in parts of equally many cases."
 
 
@@ -67,10 +54,9 @@ class Part(NamedTuple):
     @property
     def cause(self) -> str:
         """How most failures ended, and the reason of the first of these."""
-        counts = Counter(self.status[self.status != COMPLETED].tolist())
-        ((status, _),) = counts.most_common(1)
-        reason = short_reason(str(self.message[self.status == status][0]))
-        return ": ".join(filter(None, (status, reason)))
+        status = mode(self.status[self.status != COMPLETED].tolist())
+        message = self.message[self.status == status][0]
+        return ": ".join(filter(None, (status, short_reason(message))))
 
 
 class Strip(NamedTuple):
@@ -108,7 +94,7 @@ class Strip(NamedTuple):
         return [f"{worst.share():.0%} complete at {worst.text}: {worst.cause}"]
 
     def words(self) -> tuple[str, ...]:
-        """The strip in words, under `HEADING`; the default is in brackets."""
+        """The row of the table; the default is in brackets."""
         default = "" if self.default is None else f" ({self.values.text(self.default)})"
         completed = (f"{it.text}: {it.share():.0%} of {it.status.size}" for it in self.parts)
         limits = np.concatenate([part.limits for part in self.parts])
@@ -145,20 +131,20 @@ def shows_stability(dataset: xr.Dataset) -> bool:
 
 def stability_rows(dataset: xr.Dataset) -> list[tuple[str, ...]]:
     """The map in words: a heading, then a row for each parameter."""
-    return [HEADING, *(strip.words() for strip in _strips(dataset))]
+    heading = "parameter", "completed", "what fails", "limit"
+    return [heading, *(strip.words() for strip in _strips(dataset))]
 
 
 def _strips(dataset: xr.Dataset) -> list[Strip]:
     """A strip for each varied parameter, from the cases that were run.
 
-    One at a time a strip has the first case, which has the defaults, and those that change the
-    parameter; strips are in the order of the study. At random a strip has all cases, and
-    parameters over which the shares differ most come first.
+    One at a time a strip has the first case and those that change the parameter, in the order of
+    the study. At random it has all cases; parameters over which shares differ most come first.
     """
     ran = over_cases(dataset, "status") != MISSING
-    order = [*str(dataset.attrs[STABILITY_MAP]).split(), *conventions.freely_varied(dataset)]
-    names = sorted(conventions.freely_varied(dataset), key=order.index)
-    varied = [Values.of(dataset, name) for name in names]
+    names = conventions.freely_varied(dataset)
+    order = [*str(dataset.attrs[STABILITY_MAP]).split(), *names]
+    varied = [Values.of(dataset, name) for name in sorted(names, key=order.index)]
     are_random = dataset.attrs["design"] != ONE_AT_A_TIME
     is_first = np.arange(ran.size) == 0
     owns = [ran] * len(varied) if are_random else changing(dataset, varied)
@@ -191,9 +177,8 @@ def _parts(
         low, high = values.numbers[members].min(), values.numbers[members].max()
         ends = (low,) if low == high else (float(f"{low:.3g}"), float(f"{high:.3g}"))
         status, message = (over_cases(dataset, it)[members] for it in ("status", "message"))
-        known = ratio[members][np.isfinite(ratio[members])]
-        text = " to ".join(map(values.text, ends))
-        found.append(Part(text, low, status.astype(str), message.astype(str), known))
+        text, known = " to ".join(map(values.text, ends)), members[np.isfinite(ratio[members])]
+        found.append(Part(text, low, status.astype(str), message.astype(str), ratio[known]))
     return found
 
 

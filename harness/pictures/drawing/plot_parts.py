@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
+from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
 from harness.archive.own_files import MAKER
 from harness.pictures.drawing.quantities import IN_PLACE, SYMBOL, Floats, wrapped
 
@@ -33,6 +34,17 @@ MOST_LABELS = 8
 """Largest number of curves, or points, that a picture labels."""
 FAILED = "#B00020"
 """Colour of cases that failed."""
+STATUSES = {
+    COMPLETED: "#009E73",
+    "inaccurate": "#E69F00",
+    UNFINISHED: "#F0E442",
+    "diverged": "#D55E00",
+    "refused": "#666666",
+    TIMED_OUT: "#56B4E9",
+    CRASHED: "#CC79A7",
+    "failed": "#0072B2",
+}
+"""Colour of each status, of those of Okabe and Ito; any other is black."""
 LABEL_LETTERS = 30
 """Number of letters in a line of the label of a curve."""
 LEGEND_LINE = 0.25

@@ -1,42 +1,16 @@
-"""Convergence: order and limit that three values tell; error against run time."""
+"""Convergence: order and limit beside the values; error against run time."""
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.compare.convergence import approach
 from harness.pictures.convergence import convergence_figure
 from harness.pictures.work_precision import study_figure
 
 from .conftest import MADE, caption_of, figures, legend, result, texts
 
 CELLS = (2.0, 4.0, 8.0, 16.0)
-WIDTHS = 1.0 / np.array(CELLS)
-
-
-@pytest.mark.parametrize("order", [0.5, 1.0, 2.0])
-def test_order_and_limit_are_found_again(order: float) -> None:
-    found = approach(WIDTHS, 10.0 + 3.0 * WIDTHS**order)
-    # The order is interpolated between two 0.01 apart, of a function that curves by order 1:
-    # so it is off by some 0.01**2 / 8 of it.
-    assert found.order == pytest.approx(order, abs=2e-5)
-    assert found.limit == pytest.approx(10.0, abs=1e-4)
-    assert found.at(WIDTHS) == pytest.approx(10.0 + 3.0 * WIDTHS**order, abs=1e-3)
-
-
-@pytest.mark.parametrize(
-    "values",
-    [
-        [10.0, 10.4, 10.2, 10.3],  # to and fro
-        [10.0, 10.1, 10.3, 10.7],  # by more and more
-        [10.0, 10.0, 10.0, 10.0],  # no change
-        [10.0, np.nan, np.nan, 10.1],  # too few
-        [10.0, 10.5, 10.001, 10.0],  # too fast for a scheme of any order
-    ],
-)
-def test_values_that_are_not_on_their_way_to_a_limit_have_no_order(values: list[float]) -> None:
-    assert approach(WIDTHS, np.array(values)) is None
 
 
 def test_each_series_has_its_limit_at_the_end_of_refinement() -> None:

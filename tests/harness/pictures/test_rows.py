@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import DERIVED_BY
-from harness.compare.linear_fit import linear_fit, shared_variance
 from harness.compare.spread import spreads_of
 from harness.pictures.cases import cases_figure
 from harness.pictures.drawing.plot_parts import FAILED
@@ -140,18 +139,6 @@ def test_a_reference_has_the_effect_of_its_values_in_valid_cases() -> None:
     colour = colours_of([reference_of("lu_2004")])[0]
     slope = slope_of(figure, "adhesion factor", ADHESION, colour)
     assert slope == pytest.approx(1.3, rel=0.02)
-
-
-def test_a_fit_by_columns_that_depend_on_others_leaves_out_as_one_by_the_others() -> None:
-    one = np.stack([np.ones(30), INDEX], axis=1)
-    twice = np.hstack([one, 3.0 * one])
-    np.testing.assert_allclose(linear_fit(twice, NOISE).left_out, linear_fit(one, NOISE).left_out)
-    without_first = linear_fit(one[1:], NOISE[1:]).weights
-    assert NOISE[0] - one[0] @ without_first == pytest.approx(linear_fit(one, NOISE).left_out[0])
-    assert linear_fit(one, 2.0 * INDEX).explained(2.0 * INDEX) == pytest.approx(1.0)
-    centred = [column[:, None] - column.mean() for column in (INDEX, ADHESION)]
-    share = np.corrcoef(INDEX, ADHESION)[0, 1] ** 2
-    assert shared_variance(*centred) == pytest.approx(share)
 
 
 def points(figure: Figure, row: int) -> list[tuple[float, float]]:

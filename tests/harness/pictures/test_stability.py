@@ -15,11 +15,11 @@ from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import read_study, write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
+from harness.pictures.drawing.plot_parts import STATUSES
 from harness.pictures.drawing.quantities import Values
 from harness.pictures.effects import tornado_figure
 from harness.pictures.stability import (
     BAR,
-    STATUSES,
     short_reason,
     stability_figure,
     stability_rows,
