@@ -13,7 +13,8 @@ from mpm_warp.errors import (
     WindowOverfull,
 )
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields.declaration import parameter, redefined
+from mpm_warp.fields.checked import Group
+from mpm_warp.fields.declaration import group, parameter, redefined
 from mpm_warp.grid.fitted import Grid
 from mpm_warp.grid.polar import PolarGrid
 from mpm_warp.materials.anisotropic import Anisotropic
@@ -47,7 +48,8 @@ from mpm_warp.scenes.catalogue_scene import CatalogueScene
 from mpm_warp.scenes.cavity.shapes import CavityCylinder, CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.cone_self_similar import ConeSelfSimilar
-from mpm_warp.scenes.elastic.columns import ElasticColumnWave, GravityColumn
+from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
+from mpm_warp.scenes.elastic.columns import GravityColumn
 from mpm_warp.scenes.elastic.impact import StruckBar, StruckColumn
 from mpm_warp.scenes.elastic.stretched_bar import StretchedBar
 from mpm_warp.scenes.elastic.thick_cylinder import ThickCylinder
@@ -55,7 +57,8 @@ from mpm_warp.scenes.full_flow.cyclic import CyclicBall, CyclicTBar
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder, FullFlowSphere
 from mpm_warp.scenes.full_flow.penetration import BallPenetration, TBarPenetration
 from mpm_warp.scenes.limits import Limit, limited
-from mpm_warp.scenes.material.material_point import ElementTest, MaterialPoint
+from mpm_warp.scenes.material.element_test import ElementTest
+from mpm_warp.scenes.material.material_point import MaterialPoint
 from mpm_warp.scenes.run_size import RunSize
 from mpm_warp.scenes.sounding.profile import Profile
 from mpm_warp.scenes.sounding.sounding import Sounding

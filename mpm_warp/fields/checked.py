@@ -66,10 +66,6 @@ class Group:
         derived = {name: float(value) for name, value in values if isinstance(value, Derived)}
         return dataclasses.replace(self, **derived)
 
-    def refuse(self, name: str, why: str) -> NoReturn:
-        """See `refuse`."""
-        refuse(self, name, why)
-
 
 def refuse(owner: object, name: str, why: str) -> NoReturn:
     """Raise `ParameterError` with "name = value is not allowed", followed by `why`."""

@@ -6,14 +6,14 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, ClassVar, NoReturn, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import xarray as xr
 
 from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields.checked import check_fields, compose, refuse
+from mpm_warp.fields.checked import check_fields, compose
 from mpm_warp.fields.checks import check_kind, check_known
 from mpm_warp.fields.declaration import Value, group_with, groups_of, own_parameters_of
 from mpm_warp.fields.flat import check_names, nested_values, parameters_of
@@ -85,10 +85,6 @@ class CatalogueScene(ShownByParameters, ABC):
         if (group := group_with(type(self), name)) is None:
             object.__getattribute__(self, name)  # raises again, also what a property raised
         return getattr(getattr(self, str(group)), name)
-
-    def refuse(self, name: str, why: str) -> NoReturn:
-        """See `mpm_warp.fields.checked.refuse`."""
-        refuse(self, name, why)
 
     @classmethod
     def catalogue_name(cls) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from mpm_warp.errors import ParameterError, SceneError
-from mpm_warp.fields.checked import Group
+from mpm_warp.fields.checked import Group, refuse
 from mpm_warp.fields.declaration import Derived, group, own_parameters_of, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
@@ -154,7 +154,7 @@ class Clay(Group):
         own = self.by_law.ground_shear_modulus / self.undrained_shear_strength
         if not math.isclose(self.rigidity_index, own):
             has_own = f" with material = {self.material.name!r}, whose stiffness is its own"
-            self.refuse("rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
+            refuse(self, "rigidity_index", f"{has_own}: {own:.6g} su; leave it out")
 
     def built(
         self,
@@ -223,6 +223,19 @@ class FieldClay(Clay):
         minimum=1e-9,
         maximum=1e3,
     )
+
+    def at_speed(
+        self, speed_ratio: float, stress_at_rest: Floats, greatest_poissons_ratio: float = 0.5
+    ) -> Material:
+        """The clay in a run at a speed over that of shear waves, see `built`."""
+        shear_modulus = self.rigidity_index * self.undrained_shear_strength
+        speed = speed_ratio * math.sqrt(shear_modulus / self.density)
+        return self.built(
+            density=self.density,
+            speed_up=speed / self.penetration_speed,
+            stress_at_rest=stress_at_rest,
+            greatest_poissons_ratio=greatest_poissons_ratio,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

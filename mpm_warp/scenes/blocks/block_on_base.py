@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from mpm_warp.fields.checked import refuse
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.scenes.catalogue_scene import CatalogueScene
@@ -144,12 +145,12 @@ class BlockOnBase(CatalogueScene):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.driving_force <= 0.0:
-            self.refuse("drive", " with slope = 0 or gravity = 0: nothing drives the block")
+            refuse(self, "drive", " with slope = 0 or gravity = 0: nothing drives the block")
         if self.normal_force <= 0.0:
-            self.refuse("normal_pressure", " with gravity = 0: nothing holds the block")
+            refuse(self, "normal_pressure", " with gravity = 0: nothing holds the block")
         if round(self.height / self.spacing) < 3 * math.isqrt(self.particles_per_cell):
             with_cells = f" with cells_per_length = {self.cells_per_length}"
-            self.refuse("height_ratio", f"{with_cells}: the block must be 3 cells high or more")
+            refuse(self, "height_ratio", f"{with_cells}: the block must be 3 cells high or more")
         if self.interface_radius is None:
             self._check_pressed()
         else:
@@ -167,18 +168,18 @@ class BlockOnBase(CatalogueScene):
         highest = self.normal_force * self.length / (3.0 * shear) if shear > 0.0 else math.inf
         if self.height > highest:
             at_most = f"at most {highest / self.length:.3g} with these forces"
-            self.refuse("height_ratio", f": the block would lift off at its rear; {at_most}")
+            refuse(self, "height_ratio", f": the block would lift off at its rear; {at_most}")
 
     def _check_ring(self, radius: float) -> None:
         if self.friction > 0.0:
             why = "the hoop stress of the ring bears part of the normal force; set friction = 0"
-            self.refuse("friction", f" with an interface_radius: {why}")
+            refuse(self, "friction", f" with an interface_radius: {why}")
         if self.grid_angle != 0.0:
-            self.refuse("grid_angle", " with an interface_radius: must be 0")
+            refuse(self, "grid_angle", " with an interface_radius: must be 0")
         least = self.height + 4.0 * self.cell_size
         if radius < least:
             why = f"must be at least {least:g} m: the height of the block and four cells"
-            self.refuse("interface_radius", f": {why}")
+            refuse(self, "interface_radius", f": {why}")
 
     @property
     def cell_size(self) -> float:

@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from mpm_warp.fields.checked import refuse
 from mpm_warp.fields.declaration import Value, group, redefined
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.grid.polar import PolarGrid
@@ -86,7 +87,7 @@ class CavityCylinder(Cavity):
             (is_beyond, f">= {-MOST_ANISOTROPY:g} and <= {MOST_ANISOTROPY:g} in Tresca soil"),
         ):
             if refused:
-                self.refuse("stress_anisotropy", f": must be {allowed}")
+                refuse(self, "stress_anisotropy", f": must be {allowed}")
 
     @property
     def stress_at_rest(self) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from mpm_warp.execution.execution import Execution
+from mpm_warp.fields.declaration import own_parameters_of
 from mpm_warp.parts.history import History
 from mpm_warp.results import labelled
 from mpm_warp.sampling import Sampler, follow, soil_scene
@@ -15,6 +16,7 @@ from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone import penetration, pore_pressure, soundness
 from mpm_warp.scenes.cone.cone_test import ConeTest
+from mpm_warp.scenes.cone.groups import Domain, Push, Resolution
 from mpm_warp.scenes.cone.interface import interface_in
 from mpm_warp.scenes.run_size import RunSize, of_several, size_in_grid
 from mpm_warp.scenes.strength_modes import cone_factors_by_mode, rigidity_of_law
@@ -39,21 +41,10 @@ class ConePenetration(ConeTest):
     snapshots_over = penetration.AXIS
     limits = soundness.energy_limits("penetration")
     method = (
-        "accuracy",
-        "cells_per_radius",
-        "cell_growth",
-        "time_step_fraction",
-        "speed_ratio",
-        "domain_radius",
-        "domain_above",
-        "domain_below",
+        *own_parameters_of(Resolution),
+        *own_parameters_of(Domain),
+        *own_parameters_of(Push),
         "uncertainty",
-        "particles_per_cell",
-        "approach",
-        "approach_speed_ratio",
-        "penetration",
-        "steady_tolerance",
-        "poissons_ratio_bound",
         "energy_audit",
     )
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from mpm_warp.fields.checked import refuse
 from mpm_warp.fields.declaration import group, parameter
 from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.material import Material
@@ -15,7 +16,6 @@ from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import ClayScene, FieldClay
 from mpm_warp.scenes.cone import defaults, failure
-from mpm_warp.scenes.cone.error import error_laws
 from mpm_warp.scenes.cone.groups import Cone, Domain, InSituStress, Push, Resolution
 from mpm_warp.scenes.cone.interface import Interface, interface_of
 from mpm_warp.scenes.cone.penetrometer import PenetrometerContact
@@ -62,7 +62,7 @@ class ConeTest(ClayScene):
         super().__post_init__()
         if self.inertia > failure.REFUSED_INERTIA:
             beside = f" with rigidity_index = {self.clay.rigidity_index:g}"
-            self.refuse("speed_ratio", f"{beside}: {self.thrown_off(failure.REFUSED_INERTIA)}")
+            refuse(self, "speed_ratio", f"{beside}: {self.thrown_off(failure.REFUSED_INERTIA)}")
 
     def derived(self) -> Mapping[str, float]:
         """The method by default, see `defaults`; it follows the clay."""
@@ -160,10 +160,9 @@ class ConeTest(ClayScene):
         """The laws of the error after a penetration, over the radius of the cone."""
         nu, bound = self.clay.poissons_ratio, self.resolution.poissons_ratio_bound
         reduction = max(0.0, nu - bound)
-        return error_laws(
+        return self.domain.error_laws(
             self.clay,
             self.cone,
-            self.domain,
             cells_per_radius=self.resolution.cells_per_radius,
             extents=self.default_extents,
             approach_inertia=self.approach_inertia,
@@ -189,15 +188,8 @@ class ConeTest(ClayScene):
     @property
     def soil(self) -> Material:
         """The clay as simulated: Poisson's ratio bounded, strain rates those of the real speed."""
-        clay = self.clay
-        shear_modulus = clay.rigidity_index * clay.undrained_shear_strength
-        speed = self.push.speed_ratio * math.sqrt(shear_modulus / clay.density)
-        return clay.built(
-            density=clay.density,
-            speed_up=speed / clay.penetration_speed,
-            stress_at_rest=self.stress_at_rest,
-            greatest_poissons_ratio=float(self.resolution.poissons_ratio_bound),
-        )
+        bound = float(self.resolution.poissons_ratio_bound)
+        return self.clay.at_speed(self.push.speed_ratio, self.stress_at_rest, bound)
 
     @property
     def window(self) -> Window:

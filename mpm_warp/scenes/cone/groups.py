@@ -3,12 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from mpm_warp.fields.checked import Group
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Grid, growing
-from mpm_warp.scenes.clay import StressAtRest
+from mpm_warp.scenes.clay import FieldClay, StressAtRest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
+from mpm_warp.uncertainty.laws import ErrorLaws, slope_ratio
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,6 +101,37 @@ class Domain(Group):
         """Extents by default over these, the greatest of all directions."""
         ratios: list[float] = [extent / getattr(self, name) for name, extent in by_default.items()]
         return max(ratios)
+
+    def error_laws(
+        self,
+        clay: FieldClay,
+        cone: StandardCone,
+        *,
+        cells_per_radius: float,
+        extents: Mapping[str, float],
+        **others: Any,
+    ) -> ErrorLaws:
+        """The laws of the error here, where the extents by default are given.
+
+        The `others` are the other fields of `ErrorLaws`, of clay and penetration.
+        """
+        strain_rate = clay.penetration_speed / cone.cone_radius
+        fastest = strain_rate / (clay.reference_strain_rate or strain_rate)
+        return ErrorLaws(
+            cell_size=cone.cell_size(cells_per_radius) / cone.cone_radius,
+            cell_growth=self.cell_growth,
+            outer=self.domain_radius,
+            above=self.domain_above,
+            below=self.domain_below,
+            extent_ratio=self.extent_ratio(extents),
+            above_ratio=self.domain_above / extents["domain_above"],
+            slope_ratio=slope_ratio(
+                cone.apex_angle,
+                strengthening=clay.rate_factor * math.log10(max(1.0, fastest)),
+                brittleness=(1.0 - clay.remoulded_strength_ratio) / (clay.ductility or 1.0),
+            ),
+            **others,
+        )
 
     def grid(self, penetrometer: Penetrometer, cell_size: float) -> Grid:
         """The grid around a penetrometer, with cells of a size at the cone [m]."""

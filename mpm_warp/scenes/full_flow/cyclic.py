@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from mpm_warp.fields.declaration import group, parameter
+from mpm_warp.fields.checked import refuse
+from mpm_warp.fields.declaration import group, own_parameters_of, parameter, redefined
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
@@ -17,6 +18,7 @@ from mpm_warp.sampling import follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure
 from mpm_warp.scenes.full_flow.degradation import (
@@ -61,15 +63,12 @@ class CyclicPenetration(ClayScene):
         error=0.01,
     )
     limits = energy_limits() | limited(error="a lower speed_ratio, or more cells_per_radius")
-    method = (
-        "cells_per_radius",
-        "cell_growth",
-        "particles_per_cell",
-        "speed_ratio",
-        "domain_extent",
-    )
+    method = tuple(own_parameters_of(Flow))
 
     clay: ClayAroundBody = group()
+    adhesion_factor: float = redefined(
+        Cone, "adhesion_factor", meaning="adhesion factor of the body"
+    )
     flow: Flow = group()
     cycle_count: int = parameter(
         5, "number of cycles, each a penetration and an extraction", minimum=1, maximum=200
@@ -90,7 +89,7 @@ class CyclicPenetration(ClayScene):
         super().__post_init__()
         if refusal := self._thrown_off(REFUSED_INERTIA):
             with_index = f" with rigidity_index = {self.clay.rigidity_index:g}"
-            self.refuse("speed_ratio", f"{with_index}: {refusal}")
+            refuse(self, "speed_ratio", f"{with_index}: {refusal}")
 
     @property
     def last_cycle(self) -> float:
@@ -110,11 +109,7 @@ class CyclicPenetration(ClayScene):
     @property
     def soil(self) -> Material:
         """The clay as it is simulated, with strain rates as at the real speed."""
-        return self.clay.built(
-            density=self.clay.density,
-            speed_up=self.flow.speed_up(self.clay),
-            stress_at_rest=self.stress_at_rest,
-        )
+        return self.clay.at_speed(self.flow.speed_ratio, self.stress_at_rest)
 
     @property
     def window(self) -> CyclicWindow:
@@ -126,7 +121,10 @@ class CyclicPenetration(ClayScene):
     def build(self) -> Scene:
         """The soil around the body, in a grid that travels with it."""
         strength = self.clay.undrained_shear_strength
-        return self.flow.around(self.body.shape, self.soil, self.window, strength)
+        adhesion = self.adhesion_factor * strength
+        return self.flow.around(
+            self.body.shape, self.soil, self.window, strength=strength, adhesion=adhesion
+        )
 
     @property
     def loads_solvers(self) -> bool:

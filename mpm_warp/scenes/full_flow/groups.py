@@ -16,7 +16,7 @@ from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSourc
 from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.clay import FieldClay
-from mpm_warp.scenes.cone.groups import Cone, Domain
+from mpm_warp.scenes.cone.groups import Domain
 from mpm_warp.scenes.full_flow.round_body import RoundBody
 
 NO_PARTING = 1000.0
@@ -83,15 +83,12 @@ class TBar(Body):
 
 @dataclass(frozen=True, kw_only=True)
 class Flow(Group):
-    """How soil flows around a body, and the grid that travels with it.
+    """The speed of a body, and the grid that travels with it.
 
     The body starts in place, deep in undisturbed ground, and soil and body do not part. Stresses
     are those in excess of the isotropic in-situ stress, which is in equilibrium by itself.
     """
 
-    adhesion_factor: float = redefined(
-        Cone, "adhesion_factor", meaning="adhesion factor of the body"
-    )
     speed_ratio: float = parameter(
         None,
         "penetration speed over shear wave speed (default: 0.3 / sqrt(Ir), 0.15 / sqrt(Ir) in "
@@ -113,16 +110,19 @@ class Flow(Group):
         """Speed of the body in the run [m/s], by the stiffness that the law has."""
         return self.speed_ratio * math.sqrt(soil.ground_shear_modulus / clay.density)
 
-    def speed_up(self, clay: FieldClay) -> float:
-        """Speed of the run over the real one."""
-        shear_modulus = clay.rigidity_index * clay.undrained_shear_strength
-        speed = self.speed_ratio * math.sqrt(shear_modulus / clay.density)
-        return speed / clay.penetration_speed
-
     def around(
-        self, body: RoundBody, soil: Material, window: Window | CyclicWindow, strength: float
+        self,
+        body: RoundBody,
+        soil: Material,
+        window: Window | CyclicWindow,
+        *,
+        strength: float,
+        adhesion: float,
     ) -> Scene:
-        """The soil, of a strength su [Pa], around a body, in a grid that travels with it."""
+        """The soil around a body, in a grid that travels with it.
+
+        Strength su of the soil and adhesion of the body are in Pa.
+        """
         radius = body.radius
         size = radius / self.cells_per_radius
         growth = 1.0 + self.cell_growth / self.cells_per_radius
@@ -140,7 +140,7 @@ class Flow(Group):
             )
             around = [SurroundingGround(grid=grid, material=soil, source=source, strength=strength)]
         at_rest = [] if around else ["bottom", "top", "side"]
-        adhesion, in_situ = self.adhesion_factor * strength, NO_PARTING * strength
+        in_situ = NO_PARTING * strength
         return Scene(
             grid=grid,
             material=soil,

@@ -10,7 +10,7 @@ import xarray as xr
 
 from mpm_warp.errors import ParameterError, UnfinishedRun
 from mpm_warp.execution.execution import Execution
-from mpm_warp.fields.declaration import group, parameter
+from mpm_warp.fields.declaration import group, own_parameters_of, parameter, redefined
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.window import Window
@@ -19,6 +19,7 @@ from mpm_warp.sampling import follow, mean_of_points, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
 from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure
 from mpm_warp.scenes.full_flow.groups import BallOnShaft, Body, ClayAroundBody, Flow, TBar
@@ -53,21 +54,16 @@ LARGEST_CHANGE = 0.02
 class FullFlowPenetration(ClayScene):
     """A round body pushed at constant speed through clay, to steady flow."""
 
-    method = (
-        "cells_per_radius",
-        "cell_growth",
-        "particles_per_cell",
-        "speed_ratio",
-        "domain_extent",
-        "penetration",
-        "uncertainty",
-    )
+    method = (*own_parameters_of(Flow), "penetration", "uncertainty")
     limits: ClassVar[Limits] = {
         **energy_limits("penetration"),
         "error": "the limit load has no inertia, which a fast bar meets beside it",
     }
 
     clay: ClayAroundBody = group()
+    adhesion_factor: float = redefined(
+        Cone, "adhesion_factor", meaning="adhesion factor of the body"
+    )
     flow: Flow = group()
     penetration: float = parameter(8.0, "penetration over radius", minimum=5, maximum=50)
     uncertainty: str = parameter(
@@ -102,11 +98,7 @@ class FullFlowPenetration(ClayScene):
     @property
     def soil(self) -> Material:
         """The clay as it is simulated, with strain rates as at the real speed."""
-        return self.clay.built(
-            density=self.clay.density,
-            speed_up=self.flow.speed_up(self.clay),
-            stress_at_rest=self.stress_at_rest,
-        )
+        return self.clay.at_speed(self.flow.speed_ratio, self.stress_at_rest)
 
     @property
     def window(self) -> Window:
@@ -120,7 +112,10 @@ class FullFlowPenetration(ClayScene):
     def build(self) -> Scene:
         """The soil around the body, in a grid that travels with it."""
         strength = self.clay.undrained_shear_strength
-        return self.flow.around(self.body.shape, self.soil, self.window, strength)
+        adhesion = self.adhesion_factor * strength
+        return self.flow.around(
+            self.body.shape, self.soil, self.window, strength=strength, adhesion=adhesion
+        )
 
     @property
     def end_time(self) -> float:
@@ -154,7 +149,7 @@ class FullFlowPenetration(ClayScene):
             results = further_runs.with_measured_error(self._alone, run, progress)
         if not self.body.shape.planar or str(results.built_law.values) not in CRITERIA:
             return results
-        exact = limit_load(self.flow.adhesion_factor)
+        exact = limit_load(self.adhesion_factor)
         error = abs(float(results.resistance_factor) / exact - 1.0)
         of_limit = (exact, "1", "limit load over projected area and su", LIMIT_LOAD_SOURCE)
         of_error = (error, "1", "error of the resistance", "relative to the limit load")

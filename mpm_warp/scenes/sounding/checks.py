@@ -46,7 +46,8 @@ def check_reach(ground: Profile, path: Path, *, highest_in_place: float, in_plac
     if last < path.to_depth:
         raise refused(f"ends at {last:g} m, must reach to_depth = {path.to_depth:g} m")
     if not in_place and first > 0.0:
-        path.refuse(
+        refuse(
+            path,
             "from_depth",
             f": must be >= {highest_in_place:.4g}, or the profile, which begins at {first:g} "
             "m, must begin at 0, where the cone then starts",

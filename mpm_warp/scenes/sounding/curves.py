@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import Drawn, curves, labelled
-from mpm_warp.scenes.cone.error import error_laws
 from mpm_warp.scenes.cone.pore_pressure import RADIAL_TO
 from mpm_warp.scenes.sounding.sounding_test import SoundingTest
 from mpm_warp.uncertainty.built import goes_on, is_of_catalogue
@@ -126,10 +125,9 @@ def error_of_samples(
         return ground.mean_strength_around(depth, AVERAGING_DISTANCE * radius)
 
     around = strength_around(depth)
-    laws = error_laws(
+    laws = sounding.domain.error_laws(
         sounding.clay,
         cone,
-        sounding.domain,
         cells_per_radius=sounding.cells_per_radius,
         extents=sounding.default_extents,
         approach_inertia=0.0,

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from mpm_warp.errors import ParameterError
-from mpm_warp.fields.checked import Group, fill_in
+from mpm_warp.fields.checked import Group, fill_in, refuse
 from mpm_warp.fields.declaration import Derived, own_parameters_of, parameter, redefined
 from mpm_warp.scenes.clay import FieldClay
 from mpm_warp.scenes.cone.groups import Domain
+from mpm_warp.scenes.sounding.by_law import with_strength
 from mpm_warp.scenes.sounding.profile import Profile
-from mpm_warp.scenes.sounding.table import columns_of, with_strength
+from mpm_warp.scenes.sounding.table import columns_of
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
 
 LAST_DEPTH = 1e4
@@ -179,10 +180,10 @@ class Path(Group):
         """Refuse an end above the begin, or a stretch that there is not; radius of the cone [m]."""
         spacing = f"{SAMPLE_SPACING:g} radii"
         if self.to_depth < self.from_depth + SAMPLE_SPACING * radius:
-            self.refuse("to_depth", f": must be > from_depth = {self.from_depth:g} by {spacing}")
+            refuse(self, "to_depth", f": must be > from_depth = {self.from_depth:g} by {spacing}")
         if self.stretch_number > self.stretch_count:
-            self.refuse("stretch_number", f": must be <= stretch_count = {self.stretch_count}")
+            refuse(self, "stretch_number", f": must be <= stretch_count = {self.stretch_count}")
         count = self.sample_count(SAMPLE_SPACING * radius)
         if self.stretch_count > count:
             samples = f"{count}, the samples of {spacing} from from_depth to to_depth"
-            self.refuse("stretch_count", f": must be <= {samples}")
+            refuse(self, "stretch_count", f": must be <= {samples}")

@@ -9,12 +9,13 @@ import xarray as xr
 
 from mpm_warp.errors import SimulationDiverged
 from mpm_warp.execution.execution import Execution
+from mpm_warp.fields.declaration import own_parameters_of
 from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.sampling import follow, soil_scene
 from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.failure import SANE_INERTIA
-from mpm_warp.scenes.cone.groups import InSituStress, Push
+from mpm_warp.scenes.cone.groups import Domain, InSituStress, Push
 from mpm_warp.scenes.cone.penetration import PenetrationCurves
 from mpm_warp.scenes.cone.pore_pressure import pore_pressure_curves
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
@@ -54,16 +55,7 @@ class Sounding(SoundingTest):
     summary = "cone penetration through ground that changes with depth"
     version = 33
     limits = energy_limits()
-    method = (
-        "cells_per_radius",
-        "cell_growth",
-        "time_step_fraction",
-        "speed_ratio",
-        "domain_radius",
-        "domain_above",
-        "domain_below",
-        "uncertainty",
-    )
+    method = ("cells_per_radius", *own_parameters_of(Domain), "speed_ratio", "uncertainty")
 
     def __post_init__(self) -> None:
         super().__post_init__()

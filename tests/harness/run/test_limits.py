@@ -30,7 +30,7 @@ from mpm_warp.scenes.blocks.sliding_block import SlidingBlock
 from mpm_warp.scenes.catalogue_scene import CatalogueScene
 from mpm_warp.scenes.cavity.shapes import CavitySphere
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
-from mpm_warp.scenes.elastic.columns import ElasticColumnWave
+from mpm_warp.scenes.elastic.column_wave import ElasticColumnWave
 from mpm_warp.scenes.full_flow.limit_load import FullFlowCylinder
 from mpm_warp.scenes.run_size import NUMBER_BYTES, law_bytes, shortest_crossing
 from mpm_warp.scenes.sounding.sounding import Sounding

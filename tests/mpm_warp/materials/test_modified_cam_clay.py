@@ -13,7 +13,7 @@ from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials.clay_law import own_parameters
 from mpm_warp.materials.modified_cam_clay import FLOOR, MATSUOKA_NAKAI
 from mpm_warp.materials.yield_check import YIELD_ROUNDINGS
-from mpm_warp.scenes.material.material_point import TESTS
+from mpm_warp.scenes.material.element_test import TESTS
 from mpm_warp.scenes.material.strain_paths import StrainPaths
 from tests.mpm_warp.conftest import greatest_shear, refused
 from tests.mpm_warp.materials.conftest import KAPPA, LAMBDA, SHARE, STRESS, V, cam_clay, points_on

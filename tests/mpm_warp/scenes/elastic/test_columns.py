@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from mpm_warp import ElasticColumnWave, GravityColumn, ThickCylinder
-from mpm_warp.scenes.elastic.columns import PERIOD
+from mpm_warp.scenes.elastic.column_wave import PERIOD
 from mpm_warp.scenes.elastic.wave_decay import wave_factor
 from tests.mpm_warp.scenes.conftest import order_and_errors
 

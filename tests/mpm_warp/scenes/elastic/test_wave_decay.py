@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mpm_warp import ElasticColumnWave, Scene, Simulation
-from mpm_warp.scenes.elastic.columns import PERIOD
+from mpm_warp.scenes.elastic.column_wave import PERIOD
 from mpm_warp.scenes.elastic.wave_decay import step_matrix, wave_factor
 
 CELLS = 5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mpm_warp import ElementTest
-from mpm_warp.scenes.material.material_point import TESTS
+from mpm_warp.scenes.material.element_test import TESTS
 
 SU = 20e3
 modes = pytest.mark.parametrize("mode", TESTS)
