@@ -98,7 +98,7 @@ class StepCost(CatalogueScene):
         cells_per_radius = 2.0
         for _ in range(4):
             cone = ConePenetration(cells_per_radius=cells_per_radius, approach=0.0)
-            count = cone.run_size().cell_count * cone.particles_per_cell
+            count = cone.run_size().cell_count * cone.resolution.particles_per_cell
             cells_per_radius = min(max(1.0, cells_per_radius * math.sqrt(self.size / count)), 100.0)
         return cone
 
