@@ -6,18 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.fields.checked import Group, refuse
-from mpm_warp.fields.declaration import Derived, group, own_parameters_of, parameter
+from mpm_warp.fields.declaration import Derived, parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.materials import CRITERIA
 from mpm_warp.materials.clay_law import LAWS, ClayLaw
 from mpm_warp.materials.einav_randolph import EinavRandolph
 from mpm_warp.materials.material import Material
 from mpm_warp.materials.perfectly_plastic import PerfectlyPlastic
-from mpm_warp.scenes.catalogue_scene import CatalogueScene
 
 NEEDED = (
     ("rate_factor", 0.0, "reference_strain_rate", "in 1/s"),
@@ -236,66 +233,3 @@ class FieldClay(Clay):
             stress_at_rest=stress_at_rest,
             greatest_poissons_ratio=greatest_poissons_ratio,
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class StressAtRest(Group):
-    """The stress of the ground before a test, in excess of the vertical stress."""
-
-    stress_anisotropy: float = parameter(
-        Derived(0.0),
-        "stress anisotropy Delta in the ground before: vertical less horizontal stress over 2 su",
-        above=-1,
-        below=1,
-    )
-
-    def at_rest(self, strength: float) -> Floats:
-        """Initial stress (rr, zz, rz, tt) in clay of a strength su [Pa], shape [4]."""
-        return 2.0 * self.stress_anisotropy * strength * np.array([1.0, 0.0, 0.0, 1.0])
-
-
-@dataclass(frozen=True, kw_only=True, init=False)
-class ClayScene(CatalogueScene):
-    """A scene in one clay.
-
-    Raises:
-        mpm_warp.errors.ParameterError: on construction, also where the law does not allow a value
-            or the stress at rest.
-    """
-
-    clay: Clay = group()
-
-    def derived(self) -> Mapping[str, float]:
-        """The stress anisotropy of a law that gives K0."""
-        anisotropy = self.clay.own_anisotropy
-        if anisotropy is None:
-            return {}
-        if "stress_anisotropy" not in own_parameters_of(type(self)):
-            raise ParameterError(
-                "material",
-                "this scene starts from stresses that are equal in all directions: give "
-                "isotropic_overconsolidation_ratio, without K0",
-            )
-        return {"stress_anisotropy": anisotropy}
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self.check_soil()
-
-    def check_soil(self) -> None:
-        """Refuse values that the law does not allow."""
-        try:
-            _ = self.soil
-        except SceneError as refusal:
-            key = "ductility" if self.clay.is_criterion else "material"
-            raise ParameterError(key, str(refusal)) from None
-
-    @property
-    @abstractmethod
-    def soil(self) -> Material:
-        """The clay as it is simulated, made by `Clay.built`."""
-
-    @property
-    def stress_at_rest(self) -> Floats:
-        """Initial stress (rr, zz, rz, tt) in excess of the vertical stress [Pa], shape [4]."""
-        return np.zeros(4)

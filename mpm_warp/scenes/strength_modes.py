@@ -14,7 +14,8 @@ from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.materials.material import EFFECTIVE_STRESS, Material
 from mpm_warp.results import labelled, variable
 from mpm_warp.scenes.catalogue import scene_class
-from mpm_warp.scenes.clay import Clay, ClayScene
+from mpm_warp.scenes.clay import Clay
+from mpm_warp.scenes.clay_scene import ClayScene
 
 MODES = {
     "compression": "triaxial_compression",

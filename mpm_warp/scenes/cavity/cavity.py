@@ -26,7 +26,8 @@ from mpm_warp.sampling import (
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.catalogue_scene import Progress
 from mpm_warp.scenes.cavity.exact import RADIUS, ExactCavity
-from mpm_warp.scenes.clay import STRAIN_RATE, Clay, ClayScene
+from mpm_warp.scenes.clay import STRAIN_RATE, Clay
+from mpm_warp.scenes.clay_scene import ClayScene
 from mpm_warp.scenes.limits import limited
 from mpm_warp.simulation import Simulation
 

@@ -17,7 +17,7 @@ from mpm_warp.parts.boundaries import FarField, Fixed, RadialMotion
 from mpm_warp.scene import Part
 from mpm_warp.scenes.cavity.cavity import Cavity
 from mpm_warp.scenes.cavity.exact import RADIUS
-from mpm_warp.scenes.clay import StressAtRest
+from mpm_warp.scenes.clay_scene import StressAtRest
 from mpm_warp.scenes.verification import Verification, compared
 
 MOST_ANISOTROPY = 0.5

@@ -14,7 +14,8 @@ from mpm_warp.parts.interpolation import ConservativeInterpolation
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.clay import ClayScene, FieldClay
+from mpm_warp.scenes.clay import FieldClay
+from mpm_warp.scenes.clay_scene import ClayScene
 from mpm_warp.scenes.cone import defaults, failure
 from mpm_warp.scenes.cone.groups import Cone, Domain, InSituStress, Push, Resolution
 from mpm_warp.scenes.cone.interface import Interface, interface_of

@@ -8,7 +8,8 @@ from typing import Any
 from mpm_warp.fields.checked import Group
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Grid, growing
-from mpm_warp.scenes.clay import FieldClay, StressAtRest
+from mpm_warp.scenes.clay import FieldClay
+from mpm_warp.scenes.clay_scene import StressAtRest
 from mpm_warp.scenes.cone.penetrometer import Penetrometer
 from mpm_warp.uncertainty.laws import ErrorLaws, slope_ratio
 

@@ -17,7 +17,7 @@ from mpm_warp.results import Drawn, labelled
 from mpm_warp.sampling import follow
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue_scene import Progress
-from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.clay_scene import ClayScene
 from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure

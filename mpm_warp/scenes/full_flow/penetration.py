@@ -18,7 +18,7 @@ from mpm_warp.results import labelled
 from mpm_warp.sampling import follow, mean_of_points, soil_scene
 from mpm_warp.scene import Scene
 from mpm_warp.scenes.catalogue_scene import CatalogueScene, Progress
-from mpm_warp.scenes.clay import ClayScene
+from mpm_warp.scenes.clay_scene import ClayScene
 from mpm_warp.scenes.cone.groups import Cone
 from mpm_warp.scenes.cone.soundness import energy_error, energy_limits
 from mpm_warp.scenes.full_flow import failure

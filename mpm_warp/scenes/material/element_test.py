@@ -29,7 +29,8 @@ from mpm_warp.materials.material import (
 from mpm_warp.results import Drawn, Quantity, curves, labelled
 from mpm_warp.sampling import Samples, follow
 from mpm_warp.scenes.catalogue_scene import Progress
-from mpm_warp.scenes.clay import STRAIN_RATE, StressAtRest
+from mpm_warp.scenes.clay import STRAIN_RATE
+from mpm_warp.scenes.clay_scene import StressAtRest
 from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.material.material_point import PointScene
 from mpm_warp.scenes.material.strain_paths import StrainPaths

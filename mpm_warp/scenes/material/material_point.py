@@ -16,7 +16,8 @@ from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
 from mpm_warp.sampling import even_steps, follow
 from mpm_warp.scenes.catalogue_scene import Progress
-from mpm_warp.scenes.clay import Clay, ClayScene, FieldClay
+from mpm_warp.scenes.clay import Clay, FieldClay
+from mpm_warp.scenes.clay_scene import ClayScene
 from mpm_warp.scenes.limits import limited
 from mpm_warp.scenes.material.strain_paths import PATH_COUNT, StrainPath, StrainPaths, known_paths
 from mpm_warp.scenes.run_size import RunSize

@@ -13,7 +13,7 @@ from mpm_warp.parts.free_surface import PassingSurface
 from mpm_warp.parts.surrounding_ground import SurroundingGround
 from mpm_warp.parts.window import Window
 from mpm_warp.scene import Scene
-from mpm_warp.scenes.clay import ClayScene, StressAtRest
+from mpm_warp.scenes.clay_scene import ClayScene, StressAtRest
 from mpm_warp.scenes.cone import defaults
 from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 from mpm_warp.scenes.cone.groups import Cone, InSituStress, Push, Resolution, StandardCone
