@@ -14,6 +14,8 @@ from mpm_warp.fields.flat import values_of
 from mpm_warp.provenance import sources_of
 from mpm_warp.scenes import scene_class, scene_names
 
+WRONG = "no_such_name"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Own(Group):
@@ -45,7 +47,7 @@ class OwnScene(CatalogueScene):
 
     @property
     def broken(self) -> float:
-        return float(self.own.no_such_name)
+        return float(getattr(self.own, WRONG))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,11 +100,11 @@ def test_a_refusal_is_that_of_a_flat_parameter(
         kind(**given)
 
 
-@pytest.mark.parametrize(("name", "lacks"), [("no_such_name", OwnScene), ("broken", Own)])
+@pytest.mark.parametrize(("name", "lacks"), [(WRONG, OwnScene), ("broken", Own)])
 def test_an_attribute_that_is_not_there_is_named_with_whose_it_would_be(
     name: str, lacks: type
 ) -> None:
-    with pytest.raises(AttributeError, match=f"'{lacks.__name__}' object has no .*no_such_name"):
+    with pytest.raises(AttributeError, match=f"'{lacks.__name__}' object has no .*{WRONG}"):
         getattr(OwnScene(), name)
 
 
