@@ -148,8 +148,8 @@ def _curve(dataset: xr.Dataset, cases: xr.Dataset, name: str) -> Curve:
     factor, label = _axis(dataset, name)
     values = factor * own.values
     if place.divided_by:
-        label = _divided(dataset, name, place.divided_by)
-        values = own.values / _divisor(dataset, cases, place.divided_by, own.ndim)
+        share, label = _divided(dataset, name, place.divided_by)
+        values = share * own.values / _divisor(dataset, cases, place.divided_by, own.ndim)
     of_other, label_of_other = _axis(dataset, over)
     samples = own.dims[-1]
     # A case may lack samples that others have; a value that is missing among its own is a gap.
@@ -174,10 +174,15 @@ def _axis(dataset: xr.Dataset, name: str) -> tuple[float, str]:
     return factor, f"{named(dataset, name)} [{unit or '-'}]"
 
 
-def _divided(dataset: xr.Dataset, name: str, by: str) -> str:
+def _divided(dataset: xr.Dataset, name: str, by: str) -> tuple[float, str]:
+    """The factor and the label of a quotient, which is in percent of a curve of the same unit."""
     own, other = unit_of(dataset, name), unit_of(dataset, by)
+    divisor = symbol(by) or named(dataset, by)
+    if own == other and _is_curve(dataset, dataset[by]):
+        of_what = "" if name == f"{by}{HALF_WIDTH}" else f" of {divisor}"
+        return 100.0, f"{named(dataset, name)} [%{of_what}]"
     unit = "-" if own == other else f"{own or '1'}/({other or '1'})"
-    return f"{named(dataset, name)} / {symbol(by) or named(dataset, by)} [{unit}]"
+    return 1.0, f"{named(dataset, name)} / {divisor} [{unit}]"
 
 
 def _divisor(dataset: xr.Dataset, cases: xr.Dataset, name: str, ndim: int) -> Floats:

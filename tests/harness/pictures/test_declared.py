@@ -95,8 +95,8 @@ def drawn_load(**place: object) -> Figure:
         ),
         (
             {"divided_by": "mean"},
-            (TIME, [np.nan, 10, 10, 10]),
-            ("time [s]", "load / mean load [-]"),
+            (TIME, [np.nan, 1000, 1000, 1000]),
+            ("time [s]", "load [% of mean load]"),
             (0.0, 1.5),
         ),
     ],
@@ -287,7 +287,8 @@ def test_pieces_are_joined_and_widen_the_half_width_where_they_differ() -> None:
     expected = np.array([10.0, 10.0, 10.0, 10.0, 20.0, 20.0])
     np.testing.assert_allclose(net.values, 1e-3 * np.stack([expected, 2.0 * expected]))
     widened = np.hypot(3.0, [0.0, 0.0, OVERLAP, OVERLAP, 0.0, 0.0])
-    np.testing.assert_allclose(share.values[0], widened / expected)
+    np.testing.assert_allclose(share.values[0], 100.0 * widened / expected)
+    assert share.label == "half width [%]"
     assert picture.cases.tolist() == [0, 2]
     whole = made.isel(stretch_number=0, drop=True)
     (own,) = picture_of(whole, ["net"]).panels[0]
