@@ -160,7 +160,7 @@ $ harness interpret cpt1.toml cpt2.toml cpt3.toml
 $ harness interpret site.toml --sharpen --check
   --out
   site SITE...: TOML file of a test and its ground
-  --laboratory CSV: measured strengths to draw in the picture; columns depth [m] and strength [kPa]
+  --laboratory CSV: laboratory tests of the site; columns depth [m], strength [kPa], test, and error
   --sharpen: remove the effect of layer borders from the resistance first
   --check: simulate a sounding through the interpreted ground and draw it beside the measured one;
     quick, the default, or standard

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from harness.interpret.forms import WEIGHT
+from harness.interpret.laboratory import MOST_TESTS, LaboratoryTest
 from harness.interpret.site import Layer, MeasuredTest, Site, load_site
 from harness.study.description import assignment, comment, template, toml
 from harness.study.distributions import HOW, INPUT
@@ -19,8 +20,8 @@ from harness.study.tables import StudyError, schema_of
 from mpm_warp.fields.declaration import Parameter, Schema
 from mpm_warp.fields.flat import parameters_of
 
-SITE_KEYS, TEST_KEYS, LAYER_KEYS = (
-    tuple(parameters_of(owner).values()) for owner in (Site, MeasuredTest, Layer)
+SITE_KEYS, TEST_KEYS, LAYER_KEYS, LABORATORY_KEYS = (
+    tuple(parameters_of(owner).values()) for owner in (Site, MeasuredTest, Layer, LaboratoryTest)
 )
 PERCENTILES = 5, 50, 95
 """Percentiles that describe a distribution."""
@@ -33,6 +34,7 @@ def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = (
     """
     given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
+    sample = {"depth": 5.0, "strength": 20.0, "test": "CAUC"}
     rows = template(TEST_KEYS, given)
     if soundings:
         at = rows.index("#sounding = ...")
@@ -50,6 +52,10 @@ def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = (
         "# One table for each layer of undrained clay.",
         "[[layer]]",
         *template(LAYER_KEYS, layer),
+        "",
+        "# A table for each test of a laboratory, or a CSV with these columns: --laboratory FILE.",
+        "#[[laboratory]]",
+        *(row if row.startswith("#") else f"#{row}" for row in template(LABORATORY_KEYS, sample)),
     ]
     return "\n".join(lines) + "\n"
 
@@ -72,6 +78,8 @@ def site_rows(path: Path) -> list[str]:
     rows += ["", "[test]", *_told_rows(TEST_KEYS, values["test"])]
     for layer in values["layer"]:
         rows += ["", "[[layer]]", *_told_rows(LAYER_KEYS, layer)]
+    for test in values.get("laboratory", []):
+        rows += ["", "[[laboratory]]", *_told_rows(LABORATORY_KEYS, test)]
     return [*rows, "", f"an input is {HOW}"]
 
 
@@ -112,6 +120,14 @@ def site_schema() -> Schema:
     test, layer = schema_of(TEST_KEYS), schema_of(LAYER_KEYS)
     test["oneOf"] = [{"required": ["water_level"]}, {"required": ["u0"]}]
     layer["not"] = {"required": ["K0", "stress_anisotropy"]}
-    whole = schema_of(SITE_KEYS, test=test, layer={"type": "array", "items": layer, "minItems": 1})
+    tables = {
+        "layer": {"type": "array", "items": layer, "minItems": 1},
+        "laboratory": {
+            "type": "array",
+            "items": schema_of(LABORATORY_KEYS),
+            "maxItems": MOST_TESTS,
+        },
+    }
+    whole = schema_of(SITE_KEYS, test=test, **tables)
     whole["required"] += ["test", "layer"]
     return {"$schema": DIALECT, "title": "Site of the harness", **whole}

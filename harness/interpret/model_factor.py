@@ -104,6 +104,11 @@ class ModelFactor:
             return np.full_like(of_pairs, mean), np.full_like(of_pairs, deviation**2)
         return 0.5 * (of_pairs + mean), (of_pairs - mean) ** 2 + variance
 
+    def of_site(self, mode: str, between: Floats) -> tuple[Floats, Floats]:
+        """Mean and variance of b + s of a site without a test of its own."""
+        mean, variance = self.of_mode(mode, between)
+        return mean, between**2 + variance
+
 
 def fitted(sites: Sequence[SiteFigures]) -> ModelFactor:
     """The model factor by the figures of measured sites, at least three."""
@@ -161,7 +166,7 @@ def model_factor() -> ModelFactor:
 
 
 def over_average(shear: Floats | float, extension: Floats | float) -> Mapping[str, Floats]:
-    """Strength by mode over the average of three, given those over compression."""
+    """Strength by mode of shear over the average of three, given those over compression."""
     average = np.asarray((1.0 + shear + extension) / 3.0)
     return {
         "triaxial_compression": 1.0 / average,
@@ -181,13 +186,16 @@ def model_causes(known: ModelFactor) -> dict[str, Input]:
 
 
 def with_model_factor(
-    known: ModelFactor, mode: str, inputs: Mapping[str, Floats]
+    inputs: Mapping[str, Floats], mean: Floats, variance: Floats
 ) -> dict[str, Floats]:
-    """Draws of inputs, with the model factors of site and depth in place of `model_causes`."""
-    own = dict(inputs)
-    if mode != SIMULATED:
-        between, within = own.pop(BETWEEN), own.pop(WITHIN)
-        mean, variance = known.of_mode(mode, between)
-        own[SITE] = np.exp(mean + np.sqrt(between**2 + variance) * own[SITE])
-        own[DEPTH] = np.exp(within * own[DEPTH])
+    """Draws of inputs, with the model factors of site and depth in place of `model_causes`.
+
+    Args:
+        inputs: draws, each of shape [draws].
+        mean: of the logarithm of the factor of the site, in each draw.
+        variance: of the same.
+    """
+    own = {name: draws for name, draws in inputs.items() if name not in (BETWEEN, WITHIN)}
+    own[SITE] = np.exp(mean + np.sqrt(variance) * inputs[SITE])
+    own[DEPTH] = np.exp(inputs[WITHIN] * inputs[DEPTH])
     return own

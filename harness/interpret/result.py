@@ -1,15 +1,17 @@
 """The result of an interpretation: a dataset, and sentences to quote."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import known_digits
+from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.measured import REASONS
-from harness.interpret.model_factor import MEASURED, OF_PRACTICE, SIMULATED
+from harness.interpret.model_factor import MEASURED, OF_PRACTICE, SIMULATED, SITE
 from harness.interpret.site import Layer, Site
+from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 
 PERCENTILES = (5.0, 50.0, 95.0)
@@ -33,10 +35,15 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
         "input_before": (None, "inputs as given, in SI units"),
         "input_after": (None, "inputs by what the test tells of them, in SI units"),
     },
-    ("layer",): {"draws": ("1", "draws that count after weighing")},
+    ("layer",): {
+        "draws": ("1", "draws that count after weighing"),
+        "laboratory_tests": ("1", "tests of a laboratory that count for the layer"),
+    },
     ("depth",): GROUND,
 }
 """Results by their dims, each with unit and meaning."""
+NO_TEST = "without a laboratory test of this site"
+LABORATORY = "laboratory_strength"
 UNCHECKED = ", of which only the tip is checked on real ground,"
 FEWEST_DRAWS = 50
 """With fewer effective draws after weighting, the measured values contradict the inputs."""
@@ -58,6 +65,83 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
     )
 
 
+def with_laboratory(
+    found: xr.Dataset, tests: Sequence[LaboratoryTest], expected: Floats
+) -> xr.Dataset:
+    """A result with the tests of a laboratory, and percentiles of su [Pa] by the other tests."""
+    depth = np.array([test.depth for test in tests])
+    strength = 1e3 * np.array([test.strength for test in tests])
+    net = np.interp(depth, found.depth.values, found.net_resistance.values)
+    told = {
+        "laboratory_depth": (depth, "m", "depth of the sample"),
+        "laboratory_strength": (strength, "Pa", "strength su of the test"),
+        "laboratory_factor": (net / strength, "1", "net resistance over the strength of the test"),
+    }
+    by_others = {"laboratory_expected": (expected, "Pa", "strength of the test by the others")}
+    kinds = [test.test for test in tests]
+    return (
+        found.assign_coords(laboratory_test=kinds)
+        .assign(labelled(dims=("laboratory_test",), **told))
+        .assign(labelled(dims=("laboratory_test", "percentile"), **by_others))
+    )
+
+
+def laboratory_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
+    """A row for each test of a laboratory, beside what the others let expect; the heading first."""
+    rows = [("test", "depth [m]", "su [kPa]", "qnet / su", "by the other tests [kPa]", "it is")]
+    for place, kind in enumerate(found.laboratory_test.values if LABORATORY in found else ()):
+        own = found.isel(laboratory_test=place)
+        strength, expected = float(own.laboratory_strength), own.laboratory_expected.values
+        low, middle, high = in_digits(*expected / 1e3)
+        is_inside = expected[0] <= strength <= expected[-1]
+        rows.append(
+            (
+                str(kind),
+                f"{float(own.laboratory_depth):g}",
+                f"{strength / 1e3:g}",
+                f"{float(own.laboratory_factor):.1f}",
+                f"{middle}, {low} to {high} with 90 %",
+                "inside" if is_inside else "outside",
+            )
+        )
+    return rows
+
+
+def laboratory_in_words(site: Site, found: xr.Dataset) -> list[str]:
+    """What tests of a laboratory tell: Nkt of the site, and the model factor."""
+    lines = []
+    for kind in dict.fromkeys(found.laboratory_test.values if LABORATORY in found else ()):
+        own = found.laboratory_factor.values[found.laboratory_test.values == kind]
+        deviation = f", deviation {own.std(ddof=1):.1f}" if len(own) > 1 else ""
+        lines.append(f"site Nkt, {kind}: mean {own.mean():.1f}{deviation}, number {len(own)}.")
+    for layer in site.layers:
+        count = int(np.nan_to_num(found.laboratory_tests.sel(layer=layer.title)))
+        if count:
+            both = (
+                in_digits(*found[f"input_{time}"].sel(layer=layer.title, cause=SITE).values)
+                for time in ("before", "after")
+            )
+            before, after = (f"{middle}, {low} to {high}" for low, middle, high in both)
+            lines.append(
+                f"{layer.title}: model factor of the site {after} with 90 %, by {counted(count)}; "
+                f"before {before}."
+            )
+    return lines
+
+
+def tests_in_words(found: xr.Dataset) -> list[str]:
+    """A line for each test of a laboratory, beside what the others let expect."""
+    return [
+        f"{kind} at {depth} m: su {strength} kPa, by the others {expected}: {is_it}."
+        for kind, depth, strength, _, expected, is_it in laboratory_rows(found)[1:]
+    ]
+
+
+def counted(tests: int) -> str:
+    """A number of tests of a laboratory in words."""
+    return f"{tests} laboratory test{'s' if tests > 1 else ''}"
+
+
 def in_words(site: Site, found: xr.Dataset) -> list[str]:
     """A sentence to quote for each layer, with its assumptions."""
     sentences = []
@@ -72,6 +156,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             continue
         own = found.isel(depth=here)
         told_by = telling(site, own)
+        tests = int(np.nan_to_num(found.laboratory_tests.sel(layer=told)))
         measures = ", ".join(told_by).replace("_", " ")
         if layer.strength != SIMULATED and len(told_by) > 1:
             measures += UNCHECKED
@@ -88,19 +173,19 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
             f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) "
-            f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer)}, by {measures} with Nkt "
-            f"{factor[1]}, {factor[0]} to {factor[2]}, on average over "
+            f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}, by {measures} "
+            f"with Nkt {factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
             f"error from {largest}{assumed}.{warning}"
         )
     return sentences
 
 
-def of_ground(layer: Layer) -> str:
-    """What the band of a layer rests on, in words."""
+def of_ground(layer: Layer, tests: int) -> str:
+    """What the band of a layer rests on, in words, given the number of laboratory tests."""
     if layer.strength == SIMULATED:
         return "for simulated clay, from which real clay departs"
-    words = "without a laboratory test of this site"
+    words = f"by {counted(tests)} of this site" if tests else NO_TEST
     if layer.strength == MEASURED:
         return words
     of = "as in practice" if layer.strength == OF_PRACTICE else "not measured in this mode"

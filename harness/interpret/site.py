@@ -13,6 +13,7 @@ import numpy as np
 from harness.interpret import forms
 from harness.interpret.factors import TABLE_RATE
 from harness.interpret.forms import ByDepth
+from harness.interpret.laboratory import LaboratoryTest, read_tests, tests_of
 from harness.interpret.model_factor import MEASURED, OF_PRACTICE, RATIOS, SIMULATED
 from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
@@ -232,6 +233,7 @@ class Site:
     name: str  # of the file without its ending, and of the results
     test: MeasuredTest
     layers: tuple[Layer, ...]
+    laboratory: tuple[LaboratoryTest, ...] = ()
     title: str = parameter(meaning="title of the test", form=LINE)
     use: tuple[str, ...] = parameter(
         [forms.MEASURES[0]],
@@ -259,15 +261,18 @@ class Site:
         return sorted({depth for layer in self.layers for depth in (layer.top, layer.bottom)})
 
 
-def load_site(path: Path) -> Site:
-    """A site from its file; a `StudyError` names file, key and what is allowed."""
+def load_site(path: Path, laboratory: Path | None = None) -> Site:
+    """A site from its file, with tests of a `laboratory` in a CSV instead of those of the file.
+
+    A `StudyError` names file, key and what is allowed.
+    """
     if not path.is_file():
         raise StudyError(f"{path}: no such file; `harness new NAME --interpret TEST` writes one")
     values = read_toml(path)
     if "scene" in values and "test" not in values:
         raise StudyError(f"{path}: is a study; `harness run {path}` runs it")
     whole = Table(f"{path}:", values)
-    whole.allow(*keys_of(Site), "test", "layer")
+    whole.allow(*keys_of(Site), "test", "layer", "laboratory")
     layers = whole.list("layer")
     if not layers or not all(isinstance(layer, dict) for layer in layers):
         raise StudyError(f"{path}: [[layer]] is missing: from, to and rigidity_index of the clay")
@@ -285,7 +290,17 @@ def load_site(path: Path) -> Site:
                 "of the layer before"
             )
     test = _test(whole.table("test"), path.parent)
-    return whole.made(Site, name=path.stem, test=test, layers=tuple(read))
+    tests = _laboratory(whole) if laboratory is None else read_tests(laboratory)
+    return whole.made(Site, name=path.stem, test=test, layers=tuple(read), laboratory=tests)
+
+
+def _laboratory(whole: Table) -> tuple[LaboratoryTest, ...]:
+    """The tests of a laboratory in the tables [[laboratory]]."""
+    tables = whole.list("laboratory")
+    if not all(isinstance(table, dict) for table in tables):
+        raise whole.refuse("laboratory", "must be tables [[laboratory]] with depth, strength, test")
+    where = f"{whole.where} [[laboratory]]"
+    return tests_of([Table(f"{where} {n}", table) for n, table in enumerate(tables, start=1)])
 
 
 def _test(table: Table, folder: Path) -> MeasuredTest:

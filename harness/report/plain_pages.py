@@ -19,7 +19,13 @@ from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
 from harness.interpret.measured import REASONS
 from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
-from harness.interpret.result import in_digits, in_words, rate_in_words
+from harness.interpret.result import (
+    in_digits,
+    in_words,
+    laboratory_in_words,
+    laboratory_rows,
+    rate_in_words,
+)
 from harness.interpret.site import BY_SLEEVE, Layer, Site
 from harness.pictures.drawing.plot_parts import STYLED, image, panels, runs, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
@@ -59,7 +65,8 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
     return {
         "anchor": f"test-{place}",
         "title": site.title,
-        "sentences": in_words(site, found),
+        "sentences": in_words(site, found) + laboratory_in_words(site, found),
+        "laboratory": laboratory_rows(found),
         "picture": embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
         "inputs": [
             ("layer", "input", "as given", "before: median (90 %)", "by the test: median (90 %)"),

@@ -3,25 +3,32 @@
 ``field PAIRS`` reads a CSV with a row for each depth: a column "site" and those of COLUMNS; empty
 cells are not known. Each depth is interpreted by `harness.interpret` with what a site file has by
 default, K0 by the overconsolidation ratio, and the sensitivity where it is known. It prints how
-well the strengths of a site are predicted by the other sites, by the simulation alone and with the
-model factor. ``field PAIRS figures`` prints the rows of `studies/field_sites.csv`.
+well the strengths of a site are predicted by the other sites: by the simulation alone, with the
+model factor, and with three random depths of the site tested. ``field PAIRS figures`` prints the
+rows of `studies/field_sites.csv`.
 """
 
 import csv
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from harness.interpret.calibration import Compared, calibration
+from harness.interpret.draws import draw
+from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.model_factor import (
+    BETWEEN,
     DEPTH,
     MEASURED,
     SIMULATED,
     SITE,
+    WITHIN,
     ModelFactor,
     SiteFigures,
     fitted,
@@ -29,7 +36,7 @@ from harness.interpret.model_factor import (
     with_model_factor,
 )
 from harness.interpret.site import MODES, Layer, MeasuredTest, Site
-from harness.interpret.strength import draw
+from harness.interpret.weights import chosen_draws
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 
@@ -51,6 +58,8 @@ TEST: Mapping[str, Any] = {
     "accuracy": {"qc": 0.0, "fs": 0.0, "u2": 0.0},
 }
 NONE = "total_resistance_error", "water_pressure", "sleeve_friction", "pore_pressure"
+TESTED, DRAWS = 3, 100
+"""Depths of a site that are tested, and how often they are drawn."""
 JUDGED = "share of draws below", "ln median over measured", "ln width of the band"
 BINS = np.linspace(0.0, 1.0, 11)
 MOST_SENSITIVE = 25.0
@@ -102,7 +111,8 @@ def computed_factors(pairs: Pairs) -> Floats:
             known["sensitivity"] = min(max(sensitivity, 1.0), MOST_SENSITIVE)
         layer = Layer(top=0.0, bottom=100.0, rigidity_index=INDEX, strength=SIMULATED, **known)
         site = Site(name="pairs", title="pairs", test=told, layers=(layer,))
-        found.append(np.log(draw(site, 0, test, np.array([place])).factor[0]))
+        drawn = draw(site, 0, test, np.array([place]))
+        found.append(np.log(drawn.resistance / drawn.strength)[0])
     return np.stack(found)
 
 
@@ -145,14 +155,40 @@ def print_model_factor(known: ModelFactor) -> None:
             print(f"      {mode}: b {mean:.3f} +- {math.sqrt(variance):.3f}")
 
 
-def judgement(known: ModelFactor, mode: str, factors: Floats, pairs: Pairs) -> Floats:
-    """Rows of JUDGED for the depths of a site, shape [3, depths]."""
-    drawn = sampled(model_causes(known), factors.shape[1], SEED)
-    inputs = {SITE: 1.0, DEPTH: 1.0} if mode == SIMULATED else with_model_factor(known, mode, drawn)
-    strength = pairs["net"][:, None] * np.exp(-factors) / (inputs[SITE] * inputs[DEPTH])
+def judgement(
+    known: ModelFactor, mode: str, factors: Floats, pairs: Pairs, tested: Sequence[int] = ()
+) -> Floats:
+    """Rows of JUDGED for the depths of a site that are not tested, shape [3, depths]."""
+    inputs: Mapping[str, Any] = {SITE: 1.0, DEPTH: 1.0}
+    chosen = np.arange(factors.shape[1])
+    if mode != SIMULATED:
+        drawn = sampled(model_causes(known), factors.shape[1], SEED)
+        deviations = drawn[BETWEEN], drawn[WITHIN]
+        tests = tuple(
+            LaboratoryTest(depth=float(row), strength=pairs["strength"][row], test=MEASURED)
+            for row in tested
+        )
+        rows = list(tested)
+        own = np.log(pairs["net"] / pairs["strength"])[rows, None] - factors[rows]
+        belief = calibration(known, mode, deviations, Compared(tests, own), ()).belief()
+        inputs = with_model_factor(drawn, belief.mean[:, 0], belief.covariance[:, 0, 0])
+        chosen, _ = chosen_draws(belief.log_likelihood, SEED)
+    rest = np.setdiff1d(np.arange(len(factors)), tested)
+    measured = pairs["strength"][rest]
+    strength = pairs["net"][rest, None] * np.exp(-factors[rest]) / (inputs[SITE] * inputs[DEPTH])
+    strength = strength[:, chosen]
     low, middle, high = np.quantile(strength, [0.05, 0.5, 0.95], axis=1)
-    share = np.mean(strength < pairs["strength"][:, None], axis=1)
-    return np.stack([share, np.log(middle / pairs["strength"]), np.log(high / low)])
+    share = np.mean(strength < measured[:, None], axis=1)
+    return np.stack([share, np.log(middle / measured), np.log(high / low)])
+
+
+def with_tests(known: ModelFactor, factors: Floats, pairs: Pairs) -> Floats:
+    """Rows of JUDGED with TESTED random depths of the site tested, DRAWS times over."""
+    rng = np.random.default_rng(SEED)
+    chosen = (rng.choice(len(factors), TESTED, replace=False) for _ in range(DRAWS))
+    return np.concatenate(
+        [judgement(known, MEASURED, factors, pairs, tested) for tested in chosen], axis=1
+    )
 
 
 def summary(judged: Sequence[Floats]) -> str:
@@ -178,13 +214,21 @@ def main(path: Path, *, is_of_figures: bool) -> None:
         print("\n".join(table(known)))
         return
     print_model_factor(fitted(known))
-    for mode in (SIMULATED, MEASURED):
-        judged = []
-        for place, (name, pairs) in enumerate(sites.items()):
-            others = fitted([*known[:place], *known[place + 1 :]])
-            judged.append(judgement(others, mode, factors[name], pairs))
-            print(f"{name:>6}: {summary(judged[-1:])}")
-        print(f"{mode}, each site by the others: {summary(judged)}")
+    places = list(enumerate(sites.items()))
+    others = [fitted([*known[:place], *known[place + 1 :]]) for place, _ in places]
+    cases = {
+        "by the simulation alone": partial(judgement, mode=SIMULATED),
+        "with the model factor": partial(judgement, mode=MEASURED),
+        f"and {TESTED} tests of its own": with_tests,
+    }
+    for words, judge in cases.items():
+        judged = [
+            judge(known=others[place], factors=factors[name], pairs=pairs)
+            for place, (name, pairs) in places
+        ]
+        for name, own in zip(sites, judged, strict=True):
+            print(f"{name:>6}: {summary([own])}")
+        print(f"each site by the others, {words}: {summary(judged)}")
 
 
 if __name__ == "__main__":

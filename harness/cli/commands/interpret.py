@@ -1,7 +1,6 @@
 """The command that interprets measured cone tests."""
 
 import argparse
-import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -16,16 +15,14 @@ from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
 from harness.interpret.measured import REASONS
-from harness.interpret.result import in_words
+from harness.interpret.result import in_words, laboratory_in_words, tests_in_words
 from harness.interpret.site import load_site
-from harness.interpret.strength import interpret
+from harness.interpret.strength import interpret, laboratory_beside
 from harness.pictures.drawing.plot_parts import image
 from harness.pictures.interpreted import check_figure, interpretation_figure, soundings_figure
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
-from harness.study.files import read_text
 from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged
-from mpm_warp.fields.plain_numbers import plain_number
 from mpm_warp.provenance import provenance
 
 COLUMNS = {
@@ -47,7 +44,6 @@ COLUMNS = {
 """Columns of the table, with their variables and units; those of percentiles and causes follow."""
 TABLE = ",".join([*COLUMNS][:9])
 """Beginning of each table, by which the harness recognises its own."""
-LABORATORY = ("depth [m]", "strength [kPa]")
 ENDING, CHECK_ENDING = "_interpretation", "_check"
 TOGETHER = "soundings"
 """Name of the files on several tests together."""
@@ -55,16 +51,24 @@ TOGETHER = "soundings"
 
 def interpret_site(options: argparse.Namespace) -> int:
     """Interpret the tests of site files; print the results; write data, pictures and a page."""
-    sites = [load_site(path) for path in options.site]
+    if options.laboratory and len(options.site) > 1:
+        raise HarnessError(
+            "--laboratory is of one sounding; of several, [[laboratory]] of each site file has the "
+            "tests beside it"
+        )
+    sites = [load_site(path, options.laboratory) for path in options.site]
     names = [site.name for site in sites]
     if len(names) > 1 and (
         twice := [name for name in names if names.count(name) > 1 or name == TOGETHER]
     ):
         raise HarnessError(f"{twice[0]}.toml: another result has this name; rename the site file")
-    points = read_points(options.laboratory) if options.laboratory else []
+    laboratory = [laboratory_beside(site, sharpen=options.sharpen) for site in sites]
     tests = []
-    for path, site in zip(options.site, sites, strict=True):
-        found = interpret(site, sharpen=options.sharpen)
+    for place, (path, site) in enumerate(zip(options.site, sites, strict=True)):
+        others = [*laboratory[:place], *laboratory[place + 1 :]]
+        beside = [layer for sounding in others for layer in sounding]
+        found = interpret(site, sharpen=options.sharpen, beside=beside)
+        points = [(test.depth, 1e3 * test.strength) for test in site.laboratory]
         tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
     whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
     endings = (ENDING, CHECK_ENDING) if options.check else (ENDING,)
@@ -126,7 +130,8 @@ def _write(test: Interpreted, base: str) -> None:
     _write_data(found, base)
     write_csv(_table(found), Path(f"{base}.csv"))
     _write_figure(test.figure, base)
-    say(*in_words(test.site, found))
+    words = [*in_words(test.site, found), *laboratory_in_words(test.site, found)]
+    say(*words, *tests_in_words(found))
     left = [
         f"{count} {word}"
         for number, word in enumerate(REASONS)
@@ -183,27 +188,3 @@ def _table(found: xr.Dataset) -> Iterator[list[str]]:
     numbers = np.stack(list(columns.values()), axis=-1)
     for row, reason in zip(numbers, found.reason.values, strict=True):
         yield [*("" if np.isnan(number) else f"{number:.6g}" for number in row), REASONS[reason]]
-
-
-def read_points(path: Path) -> list[tuple[float, float]]:
-    """Strengths of a laboratory: CSV with the columns depth [m] and strength [kPa]."""
-    lines = read_text(path, "a table of strengths").splitlines()
-    mark = ";" if lines and ";" in lines[0] else ","
-    reader = csv.DictReader(lines, delimiter=mark, skipinitialspace=True)
-    try:
-        reader.fieldnames = titles = [title.strip() for title in reader.fieldnames or ()]
-        rows = list(reader)
-    except csv.Error as error:
-        raise HarnessError(f"{path}: is no table: {error}") from None
-    if not {*LABORATORY} <= {*titles}:
-        raise HarnessError(f"{path}: must be CSV with the columns {' and '.join(LABORATORY)}")
-    points = []
-    for number, row in enumerate(rows, start=2):
-        depth, strength = (plain_number(row[name] or "") for name in LABORATORY)
-        if depth is None or strength is None or depth < 0.0 or strength <= 0.0:
-            told = ", ".join(f"{name} = {row[name]}" for name in LABORATORY)
-            raise HarnessError(
-                f"{path}: row {number}: {told}: must be a depth >= 0 and a strength > 0"
-            )
-        points.append((depth, 1e3 * strength))
-    return points

@@ -23,6 +23,7 @@ from tests.harness.interpret.conftest import LAYER, SITE
 SCHEMA = Draft202012Validator(site_schema())
 WHOLE = f"{SITE}{LAYER}"
 
+TESTED = '[[laboratory]]\ndepth = 5\nstrength = 20.5\ntest = "CAUC"\nerror = 0.1\n'
 VALID = {
     "as it is": ("", ""),
     "range": ("= 120", "= { low = 50, high = 300 }"),
@@ -36,9 +37,21 @@ VALID = {
     "class": ("accuracy = {", 'accuracy = "class 1" # {'),
     "rate": ("laboratory_rate = 1e-6", 'laboratory_rate = "5 %/h"'),
     "use": ("[test]", 'use = ["tip", "sleeve"]\n[test]'),
+    "laboratory": ("[[layer]]", f"{TESTED}[[layer]]"),
     "names": ("[test]", '[test]\ncolumns = { qc = "cone" }\nunits = { qc = "bar" }'),
 }
 REFUSED = {
+    "laboratory of another kind": (
+        "[[layer]]",
+        f"{TESTED.replace('CAUC', 'CUAC')}[[layer]]",
+        "[[laboratory]] 1 test = 'CUAC' is not allowed",
+    ),
+    "laboratory without a strength": (
+        "[[layer]]",
+        '[[laboratory]]\ndepth = 5\ntest = "UU"\n[[layer]]',
+        "[[laboratory]] 1 strength: is missing",
+    ),
+    "laboratory in one line": ("title = ", 'laboratory = "a.csv"\ntitle = ', "must be"),
     "misspelt": ("rigidity_index", "rigidty_index", "did you mean 'rigidity_index'"),
     "lacks a key": ("rigidity_index = 120", "", "rigidity_index: is missing"),
     "beyond": ("= 120", "= 5000", "must be a number >= 15 and <= 1000"),

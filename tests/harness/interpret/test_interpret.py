@@ -9,9 +9,10 @@ import pytest
 import xarray as xr
 
 from harness.archive.netcdf_files import read_attributes, write_netcdf
+from harness.interpret.draws import _in_table
 from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
 from harness.interpret.site import load_site
-from harness.interpret.strength import _in_table, interpret
+from harness.interpret.strength import interpret
 from harness.interpret.weights import LEFT_OUT, Measure
 from mpm_warp.errors import ParameterError
 from mpm_warp.provenance import provenance
@@ -211,14 +212,14 @@ def test_values_that_cannot_be_clay_are_left_out(folder: Path) -> None:
 
 def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Command) -> None:
     """From the test alone: a site file is written, completed by hand, and interpreted."""
-    (here / "triaxial.csv").write_text("depth [m],strength [kPa]\n5,15.5\n")
+    (here / "triaxial.csv").write_text("depth [m],strength [kPa],test\n5,15.5,CAUC\n")
     command("new", "mine", "--interpret", "test.csv")
     assert "area_ratio: is missing" in command("interpret", "mine.toml", code=2).err
     text = (here / "mine.toml").read_text()
     (here / "mine.toml").write_text(text.replace("[test]", "[test]\narea_ratio = 0.8", 1))
     told = command("interpret", "mine.toml", "--laboratory", "triaxial.csv")
     assert told.out.startswith("2 to 10 m: su (mobilised")
-    assert "without a laboratory test of this site" in told.out
+    assert "by 1 laboratory test of this site" in told.out
     assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (here / "results").iterdir())
@@ -263,24 +264,6 @@ def test_ground_that_is_not_simulated_is_told_with_its_site(here: Path, command:
     (here / "test.csv").write_text("\n".join([rows[0], rows[50]]))
     *_, line = command("interpret", "site.toml", "--check", code=2).err.splitlines()
     assert line.startswith("harness: site: the simulated sounding refused: to_depth = ")
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("depth,strength\n5,15", "must be CSV with the columns depth [m] and strength [kPa]"),
-        ("depth [m],strength [kPa]\n5,15\n6,-1", "row 3: depth [m] = 6, strength [kPa] = -1: must"),
-        ("depth [m],strength [kPa]\n5,nan", "row 2: depth [m] = 5, strength [kPa] = nan: must be"),
-        ("depth [m],strength [kPa]\n5", "row 2: depth [m] = 5, strength [kPa] = None: must be"),
-        (f"depth [m],strength [kPa]\n{'5' * 200_000},1", "is no table: field larger"),
-    ],
-    ids=["titles", "below 0", "no number", "no value", "long"],
-)
-def test_impossible_laboratory_data_are_told(
-    text: str, told: str, here: Path, refusal: Refusal
-) -> None:
-    Path("lab.csv").write_text(text)
-    assert f"lab.csv: {told}" in refusal(["interpret", "site.toml", "--laboratory", "lab.csv"])
 
 
 def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from harness.interpret.model_factor import (
+    BETWEEN,
     DEPTH,
     MEASURED,
     OF_PRACTICE,
@@ -26,7 +27,7 @@ from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 from tests.harness.interpret.conftest import changed
 
-MEAN, BETWEEN, WITHIN = 0.3, 0.4, 0.25
+MEAN, BETWEEN_SITES, WITHIN_SITE = 0.3, 0.4, 0.25
 """Of the sites that are drawn here."""
 
 
@@ -34,7 +35,7 @@ def sites_of_a_model(rng: np.random.Generator, count: int) -> list[SiteFigures]:
     """Figures of sites with ten depths each, drawn from the model."""
     found = []
     for number in range(count):
-        own = MEAN + rng.normal(0.0, BETWEEN) + rng.normal(0.0, WITHIN, 10)
+        own = MEAN + rng.normal(0.0, BETWEEN_SITES) + rng.normal(0.0, WITHIN_SITE, 10)
         of_nkt = 2.6, 0.0  # without an error by the inputs
         measured = own.mean() + of_nkt[0], own.std(ddof=1)
         found.append(SiteFigures(number, 10, *measured, *of_nkt, own.std(ddof=1), 1.5, 0.6, 30.0))
@@ -43,7 +44,8 @@ def sites_of_a_model(rng: np.random.Generator, count: int) -> list[SiteFigures]:
 
 def drawn(known: ModelFactor, mode: str = MEASURED) -> Floats:
     """Draws of ln of the model factor of a depth at a site without a test of its own."""
-    inputs = with_model_factor(known, mode, sampled(model_causes(known), 2048, 1))
+    shares = sampled(model_causes(known), 2048, 1)
+    inputs = with_model_factor(shares, *known.of_site(mode, shares[BETWEEN]))
     return np.log(inputs[SITE] * inputs[DEPTH])
 
 
@@ -52,7 +54,7 @@ def test_a_site_drawn_from_the_model_is_covered() -> None:
     rng, inside = np.random.default_rng(1), []
     for _ in range(200):
         low, high = np.quantile(drawn(fitted(sites_of_a_model(rng, 15))), [0.05, 0.95])
-        true = MEAN + rng.normal(0.0, BETWEEN) + rng.normal(0.0, WITHIN, 20)
+        true = MEAN + rng.normal(0.0, BETWEEN_SITES) + rng.normal(0.0, WITHIN_SITE, 20)
         inside.append(np.mean((true >= low) & (true <= high)))
     assert np.mean(inside) == pytest.approx(0.90, abs=0.03)
 
@@ -60,11 +62,11 @@ def test_a_site_drawn_from_the_model_is_covered() -> None:
 def test_many_sites_tell_the_model() -> None:
     known = fitted(sites_of_a_model(np.random.default_rng(2), 1500))
     between = known.between_at(np.array(0.5))
-    assert between == pytest.approx(BETWEEN, rel=0.05)
+    assert between == pytest.approx(BETWEEN_SITES, rel=0.05)
     mean, variance = known.of_mode(MEASURED, between)
     assert mean == pytest.approx(MEAN, abs=3.0 * math.sqrt(variance))
-    assert variance == pytest.approx(BETWEEN**2 / 1500, rel=0.15)
-    assert np.median(known.within) == pytest.approx(WITHIN, rel=0.05)
+    assert variance == pytest.approx(BETWEEN_SITES**2 / 1500, rel=0.15)
+    assert np.median(known.within) == pytest.approx(WITHIN_SITE, rel=0.05)
 
 
 def test_the_figures_of_the_measured_sites_give_b_and_deviations() -> None:

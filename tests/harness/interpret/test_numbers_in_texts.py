@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from harness.benchmark.cases import read_results
-from harness.cli.commands.interpret import read_points
 from harness.cli.options import number, positive_count, share
 from harness.errors import HarnessError
+from harness.interpret.laboratory import read_tests
 from harness.interpret.site import load_site
 from harness.study.study import study_of_scene
 from mpm_warp.errors import ParameterError
@@ -56,8 +56,8 @@ READERS: dict[str, Callable[[Path, str], object]] = {
     "ags": cell_of("ags", '"1.5"'),
     "cpt": cell_of("cpt", "D=1.5,"),
     "percent an hour": laboratory_rate,
-    "laboratory": lambda folder, text: read_points(
-        written(folder, f"depth [m],strength [kPa]\n5,{text}\n")
+    "laboratory": lambda folder, text: read_tests(
+        written(folder, f"depth [m],strength [kPa],test\n5,{text},DSS\n")
     ),
     "profile": lambda _, text: columns_of_profile(f"depth [m], strength [kPa]\n{text}, 20\n"),
     "benchmark": lambda folder, text: read_results(

@@ -1,0 +1,173 @@
+"""Draws of the inputs of a layer, and the strength of simulated clay in each.
+
+qnet of a draw is the measured qnet plus a random multiple of the error of the test, the same at all
+depths. Then at each depth
+
+    su = qnet / (Nkt(Ir, alpha, Delta, mu, delta, xi_95) e_table)
+
+with Delta by K0 and su, and alpha, if the site file says so, by the sleeve friction and su; both by
+iteration. The sleeve friction then has a random error of its own in each draw, the same at all
+depths. e_table is the error of the table. If `use` names sleeve or pore pressure, each draw is
+weighted by the likelihood of the layer's mean of fs and u2 - u0. How fs and u2 of real clay differ
+from those of simulated clay is not measured.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
+from harness.interpret.forms import ByDepth
+from harness.interpret.model_factor import RATIOS, SIMULATED, model_causes, model_factor
+from harness.interpret.result import GROUND
+from harness.interpret.site import Layer, Site
+from harness.interpret.weights import HALF_WIDTH, measures_of
+from harness.study.distributions import Input, normal, sampled
+from harness.study.tables import StudyError
+from mpm_warp.grid.fitted import Floats
+
+LEAST_RESISTANCE = 0.01
+"""Least qnet of a draw, over the measured qnet."""
+REPETITIONS = 30
+"""Largest number of iterations of su, Delta and alpha."""
+SETTLED = 1e-6
+"""Relative change of su at which the iteration ends."""
+MOST_OUTSIDE = 0.05
+"""Largest share of the draws of a layer outside the table; these are moved to its edge."""
+MEASUREMENT, TABLE_ERROR, WEIGHT = "test", "numerical", "unit_weight"
+FRICTION = "sleeve_friction"
+"""Causes of an error that are not inputs of a layer. That of the sleeve friction counts where the
+adhesion follows from it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Draws of one layer; su is that of simulated clay, the average of three modes."""
+
+    inputs: Mapping[str, Floats]  # causes by name, and `model_causes`, shape [draws]
+    resistance: Floats  # qnet [Pa], shape [depths, draws]
+    strength: Floats  # su [Pa], shape [depths, draws]
+    ground: Mapping[str, Floats]  # quantities of `GROUND`, shape [depths, draws]
+    outside: Floats  # share of the draws with Delta outside the table, shape [depths]
+    log_likelihood: Floats  # of each draw by sleeve and pore pressure, shape [draws]
+
+
+def inputs_of(site: Site, layer: Layer) -> Mapping[str, Input]:
+    """The inputs of a layer; with ratios of strength if tests of a laboratory need them."""
+    asked = RATIOS if site.laboratory and layer.strength != SIMULATED else ()
+    return {**layer.inputs, **{name: getattr(layer, name) for name in asked}}
+
+
+def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
+    """Draw the inputs of a layer, and find the strength of each draw at the indices of depths."""
+    layer, weight = site.layers[number], site.test.unit_weight
+    table = factors()
+    causes = {
+        **inputs_of(site, layer),
+        MEASUREMENT: normal(1.0 / HALF_WIDTH),
+        TABLE_ERROR: normal(table.half_widths["cone_factor"] / HALF_WIDTH),
+    }
+    if not isinstance(weight, ByDepth):
+        causes[WEIGHT] = weight
+    if is_by_sleeve(layer):
+        causes[FRICTION] = normal(1.0)
+    if layer.strength != SIMULATED:
+        causes |= model_causes(model_factor())
+    inputs = sampled(causes, site.samples, site.seed + number)
+
+    at = {str(name): array.values[here, None] for name, array in test.variables.items()}
+    stress = at["vertical_stress"]
+    if not isinstance(weight, ByDepth):
+        stress = stress + at["depth"] * (inputs[WEIGHT] - weight.at(0.5))
+    qt_error = at["total_resistance_error"] * inputs[MEASUREMENT]
+    net = at["total_resistance"] + qt_error - stress
+    net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])
+    soil, ratio = _in_table(site, number, inputs)
+    along, error = table.along(soil), np.exp(inputs[TABLE_ERROR])
+
+    measures = measures_of(site.test, test, here)
+    friction, friction_error = at["sleeve_friction"], np.zeros(site.samples)
+    if is_by_sleeve(layer):
+        friction_error = measures["sleeve"].deviation[:, None] * inputs[FRICTION]
+
+    # Delta and the adhesion by the sleeve depend on the strength, so all three are iterated.
+    strength = net / (10.0 * ratio * error)
+    for _ in range(REPETITIONS):
+        anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
+        held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
+        adhesion = _adhesion(inputs, friction + friction_error, strength * ratio, along, held)
+        factor = along(held, adhesion, 1)["cone_factor"] * ratio * error
+        before, strength = strength, net / factor
+        if np.max(np.abs(strength / before - 1.0)) < SETTLED:
+            break
+    simulated = along(held, adhesion)
+    likelihood = np.zeros(site.samples)
+    errors = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
+    for name, measure in measures.items():
+        if name in site.use:
+            expected = simulated[measure.quantity] * ratio * strength
+            likelihood += measure.log_likelihood(expected - errors[name])
+    low, high = RANGES["stress_anisotropy"]
+    outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
+    own = net / error / at["net_resistance"]
+    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
+    ground = {
+        name: np.broadcast_to(draws, strength.shape)
+        for name, draws in zip(GROUND, of_ground, strict=True)
+    }
+    return Drawn(inputs, net, strength, ground, outside, likelihood)
+
+
+def _in_table(
+    site: Site, number: int, inputs: Mapping[str, Floats]
+) -> tuple[dict[str, Floats], Floats]:
+    """The soil of each draw at the rate of the table, and su' / su; see `at_table_rate`."""
+    layer = site.layers[number]
+    given = {
+        "rigidity_index": inputs["rigidity_index"],
+        "rate_factor": inputs["rate_factor"],
+        "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
+        "ductility": inputs["ductility"],
+    }
+    soil, _ = at_table_rate(given, layer.laboratory_rate)
+    for name, values in soil.items():
+        low, high = RANGES[name]
+        share = np.mean((values < low) | (values > high))
+        if share > MOST_OUTSIDE:
+            raise StudyError(
+                f"{site.name}.toml: [[layer]] {number + 1} ({layer.title}): {share:.0%} of the "
+                f"draws leave the table of factors: {name} is {values.min():.3g} to "
+                f"{values.max():.3g} at its strain rate, must be {low:g} to {high:g}"
+            )
+    # With mu' at the edge mu is mu' / (1 + mu' L); a draw beyond may have no strength left there.
+    most = RANGES["rate_factor"][1]
+    edge = most / (1.0 + most * math.log10(layer.laboratory_rate / TABLE_RATE))
+    given["rate_factor"] = np.minimum(given["rate_factor"], edge)
+    soil, ratio = at_table_rate(given, layer.laboratory_rate)
+    return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
+
+
+def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:
+    """Delta = (sigma_v0 - sigma_h0) / (2 su), as given or by K0."""
+    if "stress_anisotropy" in inputs:
+        return np.broadcast_to(inputs["stress_anisotropy"], strength.shape)
+    delta: Floats = (1.0 - inputs["K0"]) * np.maximum(effective, 0.0) / (2.0 * strength)
+    return delta
+
+
+def is_by_sleeve(layer: Layer) -> bool:
+    """Whether the adhesion factor follows from the sleeve friction."""
+    return "adhesion_factor" not in layer.inputs
+
+
+def _adhesion(
+    inputs: Mapping[str, Floats], friction: Floats, strength: Floats, along: Along, delta: Floats
+) -> Floats:
+    """The adhesion factor, as given or by the sleeve friction."""
+    if "adhesion_factor" in inputs:
+        return np.broadcast_to(inputs["adhesion_factor"], strength.shape)
+    rough = along(delta, np.ones_like(delta))["sleeve_friction_factor"]
+    return np.clip(friction / (strength * rough), 0.0, 1.0)
