@@ -21,7 +21,7 @@ import xarray as xr
 
 from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
 from harness.interpret.forms import ByDepth
-from harness.interpret.model_factor import RATIOS, SIMULATED, model_causes, model_factor
+from harness.interpret.model_factor import RATIOS, SIMULATED, SITE, model_causes, model_factor
 from harness.interpret.result import GROUND
 from harness.interpret.site import Layer, Site
 from harness.interpret.weights import HALF_WIDTH, measures_of
@@ -37,6 +37,8 @@ SETTLED = 1e-6
 """Relative change of su at which the iteration ends."""
 MOST_OUTSIDE = 0.05
 """Largest share of the draws of a layer outside the table; these are moved to its edge."""
+MODEL_SEED = 2**32
+"""Added to the seed for draws of the model factor."""
 MEASUREMENT, TABLE_ERROR, WEIGHT = "test", "numerical", "unit_weight"
 FRICTION = "sleeve_friction"
 """Causes of an error that are not inputs of a layer. That of the sleeve friction counts where the
@@ -69,14 +71,18 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
         **inputs_of(site, layer),
         MEASUREMENT: normal(1.0 / HALF_WIDTH),
         TABLE_ERROR: normal(table.half_widths["cone_factor"] / HALF_WIDTH),
+        SITE: normal(1.0),  # for simulated clay too, so that all modes have the same draws
     }
     if not isinstance(weight, ByDepth):
         causes[WEIGHT] = weight
     if is_by_sleeve(layer):
         causes[FRICTION] = normal(1.0)
-    if layer.strength != SIMULATED:
-        causes |= model_causes(model_factor())
     inputs = sampled(causes, site.samples, site.seed + number)
+    if layer.strength == SIMULATED:
+        del inputs[SITE]
+    else:
+        of_model = model_causes(model_factor())
+        inputs = sampled(of_model, site.samples, MODEL_SEED + site.seed + number) | inputs
 
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
     stress = at["vertical_stress"]

@@ -83,13 +83,13 @@ class LaboratoryTest:
         return KINDS[self.test]
 
 
-def tests_of(tables: Sequence[Table]) -> tuple[LaboratoryTest, ...]:
-    """The tests of tables; a `StudyError` names table, key and what is allowed."""
-    if len(tables) > MOST_TESTS:
-        raise StudyError(f"{tables[MOST_TESTS].where} a site has at most {MOST_TESTS} tests")
-    for table in tables:
-        table.allow(*keys_of(LaboratoryTest))
-    return tuple(table.made(LaboratoryTest) for table in tables)
+def tests_in(site: Table) -> tuple[LaboratoryTest, ...]:
+    """The tests in the tables [[laboratory]] of a site file."""
+    tables = site.list("laboratory")
+    if not all(isinstance(table, dict) for table in tables):
+        raise site.refuse("laboratory", "must be tables [[laboratory]] with depth, strength, test")
+    where = f"{site.where} [[laboratory]]"
+    return _tests_of([Table(f"{where} {n}", table) for n, table in enumerate(tables, start=1)])
 
 
 def read_tests(path: Path) -> tuple[LaboratoryTest, ...]:
@@ -121,4 +121,13 @@ def read_tests(path: Path) -> tuple[LaboratoryTest, ...]:
                 value = plain_number(text) if is_number else None
                 cells[columns[title].name] = text.strip() if value is None else value
         tables.append(Table(f"{path}: row {number}:", cells))
-    return tests_of(tables)
+    return _tests_of(tables)
+
+
+def _tests_of(tables: Sequence[Table]) -> tuple[LaboratoryTest, ...]:
+    """The tests of tables; a `StudyError` names table, key and what is allowed."""
+    if len(tables) > MOST_TESTS:
+        raise StudyError(f"{tables[MOST_TESTS].where} a site has at most {MOST_TESTS} tests")
+    for table in tables:
+        table.allow(*keys_of(LaboratoryTest))
+    return tuple(table.made(LaboratoryTest) for table in tables)

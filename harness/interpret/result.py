@@ -71,13 +71,16 @@ def with_laboratory(
     """A result with the tests of a laboratory, and percentiles of su [Pa] by the other tests."""
     depth = np.array([test.depth for test in tests])
     strength = 1e3 * np.array([test.strength for test in tests])
-    net = np.interp(depth, found.depth.values, found.net_resistance.values)
-    told = {
+    resistance = found.net_resistance.dropna("depth")
+    net = np.interp(depth, resistance.depth.values, resistance.values)
+    told: dict[str, Any] = {
         "laboratory_depth": (depth, "m", "depth of the sample"),
         "laboratory_strength": (strength, "Pa", "strength su of the test"),
         "laboratory_factor": (net / strength, "1", "net resistance over the strength of the test"),
     }
-    by_others = {"laboratory_expected": (expected, "Pa", "strength of the test by the others")}
+    by_others: dict[str, Any] = {
+        "laboratory_expected": (expected, "Pa", "strength of the test by the others")
+    }
     kinds = [test.test for test in tests]
     return (
         found.assign_coords(laboratory_test=kinds)
@@ -88,7 +91,9 @@ def with_laboratory(
 
 def laboratory_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
     """A row for each test of a laboratory, beside what the others let expect; the heading first."""
-    rows = [("test", "depth [m]", "su [kPa]", "qnet / su", "by the other tests [kPa]", "it is")]
+    rows: list[tuple[str, ...]] = [
+        ("test", "depth [m]", "su [kPa]", "qnet / su", "by the other tests [kPa]", "it is")
+    ]
     for place, kind in enumerate(found.laboratory_test.values if LABORATORY in found else ()):
         own = found.isel(laboratory_test=place)
         strength, expected = float(own.laboratory_strength), own.laboratory_expected.values

@@ -13,7 +13,7 @@ import numpy as np
 from harness.interpret import forms
 from harness.interpret.factors import TABLE_RATE
 from harness.interpret.forms import ByDepth
-from harness.interpret.laboratory import LaboratoryTest, read_tests, tests_of
+from harness.interpret.laboratory import LaboratoryTest, read_tests, tests_in
 from harness.interpret.model_factor import MEASURED, OF_PRACTICE, RATIOS, SIMULATED
 from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
@@ -290,17 +290,8 @@ def load_site(path: Path, laboratory: Path | None = None) -> Site:
                 "of the layer before"
             )
     test = _test(whole.table("test"), path.parent)
-    tests = _laboratory(whole) if laboratory is None else read_tests(laboratory)
+    tests = tests_in(whole) if laboratory is None else read_tests(laboratory)
     return whole.made(Site, name=path.stem, test=test, layers=tuple(read), laboratory=tests)
-
-
-def _laboratory(whole: Table) -> tuple[LaboratoryTest, ...]:
-    """The tests of a laboratory in the tables [[laboratory]]."""
-    tables = whole.list("laboratory")
-    if not all(isinstance(table, dict) for table in tables):
-        raise whole.refuse("laboratory", "must be tables [[laboratory]] with depth, strength, test")
-    where = f"{whole.where} [[laboratory]]"
-    return tests_of([Table(f"{where} {n}", table) for n, table in enumerate(tables, start=1)])
 
 
 def _test(table: Table, folder: Path) -> MeasuredTest:

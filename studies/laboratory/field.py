@@ -11,7 +11,7 @@ rows of `studies/field_sites.csv`.
 import csv
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -187,7 +187,7 @@ def with_tests(known: ModelFactor, factors: Floats, pairs: Pairs) -> Floats:
     rng = np.random.default_rng(SEED)
     chosen = (rng.choice(len(factors), TESTED, replace=False) for _ in range(DRAWS))
     return np.concatenate(
-        [judgement(known, MEASURED, factors, pairs, tested) for tested in chosen], axis=1
+        [judgement(known, MEASURED, factors, pairs, tested.tolist()) for tested in chosen], axis=1
     )
 
 
@@ -216,7 +216,7 @@ def main(path: Path, *, is_of_figures: bool) -> None:
     print_model_factor(fitted(known))
     places = list(enumerate(sites.items()))
     others = [fitted([*known[:place], *known[place + 1 :]]) for place, _ in places]
-    cases = {
+    cases: dict[str, Callable[..., Floats]] = {
         "by the simulation alone": partial(judgement, mode=SIMULATED),
         "with the model factor": partial(judgement, mode=MEASURED),
         f"and {TESTED} tests of its own": with_tests,
