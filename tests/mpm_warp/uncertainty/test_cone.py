@@ -60,7 +60,7 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
     assert difference == pytest.approx(0.01 * laws.EFFECTS["bound"].size, rel=1e-9)
 
 
-NOISE, WINDOW = (laws.EFFECTS[it].half_width for it in ("noise", "domain"))
+NOISE, WINDOW, TOP = (laws.EFFECTS[it].half_width for it in ("noise", "domain", "top"))
 
 
 @pytest.mark.parametrize(
@@ -78,6 +78,8 @@ NOISE, WINDOW = (laws.EFFECTS[it].half_width for it in ("noise", "domain"))
         # From Ir 50 on the window is as large over the plastic zone as at Ir 100.
         *(("domain", {"rigidity_index": it}, WINDOW * min(1.0, it / 50.0)) for it in (25.0, 50.0)),
         ("domain", {}, WINDOW),
+        # (-Delta)^1.5 sqrt(Ir) over the extent above.
+        ("top", {"stress_anisotropy": -0.09}, TOP * 0.09**1.5 * 10.0 / 13.0),
     ],
 )
 def test_a_part_of_the_half_width(part: str, changes: dict[str, float], expected: float) -> None:
