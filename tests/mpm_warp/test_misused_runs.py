@@ -50,17 +50,6 @@ CALLS: Mapping[str, tuple[str, list[Any]]] = {
     "travel_to": ("travel", [NAN, INF, "far"]),
 }
 """Ways to advance a run, their argument, and what it must not be."""
-ODD = (-3, 0.5, "much", 1j, [None], [[0.0]], {"a": 1})
-"""What a call may be given by mistake."""
-TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
-    "device": lambda it: Execution(device=it),
-    "execution": lambda it: Simulation(SCENE, it),
-    "progress": lambda it: CONE.run(progress=it),
-    "snapshots": lambda it: Snapshots(at=it),
-    "profile": lambda it: Profile(depth=it, strength=it, shear_modulus=it, unit_weight=it),
-    "launch": lambda it: soil().launch(it),
-}
-"""Calls that take none of these, by the word that a refusal tells."""
 
 
 @cache
@@ -91,6 +80,19 @@ def load_twice() -> None:
     """A second part of a kind would take the place of the arrays of the first."""
     loads = (NodalLoad(nodes=CONTACT[:n], forces=np.ones((n, 2))) for n in (4, 1))
     Simulation(replace(SCENE, parts=tuple(loads))).advance(3)
+
+
+ODD = (-3, 0.5, "much", 1j, [None], [[0.0]], {"a": 1})
+"""What a call may be given by mistake."""
+TAKES_ONE: Mapping[str, Callable[[Any], object]] = {
+    "device": lambda it: Execution(device=it),
+    "execution": lambda it: Simulation(SCENE, it),
+    "progress": lambda it: CONE.run(progress=it),
+    "snapshots": lambda it: Snapshots(at=it),
+    "profile": lambda it: Profile(depth=it, strength=it, shear_modulus=it, unit_weight=it),
+    "launch": lambda it: soil().launch(it),
+}
+"""Calls that take none of these, by the word that a refusal tells."""
 
 
 def misuses() -> Iterator[tuple[str, Misuse]]:

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from mpm_warp.materials.elasticity import Isotropic
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.parts.enclosed_soil import EnclosedSoil
 from mpm_warp.scene import Scene
@@ -20,6 +21,7 @@ def empty(simulation: Simulation, column: int, row: int) -> None:
 def test_a_cell_without_points_bears_a_pressure_that_follows_its_volume(floating: Scene) -> None:
     """And no shear; one with points has their mean stress as ever."""
     soil, stress = floating.material, np.array([-3.0, -2.0, 1.0, -2.5])
+    assert isinstance(soil, Isotropic)
     simulation = Simulation(floating.with_parts(EnclosedSoil()))
     strain = np.array([0.3, -0.2, 7.0, 0.1])
     for _ in range(2):

@@ -94,21 +94,21 @@ def nodal(rectilinear: Grid) -> Floats:
     return velocities
 
 
-def test_the_divergence_is_that_of_the_cell_on_the_axis_at_each_height_and_along_each_edge(
+def test_the_divergence_is_that_of_the_cell_at_each_height_and_along_each_edge(
     rectilinear: Grid, nodal: Floats
 ) -> None:
-    """Along an edge, so that nothing gathers at a wall."""
+    """On the axis everywhere; along an edge, so that nothing gathers at a wall."""
     mean = mean_divergence(rectilinear, nodal)
     on_axis = np.arange(rectilinear.cell_count) % rectilinear.column_count == 0
     for xi, eta in ((0.1, 0.9), (0.5, 0.2), (0.9, 0.6)):
         there = divergence(rectilinear, nodal, xi, eta)
         np.testing.assert_allclose(there[on_axis], mean[on_axis], rtol=1e-6)
     points, weights = np.polynomial.legendre.leggauss(4)
-    xi = 0.5 + 0.5 * points
+    abscissae = 0.5 + 0.5 * points
     radius = rectilinear.node_positions[rectilinear.cell_nodes, 0]
-    share = weights * (radius[:, :1] + xi * (radius[:, 1:2] - radius[:, :1]))
+    share = weights * (radius[:, :1] + abscissae * (radius[:, 1:2] - radius[:, :1]))
     for eta in (0.1, 0.5, 0.9):
-        across = np.stack([divergence(rectilinear, nodal, x, eta) for x in xi], axis=-1)
+        across = np.stack([divergence(rectilinear, nodal, x, eta) for x in abscissae], axis=-1)
         at_height = np.sum(across * share, axis=-1) / share.sum(axis=-1)
         np.testing.assert_allclose(at_height, mean, rtol=1e-6)
     for edge in (0.0, 1.0):
