@@ -25,8 +25,6 @@ from mpm_warp.scenes.cone.cone_penetration import ConePenetration
 
 pytestmark = pytest.mark.slow
 
-MIB = 2**20
-
 
 def case_of(scene: str, **parameters: Value) -> Case:
     values = values_of(scene_class(scene)(**parameters))
