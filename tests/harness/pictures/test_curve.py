@@ -15,6 +15,7 @@ from matplotlib.patches import Rectangle
 from harness.compare.compared import with_experience
 from harness.pictures.curve import curve_figure
 from harness.pictures.drawing.plot_parts import panels
+from harness.pictures.drawing.quantities import Values
 from harness.pictures.literature import draw_experience
 
 from .conftest import MADE, REFERENCES, legend, result, texts
@@ -109,6 +110,31 @@ def test_formulas_are_dashed_beside_clay_whose_strength_changes(varied: str) -> 
     assert all(line.is_dashed() for line in drawn)
     assert DASHED in legend(figure)
     assert ENVELOPE not in legend(figure)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "logarithmic"),
+    [
+        ([1.0, 10.0], True),
+        ([1.0, 9.0], False),
+        ([0.0, 1.0, 10.0], True),
+        ([-1.0, 1.0, 10.0], False),
+        ([0.0], False),
+    ],
+)
+def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic: bool) -> None:
+    values = Values(name="stress", unit="Pa", numbers=np.array(numbers))
+    assert values.logarithmic == logarithmic
+
+
+def test_a_value_without_room_on_an_axis_is_told_by_its_number() -> None:
+    texts_of_cases = ["", "von_mises", "depth [m], strength [kPa]; 0, 20; 99, 20"]
+    cases = xr.Dataset({"status": ("case", ["completed"] * 3), "it": ("case", texts_of_cases)})
+    values = Values.of(cases, "it")
+    _, (axes,) = panels()
+    values.dress(axes, room=6)
+    assert texts(axes.get_xticklabels()) == ["derived", "von mises", "1"]
+    assert values.of_case(2) == "1"
 
 
 def test_text_parameter_has_a_categorical_axis() -> None:

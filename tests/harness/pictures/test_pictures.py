@@ -28,7 +28,7 @@ from harness.pictures.drawing.plot_parts import (
     panels,
 )
 from harness.pictures.map import map_figure
-from harness.pictures.pictures import PICTURES, NothingToDrawError, draw
+from harness.pictures.pictures import PICTURES, draw
 from mpm_warp import CatalogueScene, ConePenetration, Sounding
 from mpm_warp.results import parameter_variables
 from tests.conftest import finished
@@ -222,11 +222,6 @@ def test_what_another_program_wrote_is_not_overwritten(tmp_path: Path) -> None:
         draw(dataset, tmp_path)
     assert foreign.read_bytes() == b"a photograph"
     assert list(tmp_path.iterdir()) == [foreign]
-
-
-def test_nothing_to_draw_is_told_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(NothingToDrawError, match="nothing to draw: the dataset has no headline"):
-        draw(xr.Dataset({"status": ((), "completed")}, attrs={"study": "demo"}), tmp_path)
 
 
 def test_map_has_contours_over_both_and_a_curve_for_each_of_few_values() -> None:

@@ -9,12 +9,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import DERIVED_BY
+from harness.archive.study_files import read_study, write_study
 from harness.compare.spread import spreads_of
 from harness.pictures.cases import cases_figure
 from harness.pictures.drawing.plot_parts import FAILED
 from harness.pictures.drawing.rows import INSIDE
-from harness.pictures.effects import effects_figure
+from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.literature import colours_of
+from harness.pictures.stability import stability_rows
 from harness.references.registry import reference_of
 
 from .conftest import caption_of, collected, drawn, legend, result, texts
@@ -191,3 +193,27 @@ def test_a_few_cases_are_told_by_where_they_differ_from_most() -> None:
     assert "1 of 4 cases did not complete" in caption_of(figure)
     bottom, top = axes.get_ylim()
     assert bottom > top, "the first case is the uppermost"
+
+
+@pytest.mark.parametrize(
+    "vary",
+    ["rigidity_index = [20]\nspeed_ratio = [0.1]", "speed_ratio = [0.1]\nrigidity_index = [20]"],
+)
+def test_a_bar_has_the_cases_that_change_its_parameter_alone(vary: str, tmp_path: Path) -> None:
+    """The default speed follows the rigidity index; the order in the study says nothing."""
+    text = f'design = "one_at_a_time"\nstability_map = true\n[vary]\n{vary}\n'
+    factors = {"": 11.0, "rigidity_index": 8.0, "speed_ratio": 11.5}
+    in_turn = ["", *(line.partition(" ")[0] for line in vary.splitlines())]
+    results = [
+        xr.Dataset({"resistance_factor": ((), factors[name], {"role": "headline"})})
+        for name in in_turn
+    ]
+    dataset = collected(tmp_path, "ball_penetration", text, *results)
+    assert dataset["changed"].values.tolist() == in_turn
+    write_study(tmp_path / "s.nc", dataset)
+    for kept in (dataset, read_study(tmp_path / "s.nc")):
+        rows = texts(tornado_figure(kept).axes[0].get_yticklabels())
+        assert [row.partition(": ")[2] for row in rows] == ["20, 100", "0.03, 0.1"]
+        found = {row[0]: row[1] for row in stability_rows(kept)}
+        assert found["rigidity index (100)"] == "20: 100% of 1, 100: 100% of 1"
+        assert found["speed ratio (0.03)"] == "0.03: 100% of 1, 0.1: 100% of 1"

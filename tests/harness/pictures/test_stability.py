@@ -12,11 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from harness.archive.conventions import COMPLETED
-from harness.archive.study_files import read_study, write_study
+from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.plot_parts import STATUSES
-from harness.pictures.drawing.quantities import Values
 from harness.pictures.effects import tornado_figure
 from harness.pictures.stability import (
     BAR,
@@ -25,7 +24,7 @@ from harness.pictures.stability import (
     stability_rows,
 )
 from tests.harness.conftest import as_collected
-from tests.harness.pictures.conftest import caption_of, collected, figures, legend, texts
+from tests.harness.pictures.conftest import caption_of, figures, legend, texts
 
 VELOCITY = (
     "SimulationDiverged: velocity of particle 352 at [ 0.0025, -0.1098] m is [ 30.4263, "
@@ -240,21 +239,6 @@ def test_picture_and_table_come_out_of_plot_and_report(tmp_path: Path) -> None:
     assert "<td>below: 0.001 (factor 30), diverged: velocity of particle 352; above: 0.3" in text
 
 
-@pytest.mark.parametrize(
-    ("numbers", "logarithmic"),
-    [
-        ([1.0, 10.0], True),
-        ([1.0, 9.0], False),
-        ([0.0, 1.0, 10.0], True),
-        ([-1.0, 1.0, 10.0], False),
-        ([0.0], False),
-    ],
-)
-def test_an_axis_is_logarithmic_over_a_decade(numbers: list[float], logarithmic: bool) -> None:
-    values = Values(name="stress", unit="Pa", numbers=np.array(numbers))
-    assert values.logarithmic == logarithmic
-
-
 @pytest.mark.parametrize("order", ["stiffness speed_ratio", "speed_ratio stiffness"])
 def test_a_case_belongs_to_the_parameter_that_the_study_changes(order: str) -> None:
     """The default speed falls with the stiffness: the strip of the speed has no such case."""
@@ -271,30 +255,6 @@ def test_a_case_belongs_to_the_parameter_that_the_study_changes(order: str) -> N
     assert row_of(result, of_speed)["what fails"] == "below: no case; above: none failed up to 0.1"
     silent_row = row_of(silent, of_stiffness)["what fails"]  # it cannot be told
     assert silent_row == "below: no case; above: no case"
-
-
-@pytest.mark.parametrize(
-    "vary",
-    ["rigidity_index = [20]\nspeed_ratio = [0.1]", "speed_ratio = [0.1]\nrigidity_index = [20]"],
-)
-def test_a_bar_has_the_cases_that_change_its_parameter_alone(vary: str, tmp_path: Path) -> None:
-    """The default speed follows the rigidity index; the order in the study says nothing."""
-    text = f'design = "one_at_a_time"\nstability_map = true\n[vary]\n{vary}\n'
-    factors = {"": 11.0, "rigidity_index": 8.0, "speed_ratio": 11.5}
-    in_turn = ["", *(line.partition(" ")[0] for line in vary.splitlines())]
-    results = [
-        xr.Dataset({"resistance_factor": ((), factors[name], {"role": "headline"})})
-        for name in in_turn
-    ]
-    dataset = collected(tmp_path, "ball_penetration", text, *results)
-    assert dataset["changed"].values.tolist() == in_turn
-    write_study(tmp_path / "s.nc", dataset)
-    for result in (dataset, read_study(tmp_path / "s.nc")):
-        rows = texts(tornado_figure(result).axes[0].get_yticklabels())
-        assert [row.partition(": ")[2] for row in rows] == ["20, 100", "0.03, 0.1"]
-        found = {row[0]: row[1] for row in stability_rows(result)}
-        assert found["rigidity index (100)"] == "20: 100% of 1, 100: 100% of 1"
-        assert found["speed ratio (0.03)"] == "0.03: 100% of 1, 0.1: 100% of 1"
 
 
 GROUND = "depth [m], strength [kPa]; 0, 20; 99, {}"
@@ -315,16 +275,6 @@ def test_long_texts_have_room_in_a_tornado() -> None:
     assert texts(axes.get_yticklabels()) == ["profile: derived, 1, 2"]
     assert "1 of 3 cases did not complete." in caption_of(figure)
     assert axes.get_xlabel() == "cone factor over strength at the tip, at\nthe end [-]"
-
-
-def test_a_value_without_room_on_an_axis_is_told_by_its_number() -> None:
-    ground = GROUND.format(20)
-    values = Values.of(made("list", ["completed"] * 3, it=["", "von_mises", ground]), "it")
-    axes = Figure().subplots()
-    values.dress(axes, room=6)
-    labels = [label.get_text() for label in axes.get_xticklabels()]
-    assert labels == ["derived", "von mises", "1"]
-    assert values.of_case(2) == "1"
 
 
 def test_the_caption_says_what_numbers_of_long_texts_are() -> None:
