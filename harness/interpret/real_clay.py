@@ -103,12 +103,25 @@ def calibrated(
     return calibration(model_factor(), layer.strength, deviations, own, others)
 
 
-def left_out(tests: Calibration, own: Compared, drawn: Drawn, seed: int) -> Floats:
-    """Percentiles of the strength of each test by the others [Pa], shape [tests, percentiles]."""
-    found = []
+def judged(
+    layer: Layer, tests: Calibration, own: Compared, drawn: Drawn, seed: int
+) -> tuple[Floats, Floats]:
+    """What each test of a layer is beside all the others [Pa].
+
+    Returns:
+        Percentiles of the strength that the others let expect of the test, shape [tests,
+        percentiles]; and the strength of the test, brought to the mode of the layer, shape [tests].
+    """
+    belief, expected, converted = tests.belief(), [], []
+    known, _ = chosen_draws(drawn.log_likelihood + belief.log_likelihood, seed)
     for number, test in enumerate(own.tests):
-        expected, likelihood = tests.expected(number, drawn.inputs[SITE], drawn.inputs[DEPTH])
+        place, factor, _ = tests.measurements[number]
+        by_others, likelihood = tests.expected(number, drawn.inputs[SITE], drawn.inputs[DEPTH])
         chosen, _ = chosen_draws(drawn.log_likelihood + likelihood, seed)
-        over = np.exp(tests.measurements[number].factor - expected)[chosen]
-        found.append(1e3 * test.strength * np.percentile(over, PERCENTILES))
-    return np.reshape(found, (len(found), len(PERCENTILES)))
+        over = np.exp(factor - by_others)[chosen]
+        expected.append(1e3 * test.strength * np.percentile(over, PERCENTILES))
+        modes = (of_mode(mode, drawn.inputs) for mode in (layer.strength, test.kind.mode))
+        ratio = np.divide(*modes) * np.exp(belief.mean[:, place] - belief.mean[:, 0])
+        ratio = np.broadcast_to(ratio / np.exp(test.kind.mean), drawn.log_likelihood.shape)
+        converted.append(1e3 * test.strength * np.median(ratio[known]))
+    return np.reshape(expected, (len(expected), len(PERCENTILES))), np.array(converted)

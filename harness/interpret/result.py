@@ -66,9 +66,16 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
 
 
 def with_laboratory(
-    found: xr.Dataset, tests: Sequence[LaboratoryTest], expected: Floats
+    found: xr.Dataset, tests: Sequence[LaboratoryTest], expected: Floats, in_mode: Floats
 ) -> xr.Dataset:
-    """A result with the tests of a laboratory, and percentiles of su [Pa] by the other tests."""
+    """A result with the tests of a laboratory.
+
+    Args:
+        found: the result.
+        tests: those that are beside a depth with a strength.
+        expected: percentiles of su by the other tests [Pa], shape [tests, percentiles].
+        in_mode: su brought to the mode of the layer [Pa], shape [tests].
+    """
     depth = np.array([test.depth for test in tests])
     strength = 1e3 * np.array([test.strength for test in tests])
     resistance = found.net_resistance.dropna("depth")
@@ -76,6 +83,7 @@ def with_laboratory(
     told: dict[str, Any] = {
         "laboratory_depth": (depth, "m", "depth of the sample"),
         "laboratory_strength": (strength, "Pa", "strength su of the test"),
+        "laboratory_in_mode": (in_mode, "Pa", "strength brought to the mode of the layer"),
         "laboratory_factor": (net / strength, "1", "net resistance over the strength of the test"),
     }
     by_others: dict[str, Any] = {
@@ -89,10 +97,26 @@ def with_laboratory(
     )
 
 
+def laboratory_points(found: xr.Dataset) -> list[tuple[float, float]]:
+    """Depths [m] and strengths in the mode of the layer [Pa] of tests of a laboratory."""
+    if LABORATORY not in found:
+        return []
+    pairs = zip(found.laboratory_depth.values, found.laboratory_in_mode.values, strict=True)
+    return [(float(depth), float(strength)) for depth, strength in pairs]
+
+
 def laboratory_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
     """A row for each test of a laboratory, beside what the others let expect; the heading first."""
     rows: list[tuple[str, ...]] = [
-        ("test", "depth [m]", "su [kPa]", "qnet / su", "by the other tests [kPa]", "it is")
+        (
+            "test",
+            "depth [m]",
+            "su [kPa]",
+            "qnet / su",
+            "su by the other tests [kPa]",
+            "it is",
+            "su in the mode of the layer [kPa]",
+        )
     ]
     for place, kind in enumerate(found.laboratory_test.values if LABORATORY in found else ()):
         own = found.isel(laboratory_test=place)
@@ -107,6 +131,7 @@ def laboratory_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
                 f"{float(own.laboratory_factor):.1f}",
                 f"{middle}, {low} to {high} with 90 %",
                 "inside" if is_inside else "outside",
+                f"{float(own.laboratory_in_mode) / 1e3:.3g}",
             )
         )
     return rows
@@ -138,7 +163,7 @@ def tests_in_words(found: xr.Dataset) -> list[str]:
     """A line for each test of a laboratory, beside what the others let expect."""
     return [
         f"{kind} at {depth} m: su {strength} kPa, by the others {expected}: {is_it}."
-        for kind, depth, strength, _, expected, is_it in laboratory_rows(found)[1:]
+        for kind, depth, strength, _, expected, is_it, _ in laboratory_rows(found)[1:]
     ]
 
 

@@ -29,7 +29,7 @@ from harness.interpret.draws import (
 )
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
 from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
-from harness.interpret.real_clay import Stated, calibrated, compared, left_out, stated
+from harness.interpret.real_clay import Stated, calibrated, compared, judged, stated
 from harness.interpret.result import PERCENTILES, with_laboratory, without_strength
 from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import Layer, Site
@@ -121,7 +121,7 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
     tests = [
         compared(site, number, used, readings.here(number)) for number in range(len(site.layers))
     ]
-    expected = []
+    beside_others = []
     for number, layer in enumerate(site.layers):
         here = readings.here(number)
         if not len(here):
@@ -139,7 +139,7 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         counting = calibrated(layer, drawn, tests[number], others)
         if counting is not None:
             arrays["laboratory_tests"][number] = len(counting.measurements)
-            expected.append(left_out(counting, tests[number], drawn, site.seed))
+            beside_others.append(judged(layer, counting, tests[number], drawn, site.seed))
         clay = stated(layer, drawn, counting)
         arrays["draws"][number] = _fill(arrays, causes, number, here, drawn, clay, site.seed)
         left = here[drawn.outside > MOST_OF_ANISOTROPY]
@@ -154,7 +154,7 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
     kept = [test for group in tests for test in group.tests]
     if kept:
-        found = with_laboratory(found, kept, np.concatenate(expected))
+        found = with_laboratory(found, kept, *map(np.concatenate, zip(*beside_others, strict=True)))
     notes += [
         f"the laboratory test at {test.depth:g} m is not used: no strength of real clay beside it"
         for test in site.laboratory

@@ -15,7 +15,12 @@ from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
 from harness.interpret.measured import REASONS
-from harness.interpret.result import in_words, laboratory_in_words, tests_in_words
+from harness.interpret.result import (
+    in_words,
+    laboratory_in_words,
+    laboratory_points,
+    tests_in_words,
+)
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret, laboratory_beside
 from harness.pictures.drawing.plot_parts import image
@@ -68,8 +73,8 @@ def interpret_site(options: argparse.Namespace) -> int:
         others = [*laboratory[:place], *laboratory[place + 1 :]]
         beside = [layer for sounding in others for layer in sounding]
         found = interpret(site, sharpen=options.sharpen, beside=beside)
-        points = [(test.depth, 1e3 * test.strength) for test in site.laboratory]
-        tests.append(Interpreted(path, site, found, interpretation_figure(found, points)))
+        picture = interpretation_figure(found, laboratory_points(found))
+        tests.append(Interpreted(path, site, found, picture))
     whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
     endings = (ENDING, CHECK_ENDING) if options.check else (ENDING,)
     _check_targets(

@@ -20,7 +20,12 @@ from harness.interpret.model_factor import (
     with_model_factor,
 )
 from harness.interpret.real_clay import APART
-from harness.interpret.result import in_words, laboratory_in_words, laboratory_rows
+from harness.interpret.result import (
+    in_words,
+    laboratory_in_words,
+    laboratory_points,
+    laboratory_rows,
+)
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret, laboratory_beside
 from harness.interpret.weights import chosen_draws
@@ -165,13 +170,23 @@ def test_tests_at_a_site_tell_its_strength(folder: Path) -> None:
     nkt, factor = laboratory_in_words(site, found)
     assert nkt == "site Nkt, mobilised: mean 22.6, deviation 0.0, number 10."
     assert re.match(r"2 to 10 m: model factor of the site (2\.0|1\.9)", factor)
-    assert {row[-1] for row in laboratory_rows(found)[1:]} == {"inside"}
+    assert {row[-2] for row in laboratory_rows(found)[1:]} == {"inside"}
+
+
+def test_a_test_is_in_the_picture_in_the_mode_of_the_layer(folder: Path) -> None:
+    """One of the mode asked as it is; of compression, lower, by the ratio that tests let expect."""
+    text = laboratory(0.5, (4.0,)) + laboratory(0.7, (5.0,), "CAUC")
+    found = interpret(load_site(with_laboratory(folder, text)))
+    (_, first), (_, second) = laboratory_points(found)
+    own = found.laboratory_strength.values
+    assert first == pytest.approx(own[0], rel=1e-12)
+    assert 0.5 < second / own[1] < 0.85
 
 
 def test_a_test_that_the_others_contradict_is_marked(folder: Path) -> None:
     text = laboratory(0.7, (3.0, 4.0, 5.0, 6.0, 7.0)) + laboratory(3.0, (8.0,))
     rows = laboratory_rows(interpret(load_site(with_laboratory(folder, text))))
-    assert [row[-1] for row in rows[1:]] == ["inside"] * 5 + ["outside"]
+    assert [row[-2] for row in rows[1:]] == ["inside"] * 5 + ["outside"]
 
 
 def test_a_test_between_two_rows_has_the_resistance_between_them(folder: Path) -> None:
