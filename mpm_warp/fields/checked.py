@@ -14,8 +14,8 @@ from mpm_warp.fields.declaration import (
     Derived,
     Parameter,
     Refused,
-    group_with,
     groups_of,
+    holders_of,
     own_parameters_of,
 )
 
@@ -139,9 +139,9 @@ def complete(owner: object, **values: object) -> None:
 def fill_in(owner: object, derived: Mapping[str, float]) -> None:
     """Check derived values and set the parameters that were not given, in their groups."""
     definitions = own_parameters_of(type(owner))
+    holders = holders_of(type(owner))
     for name, value in derived.items():
-        group = group_with(type(owner), name)
-        holder = owner if group is None else getattr(owner, group)
+        holder = getattr(owner, holders[name]) if name in holders else owner
         if isinstance(getattr(holder, name), Derived | None):
             complete(holder, **{name: Derived(definitions[name].checked(value))})
 

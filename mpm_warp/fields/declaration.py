@@ -227,6 +227,7 @@ _type_hints = functools.cache(get_type_hints)
 
 _DECLARED: dict[type, Mapping[str, Parameter]] = {}
 _GROUPS: dict[type, Mapping[str, Any]] = {}
+_HOLDERS: dict[type, Mapping[str, str]] = {}
 """Declared fields and groups by class: resolving types is slow, and a study has thousands of cases.
 """
 
@@ -260,10 +261,12 @@ def groups_of(owner: type) -> Mapping[str, Any]:
     return _GROUPS[owner]
 
 
-def group_with(owner: type, name: str) -> str | None:
-    """The field of the group that has a parameter; None where no group has it."""
-    groups = groups_of(owner).items()
-    return next((it for it, kind in groups if name in own_parameters_of(kind)), None)
+def holders_of(owner: type) -> Mapping[str, str]:
+    """The fields of the groups of a dataclass, by the names of the parameters that they have."""
+    if owner not in _HOLDERS:
+        groups = groups_of(owner).items()
+        _HOLDERS[owner] = {name: it for it, kind in groups for name in own_parameters_of(kind)}
+    return _HOLDERS[owner]
 
 
 def definition_of(owner: type, field: Field[Any]) -> Parameter:

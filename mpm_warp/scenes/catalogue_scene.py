@@ -15,7 +15,7 @@ from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.fields.checked import check_fields, compose
 from mpm_warp.fields.checks import check_kind, check_known
-from mpm_warp.fields.declaration import Value, group_with, groups_of, own_parameters_of
+from mpm_warp.fields.declaration import Value, groups_of, holders_of, own_parameters_of
 from mpm_warp.fields.flat import check_names, nested_values, parameters_of
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
@@ -82,9 +82,10 @@ class CatalogueScene(ShownByParameters, ABC):
 
     def __getattr__(self, name: str) -> Any:
         """A parameter of one of the groups."""
-        if (group := group_with(type(self), name)) is None:
+        holders = holders_of(type(self))
+        if name not in holders:
             object.__getattribute__(self, name)  # raises again, also what a property raised
-        return getattr(getattr(self, str(group)), name)
+        return getattr(getattr(self, holders[name]), name)
 
     @classmethod
     def catalogue_name(cls) -> str:
