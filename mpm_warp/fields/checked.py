@@ -53,7 +53,12 @@ class Group:
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
     def __post_init__(self) -> None:
-        check_fields(self, self.derived)
+        check_fields(self, dict)
+        self.check()
+        fill_in(self, self.derived())
+
+    def check(self) -> None:
+        """Refuse values that do not go together."""
 
     def derived(self) -> Mapping[str, float]:
         """Default values of parameters that depend on others of the group."""

@@ -72,6 +72,10 @@ class Clay(Group):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.check_stiffness()
+
+    def check(self) -> None:
+        """Refuse a law, a rate effect or softening without what belongs to it."""
         law = self.material
         if self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
             raise ParameterError(
@@ -85,7 +89,6 @@ class Clay(Group):
                 raise ParameterError(
                     needed, f"{name} = {value:g} needs {needed}, {what}: give both"
                 )
-        self.check_stiffness()
 
     @property
     @abstractmethod

@@ -92,6 +92,15 @@ class Layers(Group):
         17e3, "total unit weight of the clay", unit="N m-3", minimum=0, maximum=1e6
     )
 
+    def check_layer(self) -> None:
+        """Refuse a layer whose top is not given, in clay whose law allows one."""
+        if self.profile is not None or self.layer_top is not None:
+            return
+        for name, absent in ("layer_thickness", None), ("layer_strength_ratio", 1.0):
+            if (value := getattr(self, name)) != absent:
+                needed = f"{name} = {value:g} needs layer_top, the depth of the layer's top in m"
+                raise ParameterError("layer_top", f"{needed}: give both")
+
     def profile_in(self, clay: FieldClay) -> Profile:
         """The profile of the ground in this clay, which has the strength at the surface."""
         if self.profile is not None:
@@ -123,15 +132,6 @@ class Layers(Group):
             if getattr(self, name) != own_parameters_of(Layers)[name].default:
                 by_depth = "give its parameters by depth in a profile"
                 raise ParameterError(name, f"{name}: {has_own}; {by_depth}")
-
-    def check_layer(self) -> None:
-        """Refuse a layer whose top is not given."""
-        if self.profile is not None or self.layer_top is not None:
-            return
-        for name, absent in ("layer_thickness", None), ("layer_strength_ratio", 1.0):
-            if (value := getattr(self, name)) != absent:
-                needed = f"{name} = {value:g} needs layer_top, the depth of the layer's top in m"
-                raise ParameterError("layer_top", f"{needed}: give both")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +176,7 @@ class Path(Group):
         overlap = round(self.overlap / SAMPLE_SPACING) if self.stretch_number > 1 else 0
         return range(max(0, first - overlap), count * self.stretch_number // self.stretch_count)
 
-    def check(self, radius: float) -> None:
+    def check_with(self, radius: float) -> None:
         """Refuse an end above the begin, or a stretch that there is not; radius of the cone [m]."""
         spacing = f"{SAMPLE_SPACING:g} radii"
         if self.to_depth < self.from_depth + SAMPLE_SPACING * radius:

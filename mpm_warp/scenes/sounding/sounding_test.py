@@ -104,7 +104,7 @@ class SoundingTest(ClayScene):
         if layers.profile is not None:
             check_limits(layers.profile, own_parameters_of(type(self)))
         layers.check_layer()
-        self.path.check(self.cone.cone_radius)
+        self.path.check_with(self.cone.cone_radius)
         in_place, highest = not self.starts_at_surface, self.highest_in_place
         check_reach(ground, self.path, in_place=in_place, highest_in_place=highest)
         check_thickness(ground, layers, self.cell_size)
