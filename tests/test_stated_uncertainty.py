@@ -1,5 +1,6 @@
 """The tables under studies/ by which the uncertainty of the cone factor is set, and tested."""
 
+import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ from harness.references.registry import reference_of
 from mpm_warp.fields.plain_numbers import numbers_by_column
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.uncertainty import laws
+from studies.laboratory.limit_of_mesh import limits
 
 STUDIES = Path(__file__).parent.parent / "studies"
 HELD_OUT, HELD_OUT_MESHES = 24, 12
@@ -86,6 +88,26 @@ def test_the_law_of_the_mesh_is_that_of_the_meshes_measured() -> None:
     np.testing.assert_allclose(stated, found, rtol=0, atol=0.0051)
 
 
+@pytest.mark.parametrize(
+    ("indices", "adhesions"),
+    [
+        ((20, 30, 50, 100), (0, 0.5)),
+        ((20, 30, 50, 100), (1,)),
+        ((300,), (0, 0.5, 1)),
+        ((1000,), (0, 0.5, 1)),
+    ],
+    ids=["smooth and half rough", "rough", "stiff", "very stiff"],
+)
+def test_the_half_width_of_the_limit_is_what_other_forms_of_the_law_give(
+    indices: tuple[float, ...], adhesions: tuple[float, ...]
+) -> None:
+    """Root mean square over the clays of a group; the table has steps of 0.005."""
+    found = limits()
+    of_group = [found[clay].half_width for clay in itertools.product(indices, adhesions)]
+    stated = laws.TABLE.at("limit_half_width", indices[0], min(adhesions))
+    assert stated == pytest.approx(math.hypot(*of_group) / math.sqrt(len(of_group)), abs=0.0026)
+
+
 @pytest.mark.parametrize("power", [1.5, laws.CURVATURE_POWER, 2.0])
 def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     """By other powers of h too, fitted to all meshes of five rows beside the face and more."""
@@ -94,8 +116,10 @@ def test_the_half_width_holds_where_finer_meshes_tend(power: float) -> None:
     ]
     sizes = np.array([cell_size(it["cells_per_radius"]) for it in cases])
     corrected = [it["cone_factor_simulated"] - mesh_error_of(it) for it in cases]
-    indices = np.array([it["rigidity_index"] for it in cases])
-    of_limit = laws.TABLE.at("limit_half_width", indices)
+    indices, adhesions = (
+        np.array([it[name] for it in cases]) for name in ("rigidity_index", "adhesion_factor")
+    )
+    of_limit = laws.TABLE.at("limit_half_width", indices, adhesions**2)
     limits, *_ = limits_by_meshes(power, cases)
     inside = np.abs(corrected - limits) <= np.hypot(of_limit, OF_MESH * sizes)
     assert inside.mean() >= CONFIDENCE
@@ -110,7 +134,7 @@ def test_the_law_of_the_mesh_holds_between_the_clays_that_it_was_fitted_to() -> 
         sizes = np.array([math.sqrt(3.0) / it["rows_on_face"] for it in own])
         errors = [mesh_error_of(clay | {"cells_per_radius": 1.0 / size}) for size in sizes]
         limits = np.array([it["cone_factor_simulated"] for it in own]) - errors
-        of_limit = float(laws.TABLE.at("limit_half_width", index))
+        of_limit = float(laws.TABLE.at("limit_half_width", index, adhesion**2))
         noise = laws.EFFECTS["noise"].half_width * np.hypot(sizes, sizes[-1])
         left = np.hypot(np.hypot(OF_MESH * (sizes - sizes[-1]), noise), of_limit)
         assert np.all(np.abs(limits - limits[-1]) <= left)

@@ -132,7 +132,9 @@ class ErrorLaws:
         left = {name: effect.half_width for name, effect in EFFECTS.items()}
         root = np.sqrt(self.rigidity_index)
         return {
-            "limit": TABLE.at("limit_half_width", self.rigidity_index),
+            "limit": TABLE.at(
+                "limit_half_width", self.rigidity_index, np.square(self.adhesion_factor)
+            ),
             "noise": left["noise"] * self.cell_size,
             "mesh": left["mesh"] * self.cell_size,
             "growth": growth_uncertainty(self.cell_size, self.cell_growth),

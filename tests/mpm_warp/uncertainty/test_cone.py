@@ -61,15 +61,19 @@ def test_the_cone_factor_is_what_was_simulated_and_its_correction() -> None:
 
 
 NOISE, WINDOW, TOP = (laws.EFFECTS[it].half_width for it in ("noise", "domain", "top"))
+SMOOTH = {"rigidity_index": 20.0, "adhesion_factor": 0.0}
 
 
 @pytest.mark.parametrize(
     ("part", "changes", "expected"),
     [
-        # The same on all meshes; larger in stiff clay, whose meshes are not as fine.
-        *(("limit", {"rigidity_index": 20.0, "cells_per_radius": it}, 0.015) for it in (3.0, 12.0)),
-        ("limit", {"rigidity_index": 300.0}, 0.015),
-        ("limit", {"rigidity_index": 1000.0, "cells_per_radius": 12.0}, 0.03),
+        # The same on all meshes; larger in stiff clay, whose meshes are not as fine, and less for a
+        # rough cone, linear over the square of the adhesion factor.
+        *(("limit", SMOOTH | {"cells_per_radius": it}, 0.045) for it in (3.0, 12.0)),
+        ("limit", {"rigidity_index": 300.0}, 0.035),
+        ("limit", {"rigidity_index": 1000.0, "cells_per_radius": 12.0}, 0.07),
+        ("limit", {"adhesion_factor": 1.0}, 0.02),
+        ("limit", {"adhesion_factor": 0.5}, 0.045 - 0.25 * (0.045 - 0.02)),
         # With the width of the cells.
         *(
             ("noise", {"cells_per_radius": it / math.sqrt(3.0)}, NOISE * math.sqrt(3.0) / it)

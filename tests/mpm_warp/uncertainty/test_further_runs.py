@@ -112,7 +112,7 @@ def test_the_half_width_is_a_share_of_the_error_of_the_best_run(
     if test is CONE:
         size = cell_size(finest)
         left = {"mesh": abs(MESH * size + curvature(size)), "domain": DOMAIN / 1.4**2}
-        others, known = {*cone.DIFFERENCES, "steadiness", "points", "noise"}, {"limit": 0.025}
+        others, known = {*cone.DIFFERENCES, "steadiness", "points", "noise"}, {"limit": 0.045}
     else:
         square = finest.cells_per_radius**-2.0
         left = {"mesh": -BALL_MESH * square, "mesh_and_speed": BOTH * (0.5 * 0.3) ** 1.4 * square}
