@@ -197,8 +197,8 @@ class Resolution(Group):
     accuracy: str = parameter(
         "standard",
         "what cells, window and speed are by default: fine halves the cells, has 1.3 times the "
-        "window, takes some ten times as long, and has two thirds of the uncertainty; quick has "
-        "0.75 times the window, takes a twentieth to a third of the time, and adds 26 to 82 % to "
+        "window, takes some ten times as long, and 8 to 34 % off the uncertainty; quick has "
+        "0.75 times the window, takes a twentieth to a third of the time, and adds 23 to 67 % to "
         "the uncertainty",
         choices=("quick", "standard", "fine"),
     )
