@@ -9,7 +9,7 @@ with Delta by K0 and su, and alpha, if the site file says so, by the sleeve fric
 iteration. The sleeve friction then has a random error of its own in each draw, the same at all
 depths. e_table is the error of the table. If `use` names sleeve or pore pressure, each draw is
 weighted by the likelihood of the layer's mean of fs and u2 - u0. How fs and u2 of real clay differ
-from those of simulated clay is not measured.
+from those of simulated clay is told in `weights`.
 """
 
 import math
@@ -55,6 +55,11 @@ class Drawn:
     ground: Mapping[str, Floats]  # quantities of `GROUND`, shape [depths, draws]
     outside: Floats  # share of the draws with Delta outside the table, shape [depths]
     log_likelihood: Floats  # of each draw by sleeve and pore pressure, shape [draws]
+    expected: Mapping[
+        str, Floats
+    ]  # mean of fs and of u2 - u0 in simulated clay [Pa], shape [draws]
+    # mean of both as measured, and the least and largest that the inputs allow [Pa], by measure
+    allowed: Mapping[str, tuple[float, float, float]]
 
 
 def inputs_of(site: Site, layer: Layer) -> Mapping[str, Input]:
@@ -94,7 +99,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     soil, ratio = _in_table(site, number, inputs)
     along, error = table.along(soil), np.exp(inputs[TABLE_ERROR])
 
-    measures = measures_of(site.test, test, here)
+    measures = measures_of(site.test, test, here, layer.strength)
     friction, friction_error = at["sleeve_friction"], np.zeros(site.samples)
     if is_by_sleeve(layer):
         friction_error = measures["sleeve"].deviation[:, None] * inputs[FRICTION]
@@ -112,10 +117,13 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     simulated = along(held, adhesion)
     likelihood = np.zeros(site.samples)
     errors = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
+    allowed, means = {}, {}
     for name, measure in measures.items():
+        expected = simulated[measure.quantity] * ratio * strength - errors[name]
+        allowed[name] = measure.mean, *measure.allowed(expected, site.seed)
+        means[name] = expected.mean(axis=0)
         if name in site.use:
-            expected = simulated[measure.quantity] * ratio * strength
-            likelihood += measure.log_likelihood(expected - errors[name])
+            likelihood += measure.log_likelihood(expected)
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
     own = net / error / at["net_resistance"]
@@ -124,7 +132,7 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
         name: np.broadcast_to(draws, strength.shape)
         for name, draws in zip(GROUND, of_ground, strict=True)
     }
-    return Drawn(inputs, net, strength, ground, outside, likelihood)
+    return Drawn(inputs, net, strength, ground, outside, likelihood, means, allowed)
 
 
 def _in_table(

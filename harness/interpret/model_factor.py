@@ -66,6 +66,7 @@ class SiteFigures(NamedTuple):
     OCR: float  # medians
     Bq: float
     Ip: float  # [%]
+    pressure: float  # mean of ln Bq - ln Bq computed
 
     @property
     def factor(self) -> float:
@@ -173,6 +174,18 @@ def over_average(shear: Floats | float, extension: Floats | float) -> Mapping[st
         "simple_shear": shear / average,
         "triaxial_extension": extension / average,
     }
+
+
+@functools.cache
+def pressure_factor() -> tuple[float, float]:
+    """Mean and deviation of ln Bq - ln Bq computed, of a further site, by the sites that ship."""
+    return predicted([site.pressure for site in measured_sites()])
+
+
+def predicted(values: Sequence[float]) -> tuple[float, float]:
+    """Mean and deviation of a further value of a sample, which its number makes wider."""
+    known = np.asarray(values)
+    return float(known.mean()), float(known.std(ddof=1) * math.sqrt(1.0 + 1.0 / len(known)))
 
 
 def model_causes(known: ModelFactor) -> dict[str, Input]:

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import known_digits
+from harness.interpret.forms import MEASURES
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.measured import REASONS
 from harness.interpret.model_factor import MEASURED, OF_PRACTICE, SIMULATED, SITE
@@ -39,12 +40,16 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
         "draws": ("1", "draws that count after weighing"),
         "laboratory_tests": ("1", "tests of a laboratory that count for the layer"),
     },
+    ("layer", "measure", "bound"): {
+        "measure_mean": ("Pa", "mean of fs and of u2 - u0, and what the inputs allow"),
+    },
     ("depth",): GROUND,
 }
 """Results by their dims, each with unit and meaning."""
+MEAN_OF = {"sleeve": "sleeve friction", "pore_pressure": "excess pore pressure"}
 NO_TEST = "without a laboratory test of this site"
 LABORATORY = "laboratory_strength"
-UNCHECKED = ", of which only the tip is checked on real ground,"
+UNCHECKED = ", of which the sleeve is not checked on real ground,"
 FEWEST_DRAWS = 50
 """With fewer effective draws after weighting, the measured values contradict the inputs."""
 
@@ -53,6 +58,7 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
     """The test with all quantities of `FOUND`, which are NaN."""
     layers = [layer.title for layer in site.layers]
     found = test.assign_coords(percentile=list(PERCENTILES), cause=causes, layer=layers)
+    found = found.assign_coords(measure=[*MEASURES[1:]], bound=["measured", "least", "largest"])
     for dims, quantities in FOUND.items():
         shape = [found.sizes[dim] for dim in dims]
         empty: dict[str, Any] = {
@@ -188,7 +194,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         told_by = telling(site, own)
         tests = int(np.nan_to_num(found.laboratory_tests.sel(layer=told)))
         measures = ", ".join(told_by).replace("_", " ")
-        if layer.strength != SIMULATED and len(told_by) > 1:
+        if layer.strength != SIMULATED and "sleeve" in told_by:
             measures += UNCHECKED
         low, middle, high = in_digits(*own.strength.mean("depth").values / 1e3)
         factor = in_digits(*own.resistance_factor.mean("depth").values)
@@ -206,7 +212,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}, by {measures} "
             f"with Nkt {factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
-            f"error from {largest}{assumed}.{warning}"
+            f"error from {largest}{assumed}.{misfits(found, told)}{warning}"
         )
     return sentences
 
@@ -220,6 +226,21 @@ def of_ground(layer: Layer, tests: int) -> str:
         return words
     of = "as in practice" if layer.strength == OF_PRACTICE else "not measured in this mode"
     return f"{words}, with a model factor {of}"
+
+
+def misfits(found: xr.Dataset, title: str) -> str:
+    """What is measured in a layer beyond what its inputs allow, in words after a blank, or ""."""
+    words = []
+    for measure in found.measure.values:
+        own = found.measure_mean.sel(layer=title, measure=measure).values / 1e3
+        mean, least, largest = own
+        if mean < least or mean > largest:
+            side = "below" if mean < least else "above"
+            words.append(
+                f" The {MEAN_OF[str(measure)]}, {mean:.3g} kPa on average, is {side} what the "
+                f"inputs allow, {least:.3g} to {largest:.3g} kPa."
+            )
+    return "".join(words)
 
 
 def in_digits(low: float, middle: float, high: float) -> list[str]:

@@ -27,6 +27,7 @@ from harness.interpret.draws import (
     inputs_of,
     is_by_sleeve,
 )
+from harness.interpret.forms import MEASURES
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
 from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
 from harness.interpret.real_clay import Stated, calibrated, compared, judged, stated
@@ -133,8 +134,9 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
                 f"{layer.title} at most {int(most / DRAW_BYTES / len(here))} fit into "
                 f"{most / 1e9:.3g} GB of memory"
             )
-        notes += _unused(site, layer, measures_of(site.test, used, here))
+        notes += _unused(site, layer, measures_of(site.test, used, here, layer.strength))
         drawn = draw(site, number, used, here)
+        arrays["measure_mean"][number] = [drawn.allowed[name] for name in MEASURES[1:]]
         others = [*tests[:number], *tests[number + 1 :], *beside]
         counting = calibrated(layer, drawn, tests[number], others)
         if counting is not None:

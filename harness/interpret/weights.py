@@ -3,7 +3,11 @@
 The error of a test is constant along it, and that of the model in a layer. So the depths of a layer
 are one observation, the mean of fs or of u2 - u0, and each draw has a likelihood by this mean:
 
-    ln L = -1/2 (ln(mean measured / mean expected) / deviation)^2
+    ln L = -1/2 ((ln(mean measured / mean expected) - shift) / deviation)^2
+
+For real clay the shift and deviation of u2 - u0 are those of the measured sites, of Bq measured
+over computed; that of fs is not measured. Over the sites the shift has nothing to do with the
+factor of the tip, so sleeve and pore pressure tell the inputs and not the model factor.
 """
 
 import math
@@ -15,13 +19,17 @@ import xarray as xr
 
 from harness.interpret.factors import PRESSURE, SLEEVE, factors
 from harness.interpret.measured import error_of
+from harness.interpret.model_factor import SIMULATED, pressure_factor
 from harness.interpret.site import MeasuredTest
 from mpm_warp.grid.fitted import Floats
 
 HALF_WIDTH = 1.96
 """Half width of 95 % over a deviation."""
-LEFT_OUT = {SLEEVE: 0.2, PRESSURE: 0.2}
-"""Standard deviations of the errors of fs and u2 by what the simulation leaves out, over them."""
+ALLOWED = 0.98
+"""Share of the draws by which a measured mean is called allowed by the inputs."""
+LEFT_OUT = 0.2
+"""Standard deviation of the error of fs, and of u2 of simulated clay, by what the simulation leaves
+out, over them: a judgement."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +39,13 @@ class Measure:
     quantity: str  # of the table of factors that is simulated of it, over su
     values: Floats  # measured values [Pa], NaN where one is missing, shape [depths]
     half_width: Floats  # of 95 %, of the measured values [Pa], shape [depths]
+    shift: float = 0.0  # of the logarithm, by what the simulation leaves out
+    left_out: float = LEFT_OUT  # standard deviation of the same
 
     @property
     def width(self) -> float:
         """Standard deviation of the error of table and model, over the value."""
-        return math.hypot(
-            LEFT_OUT[self.quantity], factors().half_widths[self.quantity] / HALF_WIDTH
-        )
+        return math.hypot(self.left_out, factors().half_widths[self.quantity] / HALF_WIDTH)
 
     @property
     def deviation(self) -> Floats:
@@ -51,6 +59,22 @@ class Measure:
         known = self.values[np.isfinite(self.values)]
         return float(known.mean()) if known.size else math.nan
 
+    def allowed(self, expected: Floats, seed: int) -> tuple[float, float]:
+        """Least and largest mean [Pa] that the draws allow, with ALLOWED; NaN if none is measured.
+
+        Args:
+            expected: values of each draw [Pa], shape [depths, draws].
+            seed: of the random errors.
+        """
+        known = np.isfinite(self.values)
+        if not known.any():
+            return math.nan, math.nan
+        of_model, of_test = np.random.default_rng(seed).normal(size=(2, expected.shape[1]))
+        means = expected[known].mean(axis=0) * np.exp(self.shift + self.width * of_model)
+        means += self.half_width[known].mean() / HALF_WIDTH * of_test
+        low, high = np.quantile(means, [0.5 * (1.0 - ALLOWED), 0.5 * (1.0 + ALLOWED)])
+        return float(low), float(high)
+
     def log_likelihood(self, expected: Floats) -> Floats:
         """Log-likelihood of each draw, shape [draws]. A mean not above 0 tells nothing.
 
@@ -60,26 +84,30 @@ class Measure:
         if not self.mean > 0.0:
             return np.zeros(expected.shape[1])
         known = np.isfinite(self.values)
-        distance = np.log(self.mean / np.maximum(expected[known].mean(axis=0), 1.0))
+        distance = np.log(self.mean / np.maximum(expected[known].mean(axis=0), 1.0)) - self.shift
         of_test = self.half_width[known].mean() / self.mean / HALF_WIDTH
         deviation = math.hypot(self.width, of_test)
         likelihood: Floats = -0.5 * (distance / deviation) ** 2
         return likelihood
 
 
-def measures_of(told: MeasuredTest, test: xr.Dataset, here: np.ndarray) -> Mapping[str, Measure]:
+def measures_of(
+    told: MeasuredTest, test: xr.Dataset, here: np.ndarray, mode: str
+) -> Mapping[str, Measure]:
     """Sleeve friction and excess pore pressure, by the names that `use` has for them.
 
     Args:
         told: what the site file says of the test.
         test: the measured test.
         here: indices of the depths.
+        mode: of the strength that is asked; that of simulated clay has no model factor.
     """
     fs, u2 = test.sleeve_friction.values[here], test.pore_pressure.values[here]
     excess = u2 - test.water_pressure.values[here]
+    of_pressure = (0.0, LEFT_OUT) if mode == SIMULATED else pressure_factor()
     return {
         "sleeve": Measure(SLEEVE, fs, error_of(told, "fs", fs)),
-        "pore_pressure": Measure(PRESSURE, excess, error_of(told, "u2", u2)),
+        "pore_pressure": Measure(PRESSURE, excess, error_of(told, "u2", u2), *of_pressure),
     }
 
 

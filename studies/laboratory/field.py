@@ -11,10 +11,9 @@ rows of `studies/field_sites.csv`.
 import csv
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -33,6 +32,7 @@ from harness.interpret.model_factor import (
     SiteFigures,
     fitted,
     model_causes,
+    predicted,
     with_model_factor,
 )
 from harness.interpret.site import MODES, Layer, MeasuredTest, Site
@@ -82,12 +82,16 @@ def read_pairs(path: Path) -> dict[str, Pairs]:
     return {name: dict(zip(COLUMNS, np.array(rows).T, strict=True)) for name, rows in sites.items()}
 
 
-def computed_factors(pairs: Pairs) -> Floats:
-    """Draws of ln Nkt over the average strength, shape [depths, draws].
+class Computed(NamedTuple):
+    """Draws of a site, with the same shares of all distributions at all depths."""
 
-    A draw has the same shares of all distributions at all depths of a site.
-    """
-    found = []
+    factors: Floats  # ln Nkt over the average strength, shape [depths, draws]
+    pressures: Floats  # Bq, of the same shape
+
+
+def computed(pairs: Pairs) -> Computed:
+    """The draws of a site."""
+    factors, pressures = [], []
     with np.errstate(invalid="ignore"):
         ocr = np.maximum(pairs["yield"] / pairs["effective"], 1.0)
     test = xr.Dataset(
@@ -112,12 +116,14 @@ def computed_factors(pairs: Pairs) -> Floats:
         layer = Layer(top=0.0, bottom=100.0, rigidity_index=INDEX, strength=SIMULATED, **known)
         site = Site(name="pairs", title="pairs", test=told, layers=(layer,))
         drawn = draw(site, 0, test, np.array([place]))
-        found.append(np.log(drawn.resistance / drawn.strength)[0])
-    return np.stack(found)
+        factors.append(np.log(drawn.resistance / drawn.strength)[0])
+        pressures.append(drawn.expected["pore_pressure"] / drawn.resistance[0])
+    return Computed(np.stack(factors), np.stack(pressures))
 
 
-def figures(name: str, pairs: Pairs, factors: Floats) -> SiteFigures:
-    """The figures of a site, given draws of ln Nkt."""
+def figures(name: str, pairs: Pairs, drawn: Computed) -> SiteFigures:
+    """The figures of a site, given its draws."""
+    factors = drawn.factors
     measured, medians = np.log(pairs["net"] / pairs["strength"]), np.median(factors, axis=1)
     with np.errstate(invalid="ignore"):
         ocr = pairs["yield"] / pairs["effective"]
@@ -130,7 +136,25 @@ def figures(name: str, pairs: Pairs, factors: Floats) -> SiteFigures:
         factors.mean(axis=0).std(),
         (measured - medians).std(ddof=1),
         *(_median(values) for values in (ocr, pairs["Bq"], pairs["Ip"])),
+        float(np.median(np.log(over_computed(pairs, drawn)))),
     )
+
+
+def over_computed(pairs: Pairs, drawn: Computed) -> Floats:
+    """Mean excess pore pressure over that of each draw, at depths where it is known."""
+    known = np.isfinite(pairs["Bq"])
+    net = pairs["net"][known]
+    expected = np.mean(drawn.pressures[known] * net[:, None], axis=0)
+    over: Floats = np.mean(pairs["Bq"][known] * net) / expected
+    return over
+
+
+def by_pressure(others: Sequence[SiteFigures], pairs: Pairs, drawn: Computed) -> Floats:
+    """Log-likelihood of each draw by the mean pore pressure of a site, given other sites."""
+    shift, deviation = predicted([site.pressure for site in others])
+    distance = np.log(over_computed(pairs, drawn)) - shift
+    likelihood: Floats = -0.5 * (distance / deviation) ** 2
+    return likelihood
 
 
 def _median(values: Floats) -> float:
@@ -156,23 +180,39 @@ def print_model_factor(known: ModelFactor) -> None:
 
 
 def judgement(
-    known: ModelFactor, mode: str, factors: Floats, pairs: Pairs, tested: Sequence[int] = ()
+    known: ModelFactor,
+    drawn: Computed,
+    pairs: Pairs,
+    *,
+    mode: str = MEASURED,
+    tested: Sequence[int] = (),
+    told: Floats | float = 0.0,
 ) -> Floats:
-    """Rows of JUDGED for the depths of a site that are not tested, shape [3, depths]."""
+    """Rows of JUDGED for the depths of a site that are not tested, shape [3, depths].
+
+    Args:
+        known: the model factor by other sites.
+        drawn: draws of the site.
+        pairs: what is measured there.
+        mode: MEASURED, or SIMULATED for no model factor.
+        tested: depths whose strength is known.
+        told: log-likelihood of each draw by the pore pressure.
+    """
+    factors = drawn.factors
     inputs: Mapping[str, Any] = {SITE: 1.0, DEPTH: 1.0}
     chosen = np.arange(factors.shape[1])
     if mode != SIMULATED:
-        drawn = sampled(model_causes(known), factors.shape[1], SEED)
-        deviations = drawn[BETWEEN], drawn[WITHIN]
+        shares = sampled(model_causes(known), factors.shape[1], SEED)
+        deviations = shares[BETWEEN], shares[WITHIN]
         tests = tuple(
-            LaboratoryTest(depth=float(row), strength=pairs["strength"][row], test=MEASURED)
+            LaboratoryTest(depth=0.1 * row, strength=pairs["strength"][row], test=MEASURED)
             for row in tested
         )
         rows = list(tested)
         own = np.log(pairs["net"] / pairs["strength"])[rows, None] - factors[rows]
         belief = calibration(known, mode, deviations, Compared(tests, own), ()).belief()
-        inputs = with_model_factor(drawn, belief.mean[:, 0], belief.covariance[:, 0, 0])
-        chosen, _ = chosen_draws(belief.log_likelihood, SEED)
+        inputs = with_model_factor(shares, belief.mean[:, 0], belief.covariance[:, 0, 0])
+        chosen, _ = chosen_draws(belief.log_likelihood + told, SEED)
     rest = np.setdiff1d(np.arange(len(factors)), tested)
     measured = pairs["strength"][rest]
     strength = pairs["net"][rest, None] * np.exp(-factors[rest]) / (inputs[SITE] * inputs[DEPTH])
@@ -182,13 +222,13 @@ def judgement(
     return np.stack([share, np.log(middle / measured), np.log(high / low)])
 
 
-def with_tests(known: ModelFactor, factors: Floats, pairs: Pairs) -> Floats:
+def with_tests(known: ModelFactor, drawn: Computed, pairs: Pairs) -> Floats:
     """Rows of JUDGED with TESTED random depths of the site tested, DRAWS times over."""
     rng = np.random.default_rng(SEED)
-    chosen = (rng.choice(len(factors), TESTED, replace=False) for _ in range(DRAWS))
-    return np.concatenate(
-        [judgement(known, MEASURED, factors, pairs, tested.tolist()) for tested in chosen], axis=1
-    )
+    depths = len(drawn.factors)
+    chosen = (rng.choice(depths, TESTED, replace=False) for _ in range(DRAWS))
+    judged = [judgement(known, drawn, pairs, tested=rows.tolist()) for rows in chosen]
+    return np.concatenate(judged, axis=1)
 
 
 def summary(judged: Sequence[Floats]) -> str:
@@ -208,27 +248,30 @@ def summary(judged: Sequence[Floats]) -> str:
 def main(path: Path, *, is_of_figures: bool) -> None:
     """Print the figures of the sites, or how well each is predicted by the others."""
     sites = read_pairs(path)
-    factors = {name: computed_factors(pairs) for name, pairs in sites.items()}
-    known = [figures(name, pairs, factors[name]) for name, pairs in sites.items()]
+    drawn = {name: computed(pairs) for name, pairs in sites.items()}
+    known = [figures(name, pairs, drawn[name]) for name, pairs in sites.items()]
     if is_of_figures:
         print("\n".join(table(known)))
         return
     print_model_factor(fitted(known))
-    places = list(enumerate(sites.items()))
-    others = [fitted([*known[:place], *known[place + 1 :]]) for place, _ in places]
-    cases: dict[str, Callable[..., Floats]] = {
-        "by the simulation alone": partial(judgement, mode=SIMULATED),
-        "with the model factor": partial(judgement, mode=MEASURED),
-        f"and {TESTED} tests of its own": with_tests,
-    }
-    for words, judge in cases.items():
-        judged = [
-            judge(known=others[place], factors=factors[name], pairs=pairs)
-            for place, (name, pairs) in places
-        ]
-        for name, own in zip(sites, judged, strict=True):
-            print(f"{name:>6}: {summary([own])}")
-        print(f"each site by the others, {words}: {summary(judged)}")
+    shift, deviation = predicted([site.pressure for site in known])
+    print(f"Bq over computed Bq: ln {shift:.3f} +- {deviation:.3f}")
+    cases: dict[str, list[Floats]] = {}
+    for place, (name, pairs) in enumerate(sites.items()):
+        others = [*known[:place], *known[place + 1 :]]
+        model, own = fitted(others), drawn[name]
+        told = by_pressure(others, pairs, own)
+        for words, judged in (
+            ("by the simulation alone", judgement(model, own, pairs, mode=SIMULATED)),
+            ("with the model factor", judgement(model, own, pairs)),
+            ("and the pore pressure", judgement(model, own, pairs, told=told)),
+            (f"with the model factor and {TESTED} tests", with_tests(model, own, pairs)),
+        ):
+            cases.setdefault(words, []).append(judged)
+    for words, of_sites in cases.items():
+        for name, judged in zip(sites, of_sites, strict=True):
+            print(f"{name:>6}: {summary([judged])}")
+        print(f"each site by the others, {words}: {summary(of_sites)}")
 
 
 if __name__ == "__main__":

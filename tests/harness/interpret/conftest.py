@@ -37,9 +37,12 @@ accuracy = { qc = 0, fs = 0, u2 = 0 }
 """
 
 
-def measured_rows(depth: Floats, net: Floats, friction: Floats) -> str:
-    """A test in ground as the site file has it, by its net resistance and sleeve friction [Pa]."""
-    u2 = 9.81e3 * np.maximum(0.0, depth - 1.0) + 0.5 * net
+def measured_rows(depth: Floats, net: Floats, friction: Floats, share: float = 0.5) -> str:
+    """A test in ground as the site file has it, by its net resistance and sleeve friction [Pa].
+
+    `share` is Bq.
+    """
+    u2 = 9.81e3 * np.maximum(0.0, depth - 1.0) + share * net
     qc = net + 17e3 * depth - 0.2 * u2
     rows = zip(depth, qc / 1e6, friction / 1e3, u2 / 1e3, strict=True)
     lines = [",".join(f"{value:.9g}" for value in row) for row in rows]

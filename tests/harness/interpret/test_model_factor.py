@@ -1,6 +1,7 @@
 """The model factor: what measured sites tell of real clay, and what is stated without them."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from harness.interpret.model_factor import (
     measured_sites,
     model_causes,
     model_factor,
+    pressure_factor,
     with_model_factor,
 )
 from harness.interpret.result import in_words
@@ -25,7 +27,8 @@ from harness.interpret.site import MODES, load_site
 from harness.interpret.strength import interpret
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
-from tests.harness.interpret.conftest import changed
+from tests.harness.interpret.conftest import DEPTH as DEPTHS
+from tests.harness.interpret.conftest import FACTOR, STRENGTH, changed, measured_rows
 
 MEAN, BETWEEN_SITES, WITHIN_SITE = 0.3, 0.4, 0.25
 """Of the sites that are drawn here."""
@@ -38,7 +41,9 @@ def sites_of_a_model(rng: np.random.Generator, count: int) -> list[SiteFigures]:
         own = MEAN + rng.normal(0.0, BETWEEN_SITES) + rng.normal(0.0, WITHIN_SITE, 10)
         of_nkt = 2.6, 0.0  # without an error by the inputs
         measured = own.mean() + of_nkt[0], own.std(ddof=1)
-        found.append(SiteFigures(number, 10, *measured, *of_nkt, own.std(ddof=1), 1.5, 0.6, 30.0))
+        found.append(
+            SiteFigures(number, 10, *measured, *of_nkt, own.std(ddof=1), 1.5, 0.6, 30.0, 0.4)
+        )
     return found
 
 
@@ -128,6 +133,41 @@ def test_a_sentence_says_what_the_band_rests_on(folder: Path, mode: str, told: s
     assert len(causes) == (0 if mode == "isotropic" else 2)
 
 
+def test_the_pore_pressure_of_real_clay_is_that_of_the_sites() -> None:
+    """Bq is 1.45 times the computed one, and tells nothing of the factor of the tip."""
+    sites = measured_sites()
+    shift, deviation = pressure_factor()
+    pressures = np.array([site.pressure for site in sites])
+    assert shift == pytest.approx(pressures.mean(), rel=1e-9)
+    assert deviation == pytest.approx(pressures.std(ddof=1) * math.sqrt(16 / 15), rel=1e-9)
+    assert shift == pytest.approx(0.37, abs=0.01)
+    factors = [site.factor for site in sites]
+    # Of 15 pairs without any correlation 95 % are within 0.51.
+    assert abs(np.corrcoef(factors, pressures)[0, 1]) < 0.51
+
+
+@pytest.mark.parametrize(
+    ("measure", "times", "told"),
+    [
+        ("fs", 1.0, ""),
+        ("fs", 3.0, "The sleeve friction, .* is above what the inputs allow, "),
+        ("u2", 1.0, ""),
+        ("u2", 0.15, "The excess pore pressure, .* is below what the inputs allow, "),
+    ],
+)
+def test_what_the_inputs_do_not_allow_is_said(
+    folder: Path, measure: str, times: float, told: str
+) -> None:
+    friction = 0.4 * STRENGTH * (times if measure == "fs" else 1.0)
+    share = 0.5 * (times if measure == "u2" else 1.0)
+    rows = measured_rows(DEPTHS, FACTOR * STRENGTH, friction, share)
+    (folder / "test.csv").write_text(rows)
+    site = load_site(changed(folder, ('"isotropic"', '"mobilised"')))
+    (sentence,) = in_words(site, interpret(site))
+    assert re.search(told, sentence)
+    assert sentence.count("what the inputs allow") == bool(told)
+
+
 def test_the_sleeve_does_not_tell_the_model_factor(folder: Path) -> None:
     """How far fs of real clay is from that of simulated clay is not measured."""
     mode = ('"isotropic"', '"mobilised"')
@@ -138,6 +178,6 @@ def test_the_sleeve_does_not_tell_the_model_factor(folder: Path) -> None:
     before, after = (it.sel(cause="site_factor").values[0] for it in both)
     np.testing.assert_allclose(after, before, rtol=0.03)
     assert (
-        "by tip, sleeve, of which only the tip is checked on real ground, with"
+        "by tip, sleeve, of which the sleeve is not checked on real ground, with"
         in (in_words(site, found)[0])
     )
