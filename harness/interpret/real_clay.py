@@ -120,8 +120,8 @@ def judged(
         chosen, _ = chosen_draws(drawn.log_likelihood + likelihood, seed)
         over = np.exp(factor - by_others)[chosen]
         expected.append(1e3 * test.strength * np.percentile(over, PERCENTILES))
-        modes = (of_mode(mode, drawn.inputs) for mode in (layer.strength, test.kind.mode))
-        ratio = np.divide(*modes) * np.exp(belief.mean[:, place] - belief.mean[:, 0])
+        ratio = of_mode(layer.strength, drawn.inputs) / of_mode(test.kind.mode, drawn.inputs)
+        ratio = ratio * np.exp(belief.mean[:, place] - belief.mean[:, 0])
         ratio = np.broadcast_to(ratio / np.exp(test.kind.mean), drawn.log_likelihood.shape)
         converted.append(1e3 * test.strength * np.median(ratio[known]))
     return np.reshape(expected, (len(expected), len(PERCENTILES))), np.array(converted)

@@ -135,7 +135,9 @@ def figures(name: str, pairs: Pairs, drawn: Computed) -> SiteFigures:
         medians.mean(),
         factors.mean(axis=0).std(),
         (measured - medians).std(ddof=1),
-        *(_median(values) for values in (ocr, pairs["Bq"], pairs["Ip"])),
+        _median(ocr),
+        _median(pairs["Bq"]),
+        _median(pairs["Ip"]),
         float(np.median(np.log(over_computed(pairs, drawn)))),
     )
 
