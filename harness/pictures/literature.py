@@ -57,7 +57,8 @@ class _OverAxis(NamedTuple):
 
     x: Floats
     envelope: np.ndarray  # lower and upper bound, and whether it holds, shape [3, position]
-    values: np.ndarray  # of each reference, and whether it is valid, shape [reference, 2, position]
+    # of each reference, whether it is valid, and has the criterion, shape [reference, 3, position]
+    values: np.ndarray
 
     def is_as(self, other: Self) -> bool:
         """Whether another says the same."""
@@ -86,7 +87,7 @@ def draw_literature(
         for here, (_, colour) in zip(found, shown, strict=True):
             _draw_envelope(axes, here, colour)
             dashed = zip(references, here.values, itertools.cycle(DASHES), strict=False)
-            for reference, (value, applies), dashes in dashed:
+            for reference, (value, applies, _), dashes in dashed:
                 style = {"color": colour, "lw": 0.9, "ls": dashes, **_marks(reference)}
                 axes.plot(here.x, np.where(applies, value, np.nan), **style)
         for reference, dashes in zip(references, itertools.cycle(DASHES), strict=False):
@@ -103,13 +104,15 @@ def draw_literature(
     for here in found[:1]:
         _draw_envelope(axes, here, "0.6")
         drawn = zip(references, here.values, colours_of(references), strict=True)
-        for reference, (value, applies), own in drawn:
+        for reference, (value, applies, is_alike), own in drawn:
             axes.plot(here.x, np.where(applies, value, np.nan), color=own, **_marks(reference))
             if not applies[np.isfinite(value)].all():
                 style = {"lw": 0.9, "ls": DASHES[0], "alpha": 0.7, **_marks(reference)}
                 label = once(axes, "outside its validity or criterion")
                 axes.plot(here.x, value, color=own, label=label, **style)
-            ends += end_of(here.x, value, plain(shortened(reference.label, MOST_LETTERS)), own)
+            other = "" if is_alike.any() else f" ({reference.criterion_name})"
+            name = f"{shortened(reference.label, MOST_LETTERS)}{other}"
+            ends += end_of(here.x, value, plain(name), own)
     return ends
 
 
@@ -143,8 +146,11 @@ def _over_axis(
         return np.array([np.broadcast_to(np.asarray(it, float), x.shape) for it in quantities])
 
     envelope = over(*registry.envelope(conditions), registry.envelope_applies(conditions))
-    values = [over(it.evaluate(conditions), it.applies(conditions)) for it in references]
-    return _OverAxis(x, envelope, np.reshape(values, (len(references), 2, x.size)))
+    values = [
+        over(it.evaluate(conditions), it.applies(conditions), it.has_criterion(conditions))
+        for it in references
+    ]
+    return _OverAxis(x, envelope, np.reshape(values, (len(references), 3, x.size)))
 
 
 def _conditions_over(
