@@ -21,7 +21,14 @@ import xarray as xr
 
 from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
 from harness.interpret.forms import ByDepth
-from harness.interpret.model_factor import RATIOS, SIMULATED, SITE, model_causes, model_factor
+from harness.interpret.model_factor import (
+    RATIOS,
+    SIMULATED,
+    SITE,
+    model_causes,
+    model_factor,
+    over_average,
+)
 from harness.interpret.result import GROUND
 from harness.interpret.site import Layer, Site
 from harness.interpret.weights import HALF_WIDTH, measures_of
@@ -141,7 +148,7 @@ def _in_table(
     """The soil of each draw at the rate of the table, and su' / su; see `at_table_rate`."""
     layer = site.layers[number]
     given = {
-        "rigidity_index": inputs["rigidity_index"],
+        "rigidity_index": inputs["rigidity_index"] * of_mode(layer.rigidity_strength, inputs),
         "rate_factor": inputs["rate_factor"],
         "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
         "ductility": inputs["ductility"],
@@ -162,6 +169,12 @@ def _in_table(
     given["rate_factor"] = np.minimum(given["rate_factor"], edge)
     soil, ratio = at_table_rate(given, layer.laboratory_rate)
     return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
+
+
+def of_mode(mode: str, inputs: Mapping[str, Floats]) -> Floats | float:
+    """Strength in a mode over that of simulated clay, without the model factor."""
+    ratios = [inputs[name] for name in RATIOS if name in inputs]
+    return over_average(*ratios).get(mode, 1.0) if ratios else 1.0
 
 
 def _anisotropy(inputs: Mapping[str, Floats], effective: Floats, strength: Floats) -> Floats:

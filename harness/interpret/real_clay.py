@@ -7,16 +7,14 @@ import numpy as np
 import xarray as xr
 
 from harness.interpret.calibration import Calibration, Compared, calibration
-from harness.interpret.draws import Drawn, draw
+from harness.interpret.draws import Drawn, draw, of_mode
 from harness.interpret.model_factor import (
     BETWEEN,
     DEPTH,
-    RATIOS,
     SIMULATED,
     SITE,
     WITHIN,
     model_factor,
-    over_average,
     with_model_factor,
 )
 from harness.interpret.site import Layer, Site
@@ -55,12 +53,6 @@ def stated(layer: Layer, drawn: Drawn, tests: Calibration | None) -> Stated:
         likelihood = likelihood + belief.log_likelihood
     ratio = of_mode(layer.strength, drawn.inputs) / (inputs[SITE] * inputs[DEPTH])
     return Stated(inputs, before, drawn.strength * ratio, likelihood)
-
-
-def of_mode(mode: str, inputs: Mapping[str, Floats]) -> Floats | float:
-    """Strength in a mode over that of simulated clay, without the model factor."""
-    ratios = [inputs[name] for name in RATIOS if name in inputs]
-    return over_average(*ratios).get(mode, 1.0) if ratios else 1.0
 
 
 def compared(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Compared:

@@ -26,14 +26,9 @@ from mpm_warp.grid.fitted import Floats, Integers
 
 BY_SLEEVE = "sleeve"
 """Value of the adhesion factor by which it follows from the sleeve friction at each depth."""
-MODES = (
-    MEASURED,
-    "average",
-    "simple_shear",
-    OF_PRACTICE,
-    "triaxial_extension",
-    SIMULATED,
-)
+AVERAGE = "average"
+MODES_OF_SHEAR = "simple_shear", OF_PRACTICE, "triaxial_extension"
+MODES = MEASURED, AVERAGE, *MODES_OF_SHEAR, SIMULATED
 """Modes of the strength to be found."""
 LARGEST_DEPTH = 1000.0
 
@@ -143,6 +138,9 @@ class Layer:
         meaning="depth of its bottom", unit="m", above=0, maximum=LARGEST_DEPTH, key="to"
     )
     rigidity_index: Input = an_input(meaning="Ir = G / su", minimum=15, maximum=1000)
+    rigidity_strength: str = parameter(
+        AVERAGE, "mode of the su in Ir", choices=(AVERAGE, *MODES_OF_SHEAR)
+    )
     adhesion_factor: Input | str = an_input(
         {"low": 0.2, "high": 0.8},
         "adhesion factor alpha; sleeve: by fs at each depth",
@@ -215,15 +213,15 @@ class Layer:
     @property
     def assumed(self) -> tuple[str, ...]:
         """Keys that have their defaults."""
-        used = (*self._used, "laboratory_rate", "strength")
+        used = (*self._used, "rigidity_strength", "laboratory_rate", "strength")
         return tuple(name for name in used if name not in self.given)
 
     @property
     def _used(self) -> tuple[str, ...]:
         inputs = ("rigidity_index", "rate_factor", "sensitivity", "ductility", "adhesion_factor")
         anisotropy = "K0" if self.stress_anisotropy is None else "stress_anisotropy"
-        no_ratio = self.strength in (MEASURED, "average", SIMULATED)
-        return (*inputs, anisotropy, *(() if no_ratio else RATIOS))
+        converted = {self.strength, self.rigidity_strength} & {*MODES_OF_SHEAR}
+        return (*inputs, anisotropy, *(RATIOS if converted else ()))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -84,6 +84,7 @@ def _input_rows(layer: Layer, found: xr.Dataset) -> Rows:
     by_sleeve = {} if "adhesion_factor" in layer.inputs else {"adhesion_factor": BY_SLEEVE}
     given = {name: distribution.text for name, distribution in layer.inputs.items()} | by_sleeve
     texts = given | {
+        "rigidity_strength": layer.rigidity_strength,
         "strength": layer.strength,
         "laboratory_rate": rate_in_words(layer),
     }

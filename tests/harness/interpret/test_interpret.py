@@ -280,6 +280,18 @@ def test_the_sleeve_tells_a_shift_of_the_test(folder: Path) -> None:
     np.testing.assert_allclose(found.strength.sel(percentile=50.0), strength, rtol=0.01)
 
 
+def test_a_rigidity_index_of_another_strength_is_converted(folder: Path) -> None:
+    """G is 120 su of compression, 158.2 of the average su."""
+    ratios = "simple_shear_ratio = 0.75\nextension_ratio = 0.525\n"
+    mode = f'{ratios}rigidity_strength = "triaxial_compression"\n'
+    of_compression = interpret(load_site(changed(folder, ("rate_factor", f"{mode}rate_factor"))))
+    nkt = of_compression.resistance_factor.sel(percentile=50.0, depth=slice(2.05, 9.95))
+    soil = {"adhesion_factor": 0.4, "stress_anisotropy": 0.2}
+    expected = float(cone_factor(rigidity_index=120.0 * 3.0 / 2.275, **soil)[0])
+    np.testing.assert_allclose(nkt, expected, rtol=1e-3)
+    assert expected == pytest.approx(1.05 * FACTOR, rel=0.01)
+
+
 def test_the_ground_of_the_tip_has_the_measured_resistance(folder: Path) -> None:
     """Of a simulation of it, at the rate of the table, whatever the rate of the laboratory."""
     rate = ("rate_factor = 0", "rate_factor = 0.1"), ("= 1e-6", "= 1e-4")
