@@ -1,0 +1,72 @@
+"""The independent method: its exact solutions, on coarse meshes, and one cone."""
+
+import os
+import sys
+
+import numpy as np
+import pytest
+
+from mpm_warp import ConePenetration
+from tests.conftest import finished
+from tests.independent.clay import Clay, rotated
+from tests.independent.cone import Cone
+from tests.independent.verify import CHECKS
+
+
+def said(code: str) -> list[str]:
+    """What Python prints in a process of its own, whose LAPACK has one thread."""
+    done = finished([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "1"})
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHECKS)
+def test_the_error_of_an_exact_solution_has_its_order(name: str) -> None:
+    values = said(f"from tests.independent.verify import *; print(*CHECKS[{name!r}].pair())")
+    coarse, fine = (float(it) - CHECKS[name].exact for it in values)
+    assert np.log2(coarse / fine) == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.slow
+def test_normals_at_the_shoulder_bracket_the_cone_factor_of_the_simulation() -> None:
+    found = [
+        said(f"from tests.independent.cone import *; print(*Cone(shoulder={it!r}).factors())")
+        for it in ("face", "mean", "shaft")
+    ]
+    (face, _), (mean, before), (shaft, _) = ([*map(float, it)] for it in found)
+    result = ConePenetration(rigidity_index=100, adhesion_factor=0, poissons_ratio=0.49).run()
+    factor, error = float(result.cone_factor), float(result.cone_factor_uncertainty)
+    assert shaft < factor - error < factor + error < face
+    # One normal of the two has an error of first order in the elements, their mean of second.
+    second = Cone().element * (face - shaft) / 2.0
+    assert mean == pytest.approx(factor, abs=second + error)
+    assert mean == pytest.approx(before, abs=second)  # it is steady
+
+
+@pytest.mark.parametrize("criterion", ["tresca", "von_mises"])
+def test_tangent_is_the_derivative_of_the_stress(criterion: str) -> None:
+    clay = Clay(criterion=criterion)
+    trial = np.random.default_rng(0).normal(scale=3.0, size=(1000, 4))
+    size = 1e-7
+    steps = size * np.eye(4) @ clay.stiffness
+    change = [clay.respond(trial + it)[0] - clay.respond(trial - it)[0] for it in steps]
+    _, tangent = clay.respond(trial)
+    # Differences of stresses of some 10 su have an error by rounding of 1e-14 over the size.
+    np.testing.assert_allclose(np.stack(change, -1) / (2.0 * size), tangent, atol=1e-6)
+
+
+def test_stress_turns_with_the_soil() -> None:
+    angle = 0.3
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    rr, zz, rz, tt = rotated(np.array([[1.0, 2.0, 0.5, 3.0]]), np.array([angle]))[0]
+    turned = turn @ [[1.0, 0.5], [0.5, 2.0]] @ turn.T
+    np.testing.assert_allclose([[rr, rz], [rz, zz]], turned, rtol=1e-14)
+    assert tt == 3.0
+
+
+def test_it_shares_no_code_with_the_simulator() -> None:
+    code = "import sys, tests.independent.cone, tests.independent.verify; print(*sys.modules)"
+    loaded = said(code)
+    assert "tests.independent.flow" in loaded
+    assert not [it for it in loaded if it.partition(".")[0] in {"mpm_warp", "harness", "warp"}]
