@@ -26,7 +26,10 @@ from mpm_warp.materials.clay_law import PARAMETER
 
 HATCHES = ("///", "\\\\\\", "...", "---")
 """Hatches of bands, used in turn, so that overlapping bands can be told apart."""
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#666666")
+COLOURS = (
+    *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"),
+    *("#E69F00", "#8C564B", "#666666", "#332288", "#882255"),
+)
 """Colours of references, after Okabe and Ito, which colour-blind readers can tell apart."""
 DASHES = ((0, (4, 3)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (10, 2)))
 """Dashes of references beside several series, used in turn."""

@@ -71,7 +71,7 @@ class Elements:
         kept[1::2, 1::2] = False  # no node in the centre
         self.nodes: Nodes = np.where(kept, kept.cumsum().reshape(kept.shape) - 1, -1)
         self.x = grid[kept]
-        self.rows, self.columns = (size // 2 for size in kept.shape)
+        self.rows, self.columns = kept.shape[0] // 2, kept.shape[1] // 2
         row, column = 2 * np.indices((self.rows, self.columns)).reshape(2, -1, 1) + 1
         self.members = self.nodes[row + CORNERS[:, 1], column + CORNERS[:, 0]]
 

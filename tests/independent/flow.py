@@ -113,7 +113,7 @@ class Flow:
         self.reaction = inside.reshape(-1, 2) - self.boundary.force
         self.reaction[:, 0] -= self.friction
         forces = np.where(self.free, -self.reaction.ravel(), 0.0)
-        self.unbalanced = np.linalg.norm(forces) / np.linalg.norm(self.reaction)
+        self.unbalanced = float(np.linalg.norm(forces) / np.linalg.norm(self.reaction))
         return forces, tangent.reshape(-1, 4, 4, 4)
 
     def _stiffness(self, tangent: Array) -> Array:
@@ -125,7 +125,7 @@ class Flow:
     def _banded(self, stiffness: Array) -> Array:
         """The upper triangle of what is free, as LAPACK stores a band."""
         length = self.width + 1
-        band = np.bincount(self.band, stiffness[self.pairs], self.free.sum() * length)
+        band: Array = np.bincount(self.band, stiffness[self.pairs], self.free.sum() * length)
         fall = np.stack([self.fall, np.zeros_like(self.fall)], axis=1)
         band[self.width :: length] += fall.ravel()[self.free]
         return band.reshape(-1, length).T
