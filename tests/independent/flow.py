@@ -94,13 +94,13 @@ class Flow:
             stiffness = self._banded(time * (self._stiffness(tangent) + self.damping))
             step = np.zeros(self.free.size)
             step[self.free] = solveh_banded(stiffness, forces[self.free], check_finite=False)
-            start, work, share = self.velocity, step @ forces, 1.0
+            start, work, share = self.velocity, float(step @ forces), 1.0
             for _ in range(6):
                 self.velocity = start + share * step.reshape(-1, 2)
                 forces, tangent = self._balance(carried, time)
                 if step @ forces >= -0.5 * work:
                     break
-                share *= work / (work - step @ forces)
+                share *= work / (work - float(step @ forces))
 
     def _balance(self, carried: Array, time: float) -> tuple[Array, Array]:
         """Forces that are out of balance at the velocity, and the tangent of each point."""
@@ -125,7 +125,8 @@ class Flow:
     def _banded(self, stiffness: Array) -> Array:
         """The upper triangle of what is free, as LAPACK stores a band."""
         length = self.width + 1
-        band: Array = np.bincount(self.band, stiffness[self.pairs], self.free.sum() * length)
+        count = self.free.sum() * length
+        band = np.asarray(np.bincount(self.band, stiffness[self.pairs], count), dtype=np.float64)
         fall = np.stack([self.fall, np.zeros_like(self.fall)], axis=1)
         band[self.width :: length] += fall.ravel()[self.free]
         return band.reshape(-1, length).T

@@ -8,8 +8,10 @@ import pytest
 
 from mpm_warp import ConePenetration
 from tests.conftest import finished
-from tests.independent.clay import Clay, rotated
+from tests.independent.clay import Array, Clay
 from tests.independent.cone import Cone
+from tests.independent.elements import Elements
+from tests.independent.flow import Boundary, Flow
 from tests.independent.verify import CHECKS
 
 
@@ -57,12 +59,18 @@ def test_tangent_is_the_derivative_of_the_stress(criterion: str) -> None:
 
 
 def test_stress_turns_with_the_soil() -> None:
-    angle = 0.3
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    rr, zz, rz, tt = rotated(np.array([[1.0, 2.0, 0.5, 3.0]]), np.array([angle]))[0]
-    turned = turn @ [[1.0, 0.5], [0.5, 2.0]] @ turn.T
-    np.testing.assert_allclose([[rr, rz], [rz, zz]], turned, rtol=1e-14)
-    assert tt == 3.0
+    def elastic(place: Array) -> Array:
+        return np.tile([0.2, -0.3, 0.1, 0.4], (*place.shape[:-1], 1))
+
+    mesh = Elements(np.stack(np.meshgrid(np.linspace(1.0, 2.0, 5), np.linspace(0.0, 1.0, 5)), -1))
+    velocity = np.stack([-mesh.x[:, 1], mesh.x[:, 0]], axis=1)  # from r to z by 1 in a unit of time
+    flow = Flow(mesh, Clay(), Boundary(len(mesh.x)), velocity, velocity, elastic)
+    rr, zz, rz, tt = np.moveaxis(flow._carried(0.3), -1, 0)
+    turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+    expected = turn @ [[0.2, 0.1], [0.1, -0.3]] @ turn.T
+    for component, place in ((rr, (0, 0)), (zz, (1, 1)), (rz, (0, 1))):
+        np.testing.assert_allclose(component, expected[place], rtol=1e-12)
+    np.testing.assert_allclose(tt, 0.4, rtol=1e-12)
 
 
 def test_it_shares_no_code_with_the_simulator() -> None:
