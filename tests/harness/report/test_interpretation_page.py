@@ -8,8 +8,10 @@ import pytest
 
 from harness.cli.main import main
 from tests.harness.conftest import Refusal
-from tests.harness.interpret.conftest import DEPTH, LAYER, SITE, STRENGTH, changed, measured_rows
+from tests.harness.interpret import conftest
+from tests.harness.interpret.conftest import DEPTH, SITE, STRENGTH, changed, measured_rows
 
+LAYER = f'{conftest.LAYER}rigidity_strength = "average"\n'  # all is said
 ASSUMED = """
 [[layer]]
 title = "assumed <clay>"
@@ -68,7 +70,8 @@ def test_the_sentence_the_picture_and_all_inputs_of_each_test_are_there(page: st
     assert re.search(r" K0 - \d+ % - ", second)
     assert re.search(r" numerical \d+ % \d+ % - ", second)
     assert "assumed <clay> K0 low 0.5, high 0.8 (assumed)" in second
-    assert "assumed <clay> adhesion_factor sleeve assumed <clay> strength" in second
+    assert "assumed <clay> adhesion_factor sleeve" in second
+    assert "assumed <clay> rigidity_strength average (assumed)" in second
 
 
 def test_each_test_and_both_together_have_files(written: Path) -> None:
