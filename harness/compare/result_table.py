@@ -247,11 +247,12 @@ def _notes(dataset: xr.Dataset, references: Sequence[Reference]) -> list[str]:
         return notes
     members, conditions = ", ".join(it.id for it in ENVELOPE), conditions_of(dataset)
     known = dict.fromkeys(reference.how_known for reference in references)
-    envelope_of = f"envelope: least to greatest of those of {members} that have its criterion"
+    has_envelope = bool(envelope(conditions)[0].notnull().any())
+    of_envelope = f"least to greatest of those of {members} that have the criterion of the case"
     outside = "[outside the validity of the reference, or of another criterion, which is named]"
     return [
         *notes,
-        f"{envelope_of}; it is no confidence interval",
+        *([f"envelope: {of_envelope}; it is no confidence interval"] if has_envelope else []),
         f"literature: over su of the case, computed / literature - 1; {outside}",
         *(
             f"  {reference.id}: {reference.source}; {reference.definition}"
