@@ -191,7 +191,7 @@ def with_experience(dataset: xr.Dataset, entry_ids: Sequence[str]) -> xr.Dataset
 
 
 def _with_factor_by_compression(dataset: xr.Dataset) -> xr.Dataset:
-    if COMPARED not in dataset or BY_COMPRESSION in dataset or not {*NEEDED} <= {*dataset}:
+    if BY_COMPRESSION in dataset or not all(name in dataset for name in (COMPARED, *NEEDED)):
         return dataset
     ratio = conditions_of(dataset)[StrengthMode.TRIAXIAL_COMPRESSION]
     if over_cases(dataset, ratio == 1.0).all():
@@ -263,7 +263,8 @@ def _misses_of(dataset: xr.Dataset, name: str, limit: float) -> list[str]:
         applied = applied or bool(held.any())
         rows = zip(labels_of(dataset), over_cases(dataset, size), held, strict=True)
         lines += [
-            f"{name}: {label}: {size:.3g} is beyond the tolerance {limit:g}"
+            f"{variable.removeprefix(f'{Role.DEVIATION}_')}: {label}: {size:.3g} is beyond the "
+            f"tolerance {limit:g}"
             for label, size, is_held in rows
             if is_held and not size <= limit
         ]

@@ -110,7 +110,9 @@ class Reference:
     def criterion_name(self) -> str:
         """The criterion in words."""
         words = self.criterion.replace("_", " ")
-        return words.replace("tresca", "Tresca").replace("mises", "Mises")
+        for name in ("tresca", "mises", "cam"):
+            words = words.replace(name, name.title())
+        return words
 
     @property
     def validity(self) -> str:

@@ -1,6 +1,7 @@
 """The groups of parameters of ball and T-bar: clay, body, and the flow of soil around it."""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from mpm_warp.fields.checked import Group
@@ -32,13 +33,13 @@ class ClayAroundBody(FieldClay):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body(Group):
+class Body(Group, ABC):
     """A round body; `Ball` and `TBar` are such."""
 
     @property
+    @abstractmethod
     def shape(self) -> RoundBody:
         """Its outline."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, kw_only=True)

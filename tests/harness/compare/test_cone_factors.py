@@ -161,7 +161,7 @@ def test_a_tolerance_holds_for_cases_of_the_criterion_by_every_reading() -> None
     dataset = with_references(computed.assign_attrs(scene="cone_penetration"), THREE)
     beyond = misses(with_tolerances(dataset, limits))
     assert beyond == {
-        "yu_2000": ["yu_2000: material=von_mises: 0.0676 is beyond the tolerance 0.05"],
+        "yu_2000": ["yu_2000_pure_shear: material=von_mises: 0.0676 is beyond the tolerance 0.05"],
     }
 
 
@@ -247,6 +247,14 @@ def test_table_shows_what_is_known_of_the_error_beside_the_cone_factor() -> None
 
 
 TWO = ("karlsrud_2005", "mayne_peuchen_2018")
+
+
+def test_beside_a_band_the_factor_is_given_by_its_su_too() -> None:
+    """In von Mises clay su in triaxial compression is sqrt(3)/2 of that in pure shear."""
+    dataset = with_experience(result(9.0, material=["tresca", "von_mises"]), TWO)
+    by_compression = dataset["cone_factor_by_compression"]
+    np.testing.assert_allclose(by_compression, (9.0, 9.0 / np.sqrt(0.75)), rtol=1e-12)
+    assert "cone_factor_by_compression" not in with_experience(result(material=["tresca"]), TWO)
 
 
 def test_a_band_has_two_ends_says_what_it_is_and_is_no_reference(two_soils: xr.Dataset) -> None:
