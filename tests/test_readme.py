@@ -47,6 +47,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+def test_the_front_door_has_the_test_command_that_the_gate_runs() -> None:
+    gate = (ROOT / ".ci" / "run").read_text()
+    command = re.search(r'^tests="(.+)"$', gate, re.MULTILINE)
+    assert command and command[1] in README.read_text().splitlines()
+
+
 @pytest.mark.slow
 def test_the_front_doors_python_runs(folder: Path) -> None:
     from_python, from_file = (run(block, folder) for block in blocks(README.read_text()))
