@@ -50,7 +50,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_front_door_has_the_test_command_that_the_gate_runs() -> None:
     gate = (ROOT / ".ci" / "run").read_text()
     command = re.search(r'^tests="(.+)"$', gate, re.MULTILINE)
-    assert command and command[1] in README.read_text().splitlines()
+    assert command
+    assert command[1] in README.read_text().splitlines()
 
 
 @pytest.mark.slow

@@ -17,9 +17,9 @@ import numpy as np
 import xarray as xr
 
 from harness.errors import HarnessError
-from harness.interpret.factors import TABLE_RATE, at_table_rate
 from harness.interpret.result import GROUND
 from harness.interpret.site import Site
+from harness.interpret.tables.factors import TABLE_RATE, at_table_rate
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 from mpm_warp.scenes.sounding.profile import Profile

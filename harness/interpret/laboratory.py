@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from harness.interpret.model_factor import MEASURED, OF_PRACTICE
+from harness.interpret.tables.model_factor import MEASURED, OF_PRACTICE
 from harness.study.files import read_text
 from harness.study.tables import StudyError, Table, keys_of
 from mpm_warp.fields.checked import check_fields

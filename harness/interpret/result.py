@@ -10,8 +10,8 @@ from harness.archive.conventions import known_digits
 from harness.interpret.forms import MEASURES
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.measured import REASONS
-from harness.interpret.model_factor import MEASURED, OF_PRACTICE, SIMULATED, SITE
 from harness.interpret.site import Layer, Site
+from harness.interpret.tables.model_factor import MEASURED, OF_PRACTICE, SIMULATED, SITE
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 

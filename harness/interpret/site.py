@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from harness.interpret import forms
-from harness.interpret.factors import TABLE_RATE
 from harness.interpret.forms import ByDepth
 from harness.interpret.laboratory import LaboratoryTest, read_tests, tests_in
-from harness.interpret.model_factor import MEASURED, OF_PRACTICE, RATIOS, SIMULATED
+from harness.interpret.tables.factors import TABLE_RATE
+from harness.interpret.tables.model_factor import MEASURED, OF_PRACTICE, RATIOS, SIMULATED
 from harness.study.distributions import Input, an_input
 from harness.study.files import read_toml
 from harness.study.tables import LINE, StudyError, Table, keys_of

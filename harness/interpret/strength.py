@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.interpret.borders import edges_of_runs, near_border, without_borders
-from harness.interpret.calibration import Compared
-from harness.interpret.columns import GAP
-from harness.interpret.draws import (
+from harness.interpret.forms import MEASURES
+from harness.interpret.inference.borders import edges_of_runs, near_border, without_borders
+from harness.interpret.inference.calibration import Compared
+from harness.interpret.inference.draws import (
     FRICTION,
     MEASUREMENT,
     TABLE_ERROR,
@@ -27,14 +27,14 @@ from harness.interpret.draws import (
     inputs_of,
     is_by_sleeve,
 )
-from harness.interpret.forms import MEASURES
+from harness.interpret.inference.real_clay import Stated, calibrated, compared, judged, stated
+from harness.interpret.inference.shares import TOGETHER, error_shares
+from harness.interpret.inference.weights import Measure, chosen_draws, measures_of
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
-from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
-from harness.interpret.real_clay import Stated, calibrated, compared, judged, stated
+from harness.interpret.reading.columns import GAP
 from harness.interpret.result import PERCENTILES, with_laboratory, without_strength
-from harness.interpret.shares import TOGETHER, error_shares
 from harness.interpret.site import Layer, Site
-from harness.interpret.weights import Measure, chosen_draws, measures_of
+from harness.interpret.tables.model_factor import DEPTH, SIMULATED, SITE
 from harness.machine import memory_of_machine
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats

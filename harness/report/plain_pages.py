@@ -18,7 +18,6 @@ from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
 from harness.interpret.measured import REASONS
-from harness.interpret.model_factor import DEPTH, SIMULATED, SITE
 from harness.interpret.result import (
     in_digits,
     in_words,
@@ -27,6 +26,7 @@ from harness.interpret.result import (
     rate_in_words,
 )
 from harness.interpret.site import BY_SLEEVE, Layer, Site
+from harness.interpret.tables.model_factor import DEPTH, SIMULATED, SITE
 from harness.pictures.drawing.plot_parts import STYLED, image, panels, runs, series
 from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
 from mpm_warp.provenance import provenance

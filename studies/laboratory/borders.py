@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from harness.interpret.borders import near_border, sharpened
+from harness.interpret.inference.borders import near_border, sharpened
 from mpm_warp.grid.fitted import Floats
 from studies.laboratory.blind import BORDER, COUNT, RADIUS, START, TOP
 

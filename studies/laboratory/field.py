@@ -18,10 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from harness.interpret.calibration import Compared, calibration
-from harness.interpret.draws import draw
+from harness.interpret.inference.calibration import Compared, calibration
+from harness.interpret.inference.draws import draw
+from harness.interpret.inference.weights import chosen_draws
 from harness.interpret.laboratory import LaboratoryTest
-from harness.interpret.model_factor import (
+from harness.interpret.site import MODES, Layer, MeasuredTest, Site
+from harness.interpret.tables.model_factor import (
     BETWEEN,
     DEPTH,
     MEASURED,
@@ -35,8 +37,6 @@ from harness.interpret.model_factor import (
     predicted,
     with_model_factor,
 )
-from harness.interpret.site import MODES, Layer, MeasuredTest, Site
-from harness.interpret.weights import chosen_draws
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 

@@ -17,9 +17,9 @@ from harness.archive.atomic_files import write_whole
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
-from harness.interpret.files import read_file
-from harness.interpret.formats import NotNamedError
-from harness.interpret.headings import columns_in
+from harness.interpret.reading.files import read_file
+from harness.interpret.reading.formats import NotNamedError
+from harness.interpret.reading.headings import columns_in
 from harness.interpret.site import MeasuredTest
 from harness.references.listing import all_entries, one_entry
 from harness.run.resources import (

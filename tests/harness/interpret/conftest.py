@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.interpret.factors import cone_factor
+from harness.interpret.tables.factors import cone_factor
 from mpm_warp.grid.fitted import Floats
 
 DEPTH = np.arange(1.0, 12.0, 0.1)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.interpret import borders
-from harness.interpret.borders import sharpened
+from harness.interpret.inference import borders
+from harness.interpret.inference.borders import sharpened
 from harness.interpret.measured import NO_INDEX, REASONS
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret

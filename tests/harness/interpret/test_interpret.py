@@ -9,11 +9,11 @@ import pytest
 import xarray as xr
 
 from harness.archive.netcdf_files import read_attributes, write_netcdf
-from harness.interpret.draws import _in_table
-from harness.interpret.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
+from harness.interpret.inference.draws import _in_table
+from harness.interpret.inference.weights import LEFT_OUT, Measure
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
-from harness.interpret.weights import LEFT_OUT, Measure
+from harness.interpret.tables.factors import PRESSURE, RANGES, SLEEVE, cone_factor, factors
 from mpm_warp.errors import ParameterError
 from mpm_warp.provenance import provenance
 from tests.harness.conftest import Command, Refusal

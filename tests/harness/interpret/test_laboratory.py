@@ -7,9 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.interpret.calibration import Belief, Compared, calibration
+from harness.interpret.inference.calibration import Belief, Compared, calibration
+from harness.interpret.inference.real_clay import APART
+from harness.interpret.inference.weights import chosen_draws
 from harness.interpret.laboratory import KINDS, LaboratoryTest, read_tests
-from harness.interpret.model_factor import (
+from harness.interpret.result import (
+    in_words,
+    laboratory_in_words,
+    laboratory_points,
+    laboratory_rows,
+)
+from harness.interpret.site import load_site
+from harness.interpret.strength import interpret, laboratory_beside
+from harness.interpret.tables.model_factor import (
     BETWEEN,
     DEPTH,
     MEASURED,
@@ -19,16 +29,6 @@ from harness.interpret.model_factor import (
     model_factor,
     with_model_factor,
 )
-from harness.interpret.real_clay import APART
-from harness.interpret.result import (
-    in_words,
-    laboratory_in_words,
-    laboratory_points,
-    laboratory_rows,
-)
-from harness.interpret.site import load_site
-from harness.interpret.strength import interpret, laboratory_beside
-from harness.interpret.weights import chosen_draws
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 from tests.harness.conftest import Command, Refusal

@@ -7,7 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.interpret.model_factor import (
+from harness.interpret.result import in_words
+from harness.interpret.site import MODES, load_site
+from harness.interpret.strength import interpret
+from harness.interpret.tables.model_factor import (
     BETWEEN,
     DEPTH,
     MEASURED,
@@ -22,9 +25,6 @@ from harness.interpret.model_factor import (
     pressure_factor,
     with_model_factor,
 )
-from harness.interpret.result import in_words
-from harness.interpret.site import MODES, load_site
-from harness.interpret.strength import interpret
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 from tests.harness.interpret.conftest import DEPTH as DEPTHS

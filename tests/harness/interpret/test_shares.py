@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.interpret.shares import TOGETHER, error_shares
+from harness.interpret.inference.shares import TOGETHER, error_shares
 from harness.study.distributions import normal, sampled
 
 DRAWS = 2048

@@ -19,9 +19,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.interpret.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
 from harness.interpret.forms import ByDepth
-from harness.interpret.model_factor import (
+from harness.interpret.inference.weights import HALF_WIDTH, measures_of
+from harness.interpret.result import GROUND
+from harness.interpret.site import Layer, Site
+from harness.interpret.tables.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
+from harness.interpret.tables.model_factor import (
     RATIOS,
     SIMULATED,
     SITE,
@@ -29,9 +32,6 @@ from harness.interpret.model_factor import (
     model_factor,
     over_average,
 )
-from harness.interpret.result import GROUND
-from harness.interpret.site import Layer, Site
-from harness.interpret.weights import HALF_WIDTH, measures_of
 from harness.study.distributions import Input, normal, sampled
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats

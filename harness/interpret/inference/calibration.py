@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from harness.interpret.laboratory import KINDS, LaboratoryTest
-from harness.interpret.model_factor import ModelFactor
+from harness.interpret.tables.model_factor import ModelFactor
 from mpm_warp.grid.fitted import Floats
 
 

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.files import read_file
-from harness.interpret.formats import TestFile, cell_number
 from harness.interpret.forms import AXES, ByDepth
-from harness.interpret.headings import columns_in, is_of_rods
+from harness.interpret.reading.files import read_file
+from harness.interpret.reading.formats import TestFile, cell_number
+from harness.interpret.reading.headings import columns_in, is_of_rods
 from harness.interpret.site import LARGEST_DEPTH, MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.fields.checks import Range

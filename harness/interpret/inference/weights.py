@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.interpret.factors import PRESSURE, SLEEVE, factors
 from harness.interpret.measured import error_of
-from harness.interpret.model_factor import SIMULATED, pressure_factor
 from harness.interpret.site import MeasuredTest
+from harness.interpret.tables.factors import PRESSURE, SLEEVE, factors
+from harness.interpret.tables.model_factor import SIMULATED, pressure_factor
 from mpm_warp.grid.fitted import Floats
 
 HALF_WIDTH = 1.96

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from harness.interpret.formats import (
+from harness.interpret.reading.formats import (
     LENGTHS,
     Heading,
     TestFile,

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from harness.interpret.calibration import Calibration, Compared, calibration
-from harness.interpret.draws import Drawn, draw, of_mode
-from harness.interpret.model_factor import (
+from harness.interpret.inference.calibration import Calibration, Compared, calibration
+from harness.interpret.inference.draws import Drawn, draw, of_mode
+from harness.interpret.inference.weights import chosen_draws
+from harness.interpret.site import Layer, Site
+from harness.interpret.tables.model_factor import (
     BETWEEN,
     DEPTH,
     SIMULATED,
@@ -17,8 +19,6 @@ from harness.interpret.model_factor import (
     model_factor,
     with_model_factor,
 )
-from harness.interpret.site import Layer, Site
-from harness.interpret.weights import chosen_draws
 from mpm_warp.grid.fitted import Floats
 
 APART = 0.5

@@ -5,8 +5,8 @@ import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from harness.interpret.formats import LENGTHS, Heading, NotNamedError, plain_unit
 from harness.interpret.forms import AXES
+from harness.interpret.reading.formats import LENGTHS, Heading, NotNamedError, plain_unit
 from harness.study.tables import StudyError
 from mpm_warp.fields.names import nearest_name
 

@@ -1,0 +1,1 @@
+"""From the file of a measured test, of whatever format, to depth, qc, fs and u2 in SI units."""
