@@ -40,6 +40,12 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
         "draws": ("1", "draws that count after weighing"),
         "laboratory_tests": ("1", "tests of a laboratory that count for the layer"),
     },
+    ("layer", "percentile"): {
+        "line_intercept": ("Pa", "su at depth 0 on the line of the layer, a of su = a + b z"),
+        "line_slope": ("Pa m-1", "slope b of the line, 0 where it is not significant"),
+    },
+    ("layer", "end"): {"line_depth": ("m", "depth of the ends of the line")},
+    ("layer", "end", "percentile"): {"line_strength": ("Pa", "su on the line at its ends")},
     ("layer", "measure", "bound"): {
         "measure_mean": ("Pa", "mean of fs and of u2 - u0, and what the inputs allow"),
     },
@@ -58,7 +64,9 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
     """The test with all quantities of `FOUND`, which are NaN."""
     layers = [layer.title for layer in site.layers]
     found = test.assign_coords(percentile=list(PERCENTILES), cause=causes, layer=layers)
-    found = found.assign_coords(measure=[*MEASURES[1:]], bound=["measured", "least", "largest"])
+    found = found.assign_coords(
+        measure=[*MEASURES[1:]], bound=["measured", "least", "largest"], end=["top", "bottom"]
+    )
     for dims, quantities in FOUND.items():
         shape = [found.sizes[dim] for dim in dims]
         empty: dict[str, Any] = {

@@ -27,6 +27,7 @@ from harness.interpret.inference.draws import (
     inputs_of,
     is_by_sleeve,
 )
+from harness.interpret.inference.line import line_figures
 from harness.interpret.inference.real_clay import Stated, calibrated, compared, judged, stated
 from harness.interpret.inference.shares import TOGETHER, error_shares
 from harness.interpret.inference.weights import Measure, chosen_draws, measures_of
@@ -101,9 +102,9 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
     Returns:
         By `depth`: measured and corrected values, `near_border`, medians of `GROUND`, and `reason`
         (an index of its flag_meanings), why a depth has no strength. By depth and `percentile`:
-        `strength` and `resistance_factor`. By depth and `cause`: `error_share`. By `layer`, cause
-        and percentile: `input_before` and `input_after`. By `laboratory_test`, if there are any:
-        what was measured, and what the others let expect.
+        `strength` and `resistance_factor`. By depth and `cause`: `error_share`. By `layer`: the
+        line su = a + b z; and by layer, cause and percentile: `input_before` and `input_after`. By
+        `laboratory_test`, if there are any: what was measured, and what the others let expect.
 
     Raises:
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
@@ -123,6 +124,8 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         compared(site, number, used, readings.here(number)) for number in range(len(site.layers))
     ]
     beside_others = []
+    sand = edges_of_runs(depth, np.isin(reason, SAND))
+    near = near_border(depth, test.net_resistance.values, [*readings.placed, *sand], radius)
     for number, layer in enumerate(site.layers):
         here = readings.here(number)
         if not len(here):
@@ -143,12 +146,15 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
             arrays["laboratory_tests"][number] = len(counting.measurements)
             beside_others.append(judged(layer, counting, tests[number], drawn, site.seed))
         clay = stated(layer, drawn, counting)
-        arrays["draws"][number] = _fill(arrays, causes, number, here, drawn, clay, site.seed)
-        left = here[drawn.outside > MOST_OF_ANISOTROPY]
+        chosen, arrays["draws"][number] = chosen_draws(clay.log_likelihood, site.seed)
+        _fill(arrays, causes, number, here, drawn, clay, chosen)
+        outside = drawn.outside > MOST_OF_ANISOTROPY
+        left, own_only = here[outside], ~near[here] | sharpen
+        line = line_figures(depth[here], ~outside, own_only, drawn, clay, chosen, site.seed)
+        for name, values in line.items():
+            arrays[name][number] = values
         reason[left] = REASONS.index("Delta beyond the table")
         strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
-    sand = edges_of_runs(depth, np.isin(reason, SAND))
-    near = near_border(depth, test.net_resistance.values, [*readings.placed, *sand], radius)
     meaning = "1 where the resistance feels another layer"
     own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
     if sharpen:
@@ -172,10 +178,9 @@ def _fill(
     here: np.ndarray,
     drawn: Drawn,
     clay: Stated,
-    seed: int,
-) -> float:
-    """Write percentiles and shares of a layer into the arrays; return the effective draws."""
-    chosen, effective = chosen_draws(clay.log_likelihood, seed)
+    chosen: np.ndarray,
+) -> None:
+    """Write percentiles and shares of a layer into the arrays, by the chosen draws."""
     distinct, weights = np.unique(chosen, return_counts=True)
     factor = drawn.resistance / clay.strength
     for name, draws in (("strength", clay.strength), ("resistance_factor", factor)):
@@ -192,7 +197,6 @@ def _fill(
             before = clay.before.get(cause, draws)
             arrays["input_before"][number, place] = np.percentile(before, PERCENTILES)
             arrays["input_after"][number, place] = np.percentile(draws[chosen], PERCENTILES)
-    return effective
 
 
 def _refuse_without_values(site: Site, test: xr.Dataset) -> None:

@@ -7,7 +7,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from harness.pictures.drawing.plot_parts import STYLED, panels, runs, series, series_colour, shade
+from harness.pictures.drawing.plot_parts import (
+    STYLED,
+    once,
+    panels,
+    runs,
+    series,
+    series_colour,
+    shade,
+)
 from harness.pictures.drawing.quantities import Floats
 
 KILO = 1e3
@@ -54,15 +62,21 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     test.set_xlim(*(1.05 * np.array([min(0.0, np.nanmin(shown)), np.nanmax(shown)])))
     _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
     _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
+    for title in found.layer.values:
+        own = found.sel(layer=title)
+        low, middle, high = own.line_strength.values.T / KILO
+        strength.plot(middle, own.line_depth, "k", lw=0.9, label=once(strength, "line"))
+        for end in (low, high):
+            strength.plot(end, own.line_depth, "k:", lw=0.9)
     if points:
         at, values = np.array(points).T
         strength.plot(values / KILO, at, "ko", ms=4, label="laboratory", clip_on=False)
         strength.set_xlim(right=max(strength.get_xlim()[1], 1.05 * float(values.max()) / KILO))
-        _legend(strength, 1)
+    _legend(strength, 2)
     _shares(shares, found)
     _shade(figure.axes, found)
     _legend(test, 3)
-    words = f"{found.attrs['title']}. Bands hold 90 %. {SHADES}"
+    words = f"{found.attrs['title']}. Bands hold 90 %, dotted lines that of the line. {SHADES}"
     return _finished(figure, [found], words, [depth for depth, _ in points])
 
 

@@ -17,6 +17,7 @@ from harness.archive.own_files import MAKER
 from harness.benchmark.cases import META_KEYS, Submission
 from harness.benchmark.score import Score, case_rows, summary_rows
 from harness.interpret.description import test_rows
+from harness.interpret.lines import line_rows
 from harness.interpret.measured import REASONS
 from harness.interpret.result import (
     in_digits,
@@ -67,6 +68,7 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
         "title": site.title,
         "sentences": in_words(site, found) + laboratory_in_words(site, found),
         "laboratory": laboratory_rows(found),
+        "lines": line_rows(found),
         "picture": embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
         "inputs": [
             ("layer", "input", "as given", "before: median (90 %)", "by the test: median (90 %)"),

@@ -14,6 +14,7 @@ from harness.archive.own_files import check_replaceable, not_own, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
+from harness.interpret.lines import TITLES, line_table, lines_in_words
 from harness.interpret.measured import REASONS
 from harness.interpret.result import (
     in_words,
@@ -49,7 +50,7 @@ COLUMNS = {
 """Columns of the table, with their variables and units; those of percentiles and causes follow."""
 TABLE = ",".join([*COLUMNS][:9])
 """Beginning of each table, by which the harness recognises its own."""
-ENDING, CHECK_ENDING = "_interpretation", "_check"
+ENDING, CHECK_ENDING, LINES = "_interpretation", "_check", "_lines.csv"
 TOGETHER = "soundings"
 """Name of the files on several tests together."""
 
@@ -108,6 +109,7 @@ def _check_targets(titles: Mapping[str, str], whole: str) -> None:
     for base, title in titles.items():
         if base.endswith(ENDING):
             check_replaceable(Path(f"{base}.csv"), TABLE)
+            check_replaceable(Path(f"{base}{LINES}"), ",".join(TITLES))
         path = Path(f"{base}.nc")
         if path.exists() and (before := _title_of(path)) != title:
             others[path] = before
@@ -134,9 +136,10 @@ def _write(test: Interpreted, base: str) -> None:
     found = test.found
     _write_data(found, base)
     write_csv(_table(found), Path(f"{base}.csv"))
+    write_csv(line_table(test.site, found), Path(f"{base}{LINES}"))
     _write_figure(test.figure, base)
     words = [*in_words(test.site, found), *laboratory_in_words(test.site, found)]
-    say(*words, *tests_in_words(found))
+    say(*words, *tests_in_words(found), *lines_in_words(found))
     left = [
         f"{count} {word}"
         for number, word in enumerate(REASONS)
@@ -146,7 +149,7 @@ def _write(test: Interpreted, base: str) -> None:
         tell(f"depths without a strength, of {found.sizes['depth']}: {', '.join(left)}")
     if found.attrs["notes"]:
         tell(f"{test.site.test.file}: {found.attrs['notes']}")
-    tell(f"written: {base}.nc, .csv, .png, .svg")
+    tell(f"written: {base}.nc, .csv, .png, .svg, {LINES}")
 
 
 def _write_data(dataset: xr.Dataset, base: str) -> None:

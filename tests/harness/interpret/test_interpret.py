@@ -223,7 +223,8 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     assert "not given and assumed: rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (here / "results").iterdir())
-    assert written == [f"mine_interpretation.{it}" for it in ("csv", "html", "nc", "png", "svg")]
+    endings = ".csv", ".html", ".nc", ".png", ".svg", "_lines.csv"
+    assert written == [f"mine_interpretation{it}" for it in endings]
     header, row, *_ = (here / "results/mine_interpretation.csv").read_text().splitlines()
     assert header.startswith("depth [m],qc [kPa],fs [kPa],u2 [kPa],qt [kPa],error of qt [kPa],")
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
@@ -243,10 +244,12 @@ def test_another_site_of_one_name_is_not_replaced_silently(here: Path, command: 
     assert told in command("interpret", "site.toml").err
 
 
-@pytest.mark.parametrize("ending", ["nc", "csv", "png", "svg", "html", "a result"])
+@pytest.mark.parametrize(
+    "ending", [".nc", ".csv", "_lines.csv", ".png", ".svg", ".html", "a result"]
+)
 def test_a_file_of_others_is_not_replaced(ending: str, here: Path, refusal: Refusal) -> None:
     """Nothing is written then, a table with the columns of a test and a result of a study too."""
-    path = Path(f"results/site_interpretation.{'nc' if ending == 'a result' else ending}")
+    path = Path(f"results/site_interpretation{'.nc' if ending == 'a result' else ending}")
     path.parent.mkdir()
     path.write_text("depth [m],qc [kPa],fs [kPa],u2 [kPa]\n1,2,3,4\n")
     if ending == "a result":

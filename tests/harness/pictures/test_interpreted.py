@@ -7,6 +7,9 @@ import xarray as xr
 from harness.pictures.interpreted import interpretation_figure, soundings_figure
 from tests.harness.pictures.conftest import texts
 
+LINE_DEPTH = np.array([[2.0, 10.0]])
+LINE_STRENGTH = 1e3 * np.array([[[10.0, 12.0, 15.0], [17.0, 20.0, 25.0]]])
+
 
 def interpreted(title: str = "A site") -> xr.Dataset:
     """Clay from 2 to 10 m, with a gap between 5 and 7 m, and soil that drains at 9 m."""
@@ -24,23 +27,38 @@ def interpreted(title: str = "A site") -> xr.Dataset:
             "error_share": (("depth", "cause"), np.full((len(depth), 2), 0.5)),
             "reason": ("depth", reason.astype(np.int8), meanings),
             "near_border": ("depth", (np.abs(depth - 8.0) < 0.35).astype(np.int8)),
+            "line_depth": (("layer", "end"), LINE_DEPTH),
+            "line_strength": (("layer", "end", "percentile"), LINE_STRENGTH),
         },
-        {"depth": depth, "percentile": [5.0, 50.0, 95.0], "cause": ["test", "model"]},
+        {
+            "depth": depth,
+            "layer": ["clay"],
+            "percentile": [5.0, 50.0, 95.0],
+            "cause": ["test", "model"],
+        },
         {"title": title, "site": f"site_{title}"},
     )
 
 
-def test_no_line_is_drawn_across_a_gap() -> None:
+def test_no_curve_is_drawn_across_a_gap() -> None:
     for figure in (interpretation_figure(interpreted()), soundings_figure([interpreted()])):
         for axes in figure.axes:
             for line in axes.get_lines():
                 depth, value = line.get_ydata(), line.get_xdata()
-                assert np.isnan(value[(depth > 4.95) & (depth < 6.95)]).any()
+                assert len(depth) == 2 or np.isnan(value[(depth > 4.95) & (depth < 6.95)]).any()
 
 
 def test_the_layers_fill_the_picture() -> None:
     figure = interpretation_figure(interpreted())
     assert figure.axes[0].get_ylim() == pytest.approx((11.0, 1.0))
+
+
+def test_the_line_of_a_layer_goes_from_its_top_to_its_bottom_with_its_band() -> None:
+    strength = interpretation_figure(interpreted()).axes[2]
+    drawn = [line for line in strength.get_lines() if len(line.get_xdata()) == 2]
+    np.testing.assert_array_equal([line.get_ydata() for line in drawn], 3 * [LINE_DEPTH[0]])
+    percentiles = sorted(line.get_xdata().tolist() for line in drawn)
+    np.testing.assert_array_equal(percentiles, LINE_STRENGTH[0].T / 1e3)
 
 
 def test_several_tests_have_a_line_and_a_band_each() -> None:

@@ -63,6 +63,7 @@ def test_the_sentence_the_picture_and_all_inputs_of_each_test_are_there(page: st
     assert "2 to 10 m: su (isotropic, at 0.36 %/h)" in first
     assert "rigidity_index 120 120 (120 to 120)" in first
     assert re.search(r"cause 2 to 10 m numerical (99|100) %", first)
+    assert re.search(r"2 to 10 m 2 to 10 8\.\d+ \([\d.]+ to [\d.]+\) 1\.\d+ \(1", first)
     assert "2 to 10 m value missing 3 84 5, 7 to 7.02" in first
     assert "area_ratio 0.8 net area ratio of the cone" in first
     assert "(assumed)" not in first
@@ -76,11 +77,11 @@ def test_the_sentence_the_picture_and_all_inputs_of_each_test_are_there(page: st
 
 def test_each_test_and_both_together_have_files(written: Path) -> None:
     assert sorted(it.name for it in written.iterdir()) == [
-        f"{name}_interpretation.{form}"
+        f"{name}_interpretation{form}"
         for name, forms in (
-            ("a.v1", ("csv", "nc", "png", "svg")),
-            ("b", ("csv", "nc", "png", "svg")),
-            ("soundings", ("html", "png", "svg")),
+            ("a.v1", (".csv", ".nc", ".png", ".svg", "_lines.csv")),
+            ("b", (".csv", ".nc", ".png", ".svg", "_lines.csv")),
+            ("soundings", (".html", ".png", ".svg")),
         )
         for form in forms
     ]
