@@ -109,10 +109,14 @@ $ harness bench --set physics=cone --set 'size=[3000, 20000]'
   --out, --set, --device
 [references = studies.references] list what results are compared with
 List the cone factors of the literature and the bands of experience that a study can be compared
-with: formula, range, source, and where the formula was taken from. With ID print one in full.
+with: formula, range, source, and where the formula was taken from. With ID print one in full. Or
+print Nkt of measured sites beside the computed one, and draw field_sites.png.
 $ harness references
 $ harness references lu_2004
+$ harness references --field
   id [ID]: name of one reference or band; default: all
+  --field: Nkt of measured sites, before and after the model factor of `harness interpret`
+  --out
 [compare = results.compare] compare a result with references, or with another result
 Print a result beside references or exact solutions. With OTHER compare two results and print the
 largest difference of each scalar and curve; 0 is the same bits.

@@ -101,7 +101,10 @@ VALUES: dict[str, dict[str, Any]] = {
     "completion shell": {"choices": ("bash", "zsh", "fish")},
 }
 """Arguments for argparse of options that are not simply texts or paths, by key of the option."""
-EXCLUSIVE = ("run --workers", "run --dask", "new --interpret", "new --scene")
+EXCLUSIVE = (
+    *("run --workers", "run --dask", "new --interpret", "new --scene"),
+    *("references id", "references --field"),
+)
 """Options of a command that exclude one another."""
 
 
@@ -146,7 +149,8 @@ def make_parser() -> Parser:
             epilog=epilog(name),
         )
         command.set_defaults(function=entry.function)
-        exclusive = command.add_mutually_exclusive_group() if name in ("run", "new") else command
+        has_exclusive = any(option.key in EXCLUSIVE for option in entry.options)
+        exclusive = command.add_mutually_exclusive_group() if has_exclusive else command
         for option in entry.options:
             place = exclusive if option.key in EXCLUSIVE else command
             place.add_argument(*option.names, **_as_argument(option))

@@ -4,8 +4,9 @@
 cells are not known. Each depth is interpreted by `harness.interpret` with what a site file has by
 default, K0 by the overconsolidation ratio, and the sensitivity where it is known. It prints how
 well the strengths of a site are predicted by the other sites: by the simulation alone, with the
-model factor, and with three random depths of the site tested. ``field PAIRS figures`` prints the
-rows of `studies/field_sites.csv`.
+model factor, and with three random depths of the site tested; how often the line of su by depth is
+in the band of its line; and whether neighbouring depths depart together. ``field PAIRS figures``
+prints the rows of `studies/field_sites.csv`.
 """
 
 import csv
@@ -20,6 +21,7 @@ import xarray as xr
 
 from harness.interpret.inference.calibration import Compared, calibration
 from harness.interpret.inference.draws import draw
+from harness.interpret.inference.line import strength_line
 from harness.interpret.inference.weights import chosen_draws
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.site import MODES, Layer, MeasuredTest, Site
@@ -41,6 +43,7 @@ from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 
 COLUMNS = {
+    "depth": "depth [m]",
     "effective": "effective_vertical_stress [kPa]",
     "yield": "preconsolidation_stress [kPa]",
     "strength": "su_mobilised [kPa]",
@@ -224,6 +227,36 @@ def judgement(
     return np.stack([share, np.log(middle / measured), np.log(high / low)])
 
 
+def line_inside(known: ModelFactor, drawn: Computed, pairs: Pairs) -> tuple[int, int, int]:
+    """Whether the line through the measured strengths is in the band.
+
+    Returns:
+        Number of its two ends inside; 1 if the line has a slope, or 0; 1 if that is inside.
+    """
+    order = np.argsort(pairs["depth"])
+    depth, count = pairs["depth"][order], drawn.factors.shape[1]
+    shares = sampled(model_causes(known), count, SEED)
+    site = with_model_factor(shares, *known.of_site(MEASURED, shares[BETWEEN]))[SITE]
+    strength = (pairs["net"][:, None] * np.exp(-drawn.factors))[order] / site
+    intercept, slope = strength_line(depth, strength, shares[WITHIN], np.arange(count), SEED)
+    exact = np.polyfit(depth, pairs["strength"][order], 1)
+
+    def holds(draws: Floats, value: float) -> int:
+        low, high = np.quantile(draws, [0.05, 0.95])
+        return int(low <= value <= high)
+
+    ends = (holds(intercept + at * slope, np.polyval(exact, at)) for at in depth[[0, -1]])
+    return sum(ends), int(slope.any()), int(slope.any()) and holds(slope, exact[0])
+
+
+def neighbours(pairs: Pairs, drawn: Computed) -> Floats:
+    """Distances of neighbouring depths [m], and products of their departures over the variance."""
+    order = np.argsort(pairs["depth"])
+    departure = np.log(pairs["net"] / pairs["strength"]) - np.median(drawn.factors, axis=1)
+    scaled = ((departure - departure.mean()) / departure.std(ddof=1))[order]
+    return np.stack([np.diff(pairs["depth"][order]), scaled[1:] * scaled[:-1]])
+
+
 def with_tests(known: ModelFactor, drawn: Computed, pairs: Pairs) -> Floats:
     """Rows of JUDGED with TESTED random depths of the site tested, DRAWS times over."""
     rng = np.random.default_rng(SEED)
@@ -258,11 +291,19 @@ def main(path: Path, *, is_of_figures: bool) -> None:
     print_model_factor(fitted(known))
     shift, deviation = predicted([site.pressure for site in known])
     print(f"Bq over computed Bq: ln {shift:.3f} +- {deviation:.3f}")
+    apart, products = np.concatenate([neighbours(sites[it], drawn[it]) for it in sites], axis=1)
+    error = products.std() / math.sqrt(len(products))
+    print(
+        f"{len(apart)} neighbouring depths, {np.median(apart):.1f} m apart in the median: "
+        f"correlation of departures {products.mean():.2f} +- {error:.2f}"
+    )
     cases: dict[str, list[Floats]] = {}
+    lines = []
     for place, (name, pairs) in enumerate(sites.items()):
         others = [*known[:place], *known[place + 1 :]]
         model, own = fitted(others), drawn[name]
         told = by_pressure(others, pairs, own)
+        lines.append(line_inside(model, own, pairs))
         for words, judged in (
             ("by the simulation alone", judgement(model, own, pairs, mode=SIMULATED)),
             ("with the model factor", judgement(model, own, pairs)),
@@ -274,6 +315,11 @@ def main(path: Path, *, is_of_figures: bool) -> None:
         for name, judged in zip(sites, of_sites, strict=True):
             print(f"{name:>6}: {summary([judged])}")
         print(f"each site by the others, {words}: {summary(of_sites)}")
+    ends, sloped, held = np.sum(lines, axis=0)
+    print(
+        f"lines of the sites inside the band: {ends} of {2 * len(lines)} ends; {sloped} have a "
+        f"slope, {held} of these inside"
+    )
 
 
 if __name__ == "__main__":

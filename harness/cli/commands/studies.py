@@ -13,7 +13,8 @@ from typing import Any
 
 from tqdm import tqdm
 
-from harness.archive.atomic_files import write_whole
+from harness.archive.atomic_files import prepare, write_whole
+from harness.archive.own_files import check_replaceable, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
@@ -21,6 +22,7 @@ from harness.interpret.reading.files import read_file
 from harness.interpret.reading.formats import NotNamedError
 from harness.interpret.reading.headings import columns_in
 from harness.interpret.site import MeasuredTest
+from harness.interpret.tables.evidence import evidence, evidence_table
 from harness.references.listing import all_entries, one_entry
 from harness.run.resources import (
     PROCESS_MEMORY,
@@ -147,8 +149,19 @@ def schema(options: argparse.Namespace) -> int:
 
 
 def references(options: argparse.Namespace) -> int:
-    """Print all references and bands of experience, or one of them in full."""
-    say(all_entries() if options.id is None else one_entry(options.id))
+    """Print all references and bands of experience, one of them in full, or measured sites."""
+    if not options.field:
+        say(all_entries() if options.id is None else one_entry(options.id))
+        return DONE
+    from harness.pictures.drawing.plot_parts import image  # only pictures need matplotlib
+    from harness.pictures.evidence import evidence_figure
+
+    path = options.out / "field_sites.png"
+    check_replaceable(path)
+    prepare(options.out)
+    found = evidence()
+    write_own(image(evidence_figure(found)), path)
+    say(evidence_table(found), path)
     return DONE
 
 
