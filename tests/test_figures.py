@@ -29,7 +29,13 @@ class Figure(NamedTuple):
 
 
 FIGURES = [
-    Figure("README.md", "**{:.2f} ± {:.2f}**", "adhesion_factor", (ADHESION_05,), (NC, HALF_WIDTH)),
+    Figure(
+        "README.md",
+        "**{:.2f} ± {:.2f}** |",
+        "adhesion_factor",
+        (ADHESION_05, "rigidity_index=100"),
+        (NC, HALF_WIDTH),
+    ),
     Figure(
         CONE,
         "| 25 | {:.2f} ± {:.2f} | 0.8 s | {:.2f} ± {:.2f} | 4.1 s |",
@@ -48,7 +54,7 @@ FIGURES = [
         CONE,
         "| 0.5 | {:.1%} | {:.1%} | {:.1%} | {:.1%} | {:.1%} | {:.2%} |",
         "adhesion_factor",
-        (ADHESION_05, "energy_audit=balance"),
+        (ADHESION_05, "rigidity_index=100", "energy_audit=balance"),
         (*(f"work_share_{it}" for it in SHARES), "energy_residual"),
     ),
     Figure(

@@ -135,7 +135,7 @@ def make_parser() -> Parser:
         prog="harness",
         description="Parametric studies of cone penetration by the material point method.",
         epilog="first steps:\n"
-        "  harness run adhesion_factor    the main job, in half a minute\n"
+        "  harness run adhesion_factor    the main job, in a minute\n"
         "  harness new my_study           a study of your own, to be edited and run\n"
         "  harness help COMMAND           options and examples of a command",
     )

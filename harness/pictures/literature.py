@@ -33,6 +33,8 @@ COLOURS = (
 """Colours of references, after Okabe and Ito, which colour-blind readers can tell apart."""
 DASHES = ((0, (4, 3)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (10, 2)))
 """Dashes of references beside several series, used in turn."""
+PALE = 0.35
+"""Opacity of references that are not valid, or of another criterion."""
 FINE = 400
 """Points of a curve of the literature."""
 
@@ -81,27 +83,22 @@ def draw_literature(
 
     If they are the same for all series, each reference is a curve with a colour and a label: solid
     where it is valid and has the criterion of the case, dashed elsewhere; the ends of these curves
-    are returned. Otherwise each series has its own envelope and references, in its colour and where
-    they are valid.
+    are returned. Otherwise each series has its own envelope and references, in its colour, and pale
+    where they are not valid or of another criterion.
     """
     references = stored_references(studied.dataset)
     found = [_over_axis(studied, along, cases, references) for cases, _ in shown]
     if any(not it.is_as(found[0]) for it in found[1:]):
         for here, (_, colour) in zip(found, shown, strict=True):
             _draw_envelope(axes, here, colour)
-            dashed = zip(references, here.values, itertools.cycle(DASHES), strict=False)
-            for reference, (value, applies, _), dashes in dashed:
-                style = {"color": colour, "lw": 0.9, "ls": dashes, **_marks(reference)}
-                axes.plot(here.x, np.where(applies, value, np.nan), **style)
-        for reference, dashes in zip(references, itertools.cycle(DASHES), strict=False):
-            axes.plot(
-                [],
-                [],
-                color="0.3",
-                lw=0.9,
-                ls=dashes,
-                label=plain(shortened(reference.label, MOST_LETTERS)),
-            )
+            for style, (value, applies, _) in zip(_styles(references), here.values, strict=True):
+                for part, alpha in ((applies == 1.0, 1.0), (applies == 0.0, PALE)):
+                    if np.isfinite(value[part]).any():
+                        y = np.where(part, value, np.nan)
+                        axes.plot(here.x, y, color=colour, alpha=alpha, **style)
+        alike = np.any([here.values[:, 2].any(axis=-1) for here in found], axis=0)
+        for style, *named in zip(_styles(references), references, alike, strict=True):
+            axes.plot([], [], color="0.3", **style, label=_named(*named))
         return []
     ends: list[CurveEnd] = []
     for here in found[:1]:
@@ -113,15 +110,25 @@ def draw_literature(
                 style = {"lw": 0.9, "ls": DASHES[0], "alpha": 0.7, **_marks(reference)}
                 label = once(axes, "outside its validity or criterion")
                 axes.plot(here.x, value, color=own, label=label, **style)
-            other = "" if is_alike.any() else f" ({reference.criterion_name})"
-            name = f"{shortened(reference.label, MOST_LETTERS)}{other}"
-            ends += end_of(here.x, value, plain(name), own)
+            ends += end_of(here.x, value, _named(reference, bool(is_alike.any())), own)
     return ends
 
 
+def _named(reference: Reference, has_criterion: bool) -> str:
+    """The label of a reference, with its yield criterion if that is not the one of the cases."""
+    other = "" if has_criterion else f" ({reference.criterion_name})"
+    return plain(f"{shortened(reference.label, MOST_LETTERS)}{other}")
+
+
+def _styles(references: Sequence[Reference]) -> list[dict[str, Any]]:
+    """Dashes of references beside several series; points have marks instead."""
+    pairs = zip(references, itertools.cycle(DASHES), strict=False)
+    return [_marks(it) or {"lw": 0.9, "ls": dashes} for it, dashes in pairs]
+
+
 def _marks(reference: Reference) -> dict[str, Any]:
-    """The style of points, which have no line between them."""
-    return {"marker": "D", "ms": 4} if reference.points else {}
+    """The style of points, which have no line between them: wider than the marks of cases."""
+    return {"ls": "", "marker": "D", "ms": 7, "mfc": "none"} if reference.points else {}
 
 
 def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:

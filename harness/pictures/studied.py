@@ -95,13 +95,13 @@ class Studied:
 
     @property
     def is_map(self) -> bool:
-        """Whether two numbers vary in all combinations, with at least three values each."""
+        """Whether two numbers vary in all combinations, with at least four values each."""
         if not self.is_combined or len(self.varied) != 2 or len(self.numbers) != 2:
             return False
         table = self.table[2]
         # Contours need neighbours; with many failed cases curves show more than a map.
         full = bool(np.isfinite(table).mean() > 0.5)
-        return min(table.shape) >= 3 and self.computed.size == table.size and full
+        return min(table.shape) >= 4 and self.computed.size == table.size and full
 
     @property
     def method(self) -> tuple[str, ...]:

@@ -71,10 +71,10 @@ def test_a_study_is_described_and_planned(command: Command) -> None:
     assert "varied       undrained_shear_strength = 1 to 1e+07 Pa" in described
     assert "excluded     cells_per_radius**3 * penetration > 300" in described
     assert "a Latin hypercube" in described
-    planned = command("plan", "adhesion_factor", "--set", "adhesion_factor=[0, 1]").out
+    planned = command("plan", "stress_anisotropy", "--set", "stress_anisotropy=[0, 0.5]").out
     heading, *rows, total = planned.splitlines()
     assert heading.split() == ["points", "memory", "steps", "<", "time", "<", "case"]
-    assert [row.split()[-1] for row in rows] == ["adhesion_factor=0.0", "adhesion_factor=1.0"]
+    assert [row.split()[-1] for row in rows] == ["stress_anisotropy=0.0", "stress_anisotropy=0.5"]
     assert total.startswith("2 cases, ")
 
 
