@@ -239,14 +239,15 @@ def line_inside(known: ModelFactor, drawn: Computed, pairs: Pairs) -> tuple[int,
     site = with_model_factor(shares, *known.of_site(MEASURED, shares[BETWEEN]))[SITE]
     strength = (pairs["net"][:, None] * np.exp(-drawn.factors))[order] / site
     intercept, slope = strength_line(depth, strength, shares[WITHIN], np.arange(count), SEED)
-    exact = np.polyfit(depth, pairs["strength"][order], 1)
+    gradient, at_zero = np.polyfit(depth, pairs["strength"][order], 1).tolist()
 
     def holds(draws: Floats, value: float) -> int:
         low, high = np.quantile(draws, [0.05, 0.95])
         return int(low <= value <= high)
 
-    ends = (holds(intercept + at * slope, np.polyval(exact, at)) for at in depth[[0, -1]])
-    return sum(ends), int(slope.any()), int(slope.any()) and holds(slope, exact[0])
+    ends = depth[[0, -1]].tolist()
+    held = sum(holds(intercept + at * slope, at_zero + gradient * at) for at in ends)
+    return held, int(slope.any()), int(slope.any()) and holds(slope, gradient)
 
 
 def neighbours(pairs: Pairs, drawn: Computed) -> Floats:

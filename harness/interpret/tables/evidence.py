@@ -4,6 +4,7 @@ The factor of a site is that of the other sites, so that no site is judged by it
 """
 
 import textwrap
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -57,7 +58,9 @@ def evidence() -> xr.Dataset:
             np.exp(site.computed + AWAY * site.computed_deviation),
             np.percentile(mean * factors[SITE] * factors[DEPTH], PERCENTILES),
         )
-    values = {name: (own, "1", FACTORS[name]) for name, own in zip(FACTORS, found, strict=True)}
+    values: dict[str, Any] = {
+        name: (own, "1", FACTORS[name]) for name, own in zip(FACTORS, found, strict=True)
+    }
     known_of = {
         name: ("site", [getattr(site, name) for site in sites])
         for name in ("depths", "OCR", "Bq", "Ip")
@@ -68,10 +71,11 @@ def evidence() -> xr.Dataset:
     )
 
 
-def inside(found: xr.Dataset, name: str) -> xr.DataArray:
-    """Whether the measured Nkt of each site is in a band."""
-    median, band = found.measured.sel(percentile=50.0), found[name]
-    return (median >= band.sel(percentile=5.0)) & (median <= band.sel(percentile=95.0))
+def inside(found: xr.Dataset, name: str) -> int:
+    """Number of the sites whose measured Nkt is in a band."""
+    low, _, high = found[name].values.T
+    middle = found.measured.sel(percentile=50.0).values
+    return int(np.sum((middle >= low) & (middle <= high)))
 
 
 def evidence_table(found: xr.Dataset) -> str:
@@ -88,7 +92,7 @@ def evidence_table(found: xr.Dataset) -> str:
     over = (found.measured / found.computed).sel(percentile=50.0).values
     columns.append(Column("over_computed", [f"{value:.1f}" for value in over]))
     logarithm, count = np.log(over), len(over)
-    before, after = (int(inside(found, name).sum()) for name in ("computed", "predicted"))
+    before, after = (inside(found, name) for name in ("computed", "predicted"))
     summary = (
         f"Measured over computed: {np.exp(logarithm.mean()):.1f}, deviation of ln "
         f"{logarithm.std(ddof=1):.1f}. In the band: {before} of {count} sites as computed, {after} "
