@@ -30,12 +30,13 @@ PERCENTILES = 5, 50, 95
 def site_text(test: str, told: Mapping[str, float], soundings: Sequence[str] = ()) -> str:
     """A new site file for a test, to be edited; each key has a comment.
 
-    `told` has values from the test file. Several `soundings` are listed, to choose one of them.
+    `told` has values from the test file, and a comment says so. Several `soundings` are listed, to
+    choose one of them.
     """
-    given = {"file": test, "water_level": 1.0, "unit_weight": 17.0, **told}
     layer = {"from": 2.0, "to": 10.0, "rigidity_index": {"low": 50, "high": 300}}
     sample = {"depth": 5.0, "strength": 20.0, "test": "CAUC"}
-    rows = template(TEST_KEYS, given)
+    by_file = {assignment(*pair): f"{assignment(*pair)}  # by {test}" for pair in told.items()}
+    rows = [by_file.get(row, row) for row in template(TEST_KEYS, {"file": test, **told})]
     if soundings:
         at = rows.index("#sounding = ...")
         rows[at : at + 1] = [f"#{assignment('sounding', name)}" for name in soundings]
@@ -118,7 +119,7 @@ def _told_rows(declared: Iterable[Parameter], given: Mapping[str, Any]) -> Itera
 def site_schema() -> Schema:
     """The JSON schema of a site file."""
     test, layer = schema_of(TEST_KEYS), schema_of(LAYER_KEYS)
-    test["oneOf"] = [{"required": ["water_level"]}, {"required": ["u0"]}]
+    test["not"] = {"required": ["water_level", "u0"]}
     layer["not"] = {"required": ["K0", "stress_anisotropy"]}
     tables = {
         "layer": {"type": "array", "items": layer, "minItems": 1},

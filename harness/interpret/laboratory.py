@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from harness.interpret.reading.contents import Heading, plain_name
+from harness.interpret.reading.text_table import read_table
+from harness.interpret.reading.units import LENGTHS, PRESSURES, size_of
 from harness.interpret.tables.model_factor import MEASURED, OF_PRACTICE
 from harness.study.files import read_text
 from harness.study.tables import StudyError, Table, keys_of
 from mpm_warp.fields.checked import check_fields
 from mpm_warp.fields.declaration import parameter
-from mpm_warp.fields.flat import parameters_of
+from mpm_warp.fields.names import did_you_mean
 from mpm_warp.fields.plain_numbers import plain_number
 
 MOST_TESTS = 100
@@ -55,6 +58,29 @@ compression (C) or extension (E); direct simple shear; field vane without correc
 mobilised strength (Bjerrum's correction is 1.1 to 0.6, as commonly quoted); strengths already
 brought to the mobilised one. The ranges are wide ones, chosen here; they contain the usual rate of
 each kind."""
+SPOKEN = {name.lower().replace("_", ""): name for name in KINDS} | {
+    "cau": "CAUC",
+    "ciu": "CIUC",
+    "uct": "UC",
+    "fv": "vane",
+    "fvt": "vane",
+    "fieldvane": "vane",
+}
+"""Kinds as tables have them, by `plain_name`."""
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "depth": ("depth", "z", "sampledepth"),
+    "strength": ("strength", "su", "cu", "undrainedshearstrength", "undrainedstrength"),
+    "test": ("test", "type", "kind", "method", "testtype"),
+    "error": ("error",),
+}
+"""Names of the columns of a CSV, by `plain_name`."""
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "depth": LENGTHS,
+    "strength": {unit: size / 1e3 for unit, size in PRESSURES.items()},
+    "error": {"": 1.0, "-": 1.0, "1": 1.0, "%": 0.01},
+}
+"""Units of the columns that are numbers, in those of a site file."""
+EXPECTED = "must be CSV with columns as depth [m], su [kPa], test, and error if it is known"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,35 +119,46 @@ def tests_in(site: Table) -> tuple[LaboratoryTest, ...]:
 
 
 def read_tests(path: Path) -> tuple[LaboratoryTest, ...]:
-    """The tests of a CSV, whose columns are named as the keys, with their units in brackets."""
-    lines = read_text(path, "a table of strengths").splitlines()
-    mark = ";" if lines and ";" in lines[0] else ","
-    reader = csv.DictReader(lines, delimiter=mark, skipinitialspace=True)
+    """The tests of a CSV with columns of `NAMES`; depths and strengths have a unit in brackets."""
     try:
-        rows, titles = list(reader), [title.strip() for title in reader.fieldnames or ()]
+        file = read_table(path, read_text(path, "a table of strengths"), None)
     except csv.Error as error:
         raise StudyError(f"{path}: is no table: {error}") from None
-    columns = {
-        f"{name}{declared.in_unit}": declared
-        for name, declared in parameters_of(LaboratoryTest).items()
-    }
-    needed = [title for title, declared in columns.items() if declared.is_required]
-    if not {*needed} <= {*titles} or not {*titles} <= {*columns}:
-        raise StudyError(
-            f"{path}: must be CSV with the columns {', '.join(needed)}, and error if it is known"
-        )
+    columns = _columns(path, file.headings)
     tables = []
-    for number, row in enumerate(rows, start=2):
-        if None in row:
-            raise StudyError(f"{path}: row {number}: has more values than the header")
-        cells: dict[str, Any] = {}
-        for title, text in zip(titles, row.values(), strict=False):
-            if isinstance(text, str) and text.strip():
-                is_number = columns[title].kind is float
-                value = plain_number(text) if is_number else None
-                cells[columns[title].name] = text.strip() if value is None else value
-        tables.append(Table(f"{path}: row {number}:", cells))
+    for number, cells in file.rows:
+        if any(cells[len(file.headings) :]):
+            raise StudyError(f"{path}: line {number}: has more values than the header")
+        row: dict[str, Any] = {}
+        for name, (place, size) in columns.items():
+            text = cells[place].strip() if place < len(cells) else ""
+            if text and size is None:
+                row[name] = SPOKEN.get(plain_name(text), text)
+            elif text:
+                value = plain_number(text)
+                row[name] = text if value is None or size is None else size * value
+        tables.append(Table(f"{path}: line {number}:", row))
     return _tests_of(tables)
+
+
+def _columns(path: Path, headings: Sequence[Heading]) -> dict[str, tuple[int, float | None]]:
+    """Place of each quantity, and its unit in that of a site file; None if it is a text."""
+    found: dict[str, tuple[int, float | None]] = {}
+    for place, heading in enumerate(headings):
+        name = next((it for it, own in NAMES.items() if plain_name(heading.name) in own), None)
+        sizes = UNITS.get(name or "")
+        size = None if sizes is None else size_of(heading.unit, sizes)
+        near = did_you_mean(heading.name, NAMES, 0.7) if name is None else ""
+        twice = "; there are two of it" if name in found else ""
+        unit = f"; its unit must be one of {', '.join(sizes)}" if sizes and size is None else ""
+        if problem := near or twice or unit:
+            raise StudyError(f"{path}: column {heading.title!r}: {EXPECTED}{problem}")
+        if name is not None:
+            found[name] = place, size
+    if lacking := [name for name in (*UNITS, "test") if name not in found and name != "error"]:
+        titles = ", ".join(heading.title for heading in headings)
+        raise StudyError(f"{path}: has no column {lacking[0]!r} among {titles}: {EXPECTED}")
+    return found
 
 
 def _tests_of(tables: Sequence[Table]) -> tuple[LaboratoryTest, ...]:

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
+from harness.interpret.columns import read_columns
 from harness.interpret.forms import COLUMNS, ByDepth
-from harness.interpret.reading.columns import read_columns
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats

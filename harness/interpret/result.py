@@ -208,7 +208,8 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         factor = in_digits(*own.resistance_factor.mean("depth").values)
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
         largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
-        assumed = f"; not given and assumed: {', '.join(layer.assumed)}" if layer.assumed else ""
+        names = (*site.test.assumed, *layer.assumed)
+        assumed = f"; not given and assumed: {', '.join(names)}" if names else ""
         felt = int(own.near_border.sum())
         removed = ", and its effect is removed at borders of the site file"
         sharp = removed if "sharpened_resistance" in found else ""

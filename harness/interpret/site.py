@@ -21,7 +21,6 @@ from harness.study.tables import LINE, StudyError, Table, keys_of
 from mpm_warp.errors import ParameterError
 from mpm_warp.fields.checked import check_fields
 from mpm_warp.fields.declaration import parameter
-from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats, Integers
 
 BY_SLEEVE = "sleeve"
@@ -44,8 +43,9 @@ class MeasuredTest:
 
     where: str  # the site file and its table, for messages
     folder: Path  # of the site file
+    given: frozenset[str] = frozenset()  # keys that the file has
     name: str = parameter(
-        meaning="the measured test, CSV, GEF (.gef), BRO (.xml), AGS 4 (.ags) or SGF",
+        meaning="the measured test, CSV, GEF (.gef), BRO (.xml), AGS (.ags) or SGF",
         key="file",
         form=LINE,
     )
@@ -81,8 +81,8 @@ class MeasuredTest:
         minimum=1,
         maximum=100,
     )
-    water_level: float | None = parameter(
-        None,
+    water_level: float = parameter(
+        1.0,
         "depth of the ground water, with hydrostatic pressure below; negative if water stands on "
         "the ground, with its pressure in qc and u2",
         unit="m",
@@ -95,7 +95,8 @@ class MeasuredTest:
     )
     # in N/m3; an input is the same at all depths
     unit_weight: Input | ByDepth = parameter(
-        meaning="total unit weight of the ground, not the buoyant one",
+        {"low": 15, "high": 19},
+        "total unit weight of the ground, not the buoyant one",
         unit="kN/m3",
         minimum=10,
         maximum=30,
@@ -120,9 +121,13 @@ class MeasuredTest:
     @property
     def water(self) -> float | ByDepth:
         """Depth of the ground water [m], or its pressure by depth [Pa]."""
-        water = self.water_level if self.u0 is None else self.u0
-        assert water is not None  # one of them is given
-        return water
+        return self.water_level if self.u0 is None else self.u0
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """Keys of the ground and of the errors that have their defaults."""
+        used = (*(("water_level",) if self.u0 is None else ()), "unit_weight", "accuracy")
+        return tuple(name for name in used if name not in self.given)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -295,9 +300,7 @@ def load_site(path: Path, laboratory: Path | None = None) -> Site:
 def _test(table: Table, folder: Path) -> MeasuredTest:
     table.allow(*keys_of(MeasuredTest))
     _refuse_both(table, "water_level", "u0")
-    if not table.values.keys() & {"water_level", "u0"}:
-        raise table.missing(parameters_of(MeasuredTest)["water_level"])
-    return table.made(MeasuredTest, where=table.where, folder=folder)
+    return table.made(MeasuredTest, where=table.where, folder=folder, given=frozenset(table.values))
 
 
 def _layer(table: Table) -> Layer:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from harness.interpret.columns import GAP
 from harness.interpret.forms import MEASURES
 from harness.interpret.inference.borders import edges_of_runs, near_border, without_borders
 from harness.interpret.inference.calibration import Compared
@@ -32,7 +33,6 @@ from harness.interpret.inference.real_clay import Stated, calibrated, compared, 
 from harness.interpret.inference.shares import TOGETHER, error_shares
 from harness.interpret.inference.weights import Measure, chosen_draws, measures_of
 from harness.interpret.measured import NO_INDEX, OTHER_LAYER, REASONS, measured
-from harness.interpret.reading.columns import GAP
 from harness.interpret.result import PERCENTILES, with_laboratory, without_strength
 from harness.interpret.site import Layer, Site
 from harness.interpret.tables.model_factor import DEPTH, SIMULATED, SITE

@@ -31,6 +31,8 @@ STUDY_NAME = r"\w[\w.-]*"
 """Pattern of the name of a study."""
 LARGEST_FILE = 1_000_000
 """Bytes that a study file or a profile may have; a larger file is a mistake."""
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""Beginnings of .xlsx and .ods, and of .xls."""
 LONGEST_LINEAGE = 8
 """Studies that may be chained by ``base``."""
 MOST_KEY_PARTS = 20
@@ -102,6 +104,8 @@ def read_bounded(path: Path, most: int, what: str) -> bytes:
         raise StudyError(f"{path}: cannot be read: {getattr(error, 'strerror', error)}") from None
     if about.st_size > most:
         raise StudyError(f"{path}: has {about.st_size} bytes; {what} has at most {most}")
+    if content.startswith(WORKBOOKS):
+        raise StudyError(f"{path}: is a workbook; save the sheet as CSV")
     return content
 
 

@@ -18,8 +18,8 @@ from harness.archive.own_files import check_replaceable, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
+from harness.interpret.reading.contents import NotNamedError
 from harness.interpret.reading.files import read_file
-from harness.interpret.reading.formats import NotNamedError
 from harness.interpret.reading.headings import columns_in
 from harness.interpret.site import MeasuredTest
 from harness.interpret.tables.evidence import evidence, evidence_table
@@ -88,8 +88,13 @@ def _site_text(test: Path) -> str:
         tell(str(error))
         soundings = error.soundings
     keys = parameters_of(MeasuredTest)
-    # Values out of range are left out here; `interpret` refuses them and names their place.
-    allowed = {key: it for key, it in told.items() if keys[key].bounds.holds(it, it)}
+    # Values out of range are left out here; `interpret` refuses them and names their place. A water
+    # level above the ground is mostly a level by a datum.
+    allowed = {
+        key: it
+        for key, it in told.items()
+        if keys[key].bounds.holds(it, it) and not (key == "water_level" and it < 0.0)
+    }
     return site_text(str(test), allowed, soundings)
 
 

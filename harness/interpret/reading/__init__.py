@@ -1,1 +1,1 @@
-"""From the file of a measured test, of whatever format, to depth, qc, fs and u2 in SI units."""
+"""Readers of files of measured tests: headings, units, and cells as they stand there."""

@@ -1,47 +1,36 @@
 """Columns of a measured test: their quantities, by their names, and their units."""
 
-import math
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from harness.interpret.forms import AXES
-from harness.interpret.reading.formats import LENGTHS, Heading, NotNamedError, plain_unit
+from harness.interpret.reading.contents import Heading, NotNamedError, plain_name
+from harness.interpret.reading.units import ANGLES, LENGTHS, PRESSURES, size_of
 from harness.study.tables import StudyError
 from mpm_warp.fields.names import nearest_name
 
+RODS = ("penetration", "penetrationlength", "sondeerlengte")
+"""Names of a depth that is the length of the rods."""
+NORTH_SOUTH, EAST_WEST = IN_PLANES = ("inclinationns", "inclinationew")
+"""Names of inclinations in two planes; they are not used if there is a resultant."""
 NAMES: Mapping[str, tuple[str, ...]] = {
-    "depth": ("depth", "z", "penetration", "penetrationlength", "sondeerlengte", "scpt_dpth"),
-    "qc": ("qc", "cone_resistance", "coneresistance", "tip", "scpt_res"),
-    "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres"),
-    "u2": ("u2", "u", "pore_pressure", "porepressureu2", "scpt_pwp2"),
-    "inclination": ("inclination", "inclinationresultant", "tilt", "scpt_slp1", "inclinationns"),
-    "inclination_across": ("inclination_across", "scpt_slp2", "inclinationew"),
+    "depth": ("depth", "z", *RODS, "scpt_dpth", "tiefe", "diepte"),
+    "qc": ("qc", "cone_resistance", "coneresistance", "tip", "cone", "scpt_res", "conus"),
+    "fs": ("fs", "sleeve_friction", "localfriction", "friction", "scpt_fres", "reibung"),
+    "u2": ("u2", "u", "pore_pressure", "porepressureu2", "pore_2", "scpt_pwp2", "pw_druck"),
+    "inclination": (
+        "inclination",
+        "inclinationresultant",
+        "tilt",
+        "neigung",
+        "slopeomni",
+        "scpt_slp1",
+        NORTH_SOUTH,
+    ),
+    "inclination_across": ("inclination_across", "scpt_slp2", EAST_WEST),
 }
 """Names of columns, in small letters, by quantity."""
-RODS = ("penetration", "penetrationlength", "sondeerlengte")
-"""Names in `NAMES` of a depth that is the length of the rods."""
-IN_PLANES = ("inclinationns", "inclinationew")
-"""Names in `NAMES` of inclinations in two planes; they are not used if there is a resultant."""
 OPTIONAL = ("fs", "u2", *AXES)
-PRESSURES: Mapping[str, float] = {
-    "Pa": 1.0,
-    "kPa": 1e3,
-    "MPa": 1e6,
-    "bar": 1e5,
-    "kN/m2": 1e3,
-    "MN/m2": 1e6,
-    "kg/cm2": 98066.5,
-    "tsf": 95760.52,
-    "psi": 6894.757,
-}
-ANGLES: Mapping[str, float] = {
-    "deg": math.pi / 180.0,
-    "degrees": math.pi / 180.0,
-    "graden": math.pi / 180.0,
-    "\N{DEGREE SIGN}": math.pi / 180.0,
-    "rad": 1.0,
-}
 UNITS = {"depth": LENGTHS} | dict.fromkeys(AXES, ANGLES)
 """Units by quantity, in SI units; all others have PRESSURES."""
 
@@ -57,18 +46,18 @@ def columns_in(
     A quantity whose column or unit is unknown raises `NotNamedError`.
     """
     found, lacking = {}, {}
-    names_of_all = {_joined(heading.name) for heading in headings}
-    whole = {_joined(own) for own in NAMES[AXES[0]] if own not in IN_PLANES}
+    names_of_all = {plain_name(heading.name) for heading in headings}
+    whole = {plain_name(own) for own in NAMES[AXES[0]] if own not in IN_PLANES}
     resultant = AXES[0] in columns or bool(names_of_all & whole)
     for name, usual in NAMES.items():
         wanted = columns.get(name)
-        names = [_joined(heading) for heading in (usual if wanted is None else (wanted,))]
+        names = [plain_name(heading) for heading in (usual if wanted is None else (wanted,))]
         if resultant and wanted is None:
             names = [own for own in names if own not in IN_PLANES]
         places = [
             place
             for place, heading in enumerate(headings)
-            if _joined(heading.name) in names or (wanted and _joined(heading.title) in names)
+            if plain_name(heading.name) in names or (wanted and plain_name(heading.title) in names)
         ]
         if name == "depth" and wanted is None:  # inclined rods are longer than the depth
             places = [place for place in places if headings[place].name == name] or places
@@ -101,22 +90,16 @@ def columns_in(
 
 def is_of_rods(heading: Heading) -> bool:
     """Whether a column of depths is, by its name, the length of the rods."""
-    return _joined(heading.name) in RODS
-
-
-def _joined(name: str) -> str:
-    """A name in small letters, without blanks, dots, hyphens and underscores."""
-    return re.sub(r"[\s_.-]", "", name.lower())
+    return plain_name(heading.name) in RODS
 
 
 def _unit(path: Path, name: str, heading: Heading, given: str | None) -> float:
     known, unit = UNITS.get(name, PRESSURES), given or heading.unit
-    sizes = {it.lower(): size for it, size in known.items()}  # files have Mpa, KPA
-    usual = plain_unit(unit.partition("(")[0])  # as Graden(deg)
-    if usual not in sizes:
+    size = size_of(unit, known)
+    if size is None:
         problem = f"has unit {unit!r}" if unit else "has no unit"
         raise NotNamedError(
             f"{path}: column {heading.title!r} {problem}; allowed: {', '.join(known)}, in the "
             f'header as "{name} [{next(iter(known))}]", or under units of the site file'
         )
-    return sizes[usual]
+    return size

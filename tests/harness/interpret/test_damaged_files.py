@@ -25,9 +25,11 @@ def cut_after(text: str) -> Callable[[bytes], bytes]:
 
 
 BOMB = '<!DOCTYPE a [<!ENTITY a "x"><!ENTITY b "&a;&a;&a;">]><dispatchDataResponse'
-AGS_3 = b'"**SCPT"\n"*HOLE_ID","*SCPT_DPTH"\n"CPT1","1.0"\n'
+AGS_3 = b'"**STCN"\n"*HOLE_ID","*STCN_DPTH"\n"CPT1","1.0"\n'
 SECOND_AREA = "#MEASUREMENTVAR= 1, 1000, mm2, a\n#MEASUREMENTVAR= 13,"
 MANY_DIGITS = f"#COLUMNINFO= {'2' * 5000},"
+LOST = "\n1.5,{0}\n1.51,{0}\n1.52,{0}\n1.53,"
+"""Three rows beside some hundred others; one of a reading that cannot be would be left out."""
 ARTESIAN = "u0 = { depth = [0, 5, 12], value = [0, 49, 300] }"
 SHORT_U0 = "u0 = { depth = [0, 5], value = [0, 49] }"
 REPLACED: dict[str, tuple[str, str, str]] = {
@@ -37,13 +39,19 @@ REPLACED: dict[str, tuple[str, str, str]] = {
     "csv: unit of qc": (
         "qc [MPa]",
         "qc [kPa]",
-        "only in 0% of the rows is qt above sigma_v0, which",
+        "fs / qc is 25 (median), in soil it is 0.001 to 0.1; qc is read in kPa, fs in MPa",
     ),
-    "csv: unit of fs": ("\n1.5,", "\n1.5,0.1,9,9\n1.51,", "fs = 9e+06 Pa, must be"),
-    "csv: a code of fs": ("\n1.5,", "\n1.5,0.1,-0.999,0\n1.51,", "fs = -999000 Pa"),
-    "csv: a code of u2": ("\n1.5,", "\n1.5,0.1,0,-0.999\n1.51,", "u2 = -999000 Pa"),
+    "csv: unit of fs": ("\n1.5,", "\n1.5,0.1,9,9\n1.51,", "fs = 9 MPa, must be"),
+    "csv: unit of all fs": ("fs [MPa]", "fs [kPa]", "fs / qc is 2.5e-05 (median), in soil it is"),
+    "csv: another push": (
+        "\n1.5,",
+        "\n9,1,0.01,0.1\n1.5,",
+        "from 9 to 1.5 m; at most 0.05 m are allowed, for a change of rods; where another push",
+    ),
+    "csv: a code of fs": ("\n1.5,", LOST.format("0.1,-0.999,0"), "fs = -0.999 MPa"),
+    "csv: a code of u2": ("\n1.5,", LOST.format("0.1,0,-0.999"), "u2 = -0.999 MPa"),
     "csv: a code": ("\n1.5,", "\n1.5,-9999,0,0\n1.51,", "value: missing = [-9999] in"),
-    "csv: a code of two decimals": ("\n1.5,", "\n1.5,-9.99,0,0\n1.51,", "belongs under `missing`"),
+    "csv: a code of two decimals": ("\n1.5,", LOST.format("-9.99,0,0"), "belongs under `missing`"),
     "csv: no unit": ("qc [MPa]", "qc", "has no unit"),
     "csv: no u2": ("u2 [MPa]", "other [MPa]", "has no u2"),
     "csv: unknown unit": ("[MPa]", "[lb]", "has unit 'lb'; allowed: Pa, kPa, MPa"),
@@ -56,7 +64,7 @@ REPLACED: dict[str, tuple[str, str, str]] = {
     "csv: a decimal comma": ("\n1.0,", "\n1,0,", "line 2: has 5 values, the header names 4; n"),
     "csv: u2 from the sea bed": (
         "\n1.5,",
-        "\n1.5,1,0,-0.3\n1.51,",
+        LOST.format("1,0,-0.3"),
         "set to zero on the sea bed water_level is 0",
     ),
     "gef: a borehole": ("CPT-Report", "BORE-Report", "no cone test: GEF-BORE"),
@@ -77,6 +85,11 @@ REPLACED: dict[str, tuple[str, str, str]] = {
         "1, 1_500, mm2",
         "states cone_area by a text that is no number; the site file may state it",
     ),
+    "gef: a cone area in no unit": (
+        "1, 1500, mm2",
+        "1, 15, -",
+        "cone_area = 0.15: must be >= 1 and <= 100; the site file may state another",
+    ),
     "gef: levels": ("; 1.0;", "; -1.0;", "above the ground; where the file has"),
     "gef: area ratio in %": (" 0.80,", " 80,", "area_ratio = 80: must be > 0 and"),
     "xml: entities": ("<dispatchDataResponse", BOMB, "has a document type"),
@@ -95,6 +108,11 @@ REPLACED: dict[str, tuple[str, str, str]] = {
         'decimalSeparator="."',
         'decimalSeparator=""',
         "separators are '', ',', ';'",
+    ),
+    "ags: two cones of one push": (
+        '"DATA","CPT1","1","0.80","15"',
+        '"DATA","CPT1","1","0.80","15"\n"DATA","CPT1","1","0.75","10"',
+        "group SCPG has 2 rows of CPT1/1 that differ; give each push a SCPG_TESN of its own",
     ),
     "ags: two tests": ('"CPT1","1","1.0"', '"B","1","1.0"', "has 2 tests: B/1"),
     "ags: no units": ('"m","MN/m2"', '"",""', "'SCPT_DPTH' has no unit"),
@@ -133,6 +151,7 @@ HARMED: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "csv: empty": (lambda _: b"", "has no rows below its header"),
     "csv: header alone": (cut_after("u2 [MPa]\n"), "has no rows below its header"),
     "csv: binary": (lambda it: bytes(range(256)) + it, "null bytes: it is binary"),
+    "csv: a workbook": (lambda _: b"PK\x03\x04...", "is a workbook; save the sheet as CSV"),
     "csv: UTF-16": (lambda it: it.decode().encode("utf-16"), "or UTF-16; save it as UTF-8"),
     "csv: cut in a row": (cut_after("\n1.3,"), "line 5: has 2 values; must have one for each"),
     "csv: decimal commas in one row": (
@@ -169,7 +188,10 @@ HARMED: dict[str, tuple[Callable[[bytes], bytes], str]] = {
         ),
         "is no number; a number has a point",
     ),
-    "ags: AGS 3": (lambda _: AGS_3, "no group SCPT of AGS 4 with HEADING, UNIT and DATA; AGS 3"),
+    "ags: AGS 3": (
+        lambda _: AGS_3,
+        "no group SCPT of AGS 4, or STCN of AGS 3, with headings, units",
+    ),
     "ags: open quotes": (lambda it: it + b'"DATA","CPT1', "is no table: unexpected end"),
     "ags: a quote": (
         lambda it: it + b'"DATA","CPT1","3 2\'24.1"","GRS80"\n',
@@ -181,7 +203,7 @@ HARMED: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     ),
     "cpt: two tests": (
         lambda it: it + it[it.index(b"$\nHA") :],
-        "two cone tests called HK=CPT1; part",
+        "has 2 tests: CPT1, CPT1/2; name one in the site file, as sounding",
     ),
     "cpt: a row above its test": (
         lambda _: b"D=1.0,QC=2\n$\nHK=1\n#\nD=1,QC=3,U=2\n#$\n",

@@ -34,6 +34,7 @@ VALID = {
     "by the sleeve": ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"'),
     "weight by depth": ("= 17", "= { depth = [0, 5], value = [16, 18] }"),
     "water by depth": ("water_level = 1.0", "u0 = { depth = [0, 5], value = [0, 40] }"),
+    "no water": ("water_level = 1.0", ""),
     "class": ("accuracy = {", 'accuracy = "class 1" # {'),
     "rate": ("laboratory_rate = 1e-6", 'laboratory_rate = "5 %/h"'),
     "use": ("[test]", 'use = ["tip", "sleeve"]\n[test]'),
@@ -86,7 +87,6 @@ REFUSED = {
     ),
     "half the errors": (", u2 = 0 }", " }", "must have qc, fs and u2"),
     "two waters": ("[test]", "[test]\nu0 = { depth = [0], value = [0] }", "says the same"),
-    "no water": ("water_level = 1.0", "", "water_level: is missing"),
     "K0 and Delta": ("[[layer]]", "[[layer]]\nK0 = 0.5", "says the same"),
     "no such use": ("[test]", 'use = ["tap"]\n[test]', "must be a list of tip, sleeve"),
     "too few samples": ("[test]", "samples = 3\n[test]", "must be an integer >= 512 and <= 65536"),
@@ -128,9 +128,12 @@ def test_schema_and_reader_refuse_the_same(tmp_path: Path, old: str, new: str, t
 
 def test_a_new_site_file_is_valid_and_described(tmp_path: Path, command: Command) -> None:
     path = tmp_path / "mine.toml"
-    path.write_text(site_text("test.csv", {"area_ratio": 0.8}))
+    path.write_text(site_text("test.csv", {"area_ratio": 0.8, "water_level": 2.3}))
     assert SCHEMA.is_valid(tomllib.loads(path.read_text()))
-    assert {"adhesion_factor", "K0", "rate_factor"} <= set(load_site(path).layers[0].assumed)
+    site = load_site(path)
+    assert {"adhesion_factor", "K0", "rate_factor"} <= set(site.layers[0].assumed)
+    assert site.test.assumed == ("unit_weight", "accuracy")
+    assert "\nwater_level = 2.3  # by test.csv\n" in path.read_text()
     assert max(map(len, path.read_text().splitlines())) <= 100
     told = command("describe", path).out
     named = [line.split()[0] for line in told.splitlines()[2:] if line and line[0] not in " ["]

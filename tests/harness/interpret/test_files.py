@@ -49,13 +49,6 @@ def test_what_a_file_says_of_the_cone_holds_unless_told_otherwise(folder: Path, 
     assert "area_ratio = 0.6 by the site file, 0.8 by the file" in own.notes
 
 
-@pytest.mark.parametrize("said", ["0, mm2", "15, -", "", "15"])
-def test_a_cone_area_that_says_nothing_is_the_usual_one(folder: Path, said: str) -> None:
-    text = as_gef(rows_of(folder)).replace("1, 1500, mm2", f"1, {said}")
-    found = columns_of(site_of(folder, "gef", text))
-    assert found.cone_radius == pytest.approx(np.sqrt(10e-4 / np.pi))
-
-
 def test_a_file_is_interpreted_in_one_command(here: Path, command: Command) -> None:
     """Of one kind for all, whose columns are the same."""
     site_of(here, "gef", as_gef(rows_of(here)))
@@ -127,8 +120,10 @@ FIVE = np.tan(np.radians(5.0))
         ({8: "10.0"}, np.cos(np.radians(10.0))),
         ({9: "5.0", 10: "5.0"}, 1.0 / np.sqrt(1.0 + 2.0 * FIVE**2)),
         ({9: "5.0", 10: "5.0", 8: "0.0"}, 1.0),
+        ({21: "5.0", 22: "5.0"}, 1.0 / np.sqrt(1.0 + 2.0 * FIVE**2)),
+        ({9: "0.0", 10: "0.0", 21: "5.0", 22: "5.0"}, 1.0),
     ],
-    ids=["resultant", "two planes", "resultant and two planes"],
+    ids=["resultant", "two planes", "resultant and planes", "other planes", "four planes"],
 )
 def test_inclination_corrects_the_depth(folder: Path, given: dict[int, str], step: float) -> None:
     """Columns of a GEF, by their quantity, the same all along but for a missing value."""
@@ -159,7 +154,9 @@ def test_an_inclination_that_the_site_file_names_corrects_the_depth(folder: Path
     np.testing.assert_allclose(steps, 1.0 / np.sqrt(1.0 + 2.0 * np.tan(np.radians(5.0)) ** 2))
     steep = "\n".join(rows).replace(",5,-5", ",50,-5")
     (folder / "test.csv").write_text(steep)
-    with pytest.raises(StudyError, match="inclination of 50 degrees, must be <= 45; look at its u"):
+    with pytest.raises(
+        StudyError, match="inclination = 50 degrees, must be >= -45 and <= 45; look"
+    ):
         columns_of(site)
 
 
@@ -253,15 +250,32 @@ def test_cells_may_be_parted_by_blanks(folder: Path, point: str, header: str) ->
     assert "1 lines above the header left out" in found.notes
 
 
-def test_units_of_other_countries(folder: Path) -> None:
-    """1 kg/cm2 is 14.2233 psi and 1.02408 tons of 2000 lb on a square foot."""
-    depth = [row[0] for row in rows_of(folder)]
-    rows = "\n".join(f"{z / 0.3048!r},10,1.02408,14.2233" for z in depth)
-    header = "depth [ft],qc [kg/cm^2],fs [tsf],u2 [psi]"
-    found = columns_of(site_of(folder, "csv", f"{header}\n{rows}\n")).values
-    np.testing.assert_allclose(found["depth"], depth)
-    for name, times in (("qc", 10.0), ("fs", 1.0), ("u2", 1.0)):
-        np.testing.assert_allclose(found[name], times * 98066.5, rtol=1e-5)
+POUND, KILOGRAM, FOOT = 4.4482216152605, 9.80665, 0.3048
+"""Weights [N] and a length [m]."""
+
+
+@pytest.mark.parametrize(
+    ("unit", "size"),
+    [
+        ("kg/cm^2", KILOGRAM / 1e-4),
+        ("kgf/cm\u00b2", KILOGRAM / 1e-4),
+        ("mH2O", 1000.0 * KILOGRAM),
+        ("m H2O", 1000.0 * KILOGRAM),
+        ("mwc", 1000.0 * KILOGRAM),
+        ("tsf", 2000.0 * POUND / FOOT**2),
+        ("KSF", 1000.0 * POUND / FOOT**2),
+        ("psi", POUND / (FOOT / 12.0) ** 2),
+        ("N/mm2", 1e6),
+    ],
+)
+def test_units_of_other_countries(folder: Path, unit: str, size: float) -> None:
+    rows = rows_of(folder)
+    table = [f"{z / FOOT!r},{1e6 * qc / size!r},{1e6 * fs / size!r}" for z, qc, fs, _ in rows]
+    text = "\n".join([f"depth [ft],qc [{unit}],fs [{unit}]", *table])
+    found = columns_of(site_of(folder, "csv", text, ("area_ratio = 0.8", "area_ratio = 1"))).values
+    for name, column in zip(("depth", "qc", "fs"), np.array(rows).T, strict=False):
+        expected = column * (1.0 if name == "depth" else 1e6)
+        np.testing.assert_allclose(found[name], expected, rtol=1e-7)
 
 
 def test_levels_become_depths_without_rounding(folder: Path) -> None:

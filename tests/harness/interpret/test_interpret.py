@@ -220,7 +220,7 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     told = command("interpret", "mine.toml", "--laboratory", "triaxial.csv")
     assert told.out.startswith("2 to 10 m: su (mobilised")
     assert "by 1 laboratory test of this site" in told.out
-    assert "not given and assumed: rate_factor, sensitivity" in told.out
+    assert "assumed: water_level, unit_weight, accuracy, rate_factor, sensitivity" in told.out
     assert "no design value" in told.err
     written = sorted(it.name for it in (here / "results").iterdir())
     endings = ".csv", ".html", ".nc", ".png", ".svg", "_lines.csv"

@@ -247,22 +247,55 @@ def test_a_csv_has_the_same_tests(folder: Path) -> None:
         assert {it.error for it in read} == {0.1}
 
 
+@pytest.mark.parametrize(
+    ("heading", "row"),
+    [
+        ("z (m);cu (kPa);type;error [%]", "5,0;20,5;field vane;10"),
+        ("Site A;;;\nsample;Depth [ft];Su [MPa];Method;error", "B1;16.4041995;0.0205;FVT;0.1"),
+        ("test\tundrained shear strength [kN/m2]\tdepth [cm]\terror", "Vane\t20.5\t500\t0.1"),
+    ],
+)
+def test_a_csv_may_have_the_usual_names_and_units(tmp_path: Path, heading: str, row: str) -> None:
+    (tmp_path / "lab.csv").write_text(f"{heading}\n{row}\n")
+    (test,) = read_tests(tmp_path / "lab.csv")
+    assert (test.test, test.depth) == ("vane", pytest.approx(5.0))
+    assert (test.strength, test.error) == (pytest.approx(20.5), pytest.approx(0.1))
+
+
 HEAD = "depth [m],strength [kPa],test\n"
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("depth,strength,test\n5,15,UU", "must be CSV with the columns depth [m], strength [kPa]"),
-        (f"{HEAD}5,15,UU\n6,-1,UU", "row 3: strength = -1.0 is not allowed: must be a number > 0"),
-        (f"{HEAD}5,nan,UU", "row 2: strength = 'nan' is not allowed: must be a number"),
-        (f"{HEAD}5,15", "row 2: test: is missing"),
-        (f"{HEAD}5,15,CUAC", "row 2: test = 'CUAC' is not allowed: must be one of 'CAUC'"),
-        (f"{HEAD}5,15,UU,3", "row 2: has more values than the header"),
+        (
+            "depth,strength,test\n5,15,UU",
+            "column 'depth': must be CSV with columns as depth [m], su [kPa], test, and error",
+        ),
+        ("depth [m],su [kPa]\n5,15", "has no column 'test' among depth [m], su [kPa]: must be"),
+        ("z [m],su [kPa],test,eror\n5,1,UU,0", "column 'eror': must be CSV with columns as"),
+        ("z [m],su [kPa],cu [kPa],test\n5,1,1,UU", "column 'cu [kPa]': must be"),
+        (f"{HEAD}5,15,UU\n6,-1,UU", "line 3: strength = -1.0 is not allowed: must be a number > 0"),
+        (f"{HEAD}5,nan,UU", "line 2: strength = 'nan' is not allowed: must be a number"),
+        (f"{HEAD}5,15", "line 2: test: is missing"),
+        (f"{HEAD}5,15,CUAC", "line 2: test = 'CUAC' is not allowed: must be one of 'CAUC'"),
+        (f"{HEAD}5,15,UU,3", "line 2: has more values than the header"),
         (f"{HEAD}{'5' * 200_000},1,UU", "is no table: field larger"),
-        (HEAD + "5,15,UU\n" * 101, "row 102: a site has at most 100 tests"),
+        (HEAD + "5,15,UU\n" * 101, "line 102: a site has at most 100 tests"),
     ],
-    ids=["titles", "below 0", "no number", "no value", "kind", "more", "long", "many"],
+    ids=[
+        "titles",
+        "lacks",
+        "near",
+        "twice",
+        "below 0",
+        "no number",
+        "no value",
+        "kind",
+        "more",
+        "long",
+        "many",
+    ],
 )
 def test_a_csv_that_cannot_be_is_one_line(
     text: str, told: str, here: Path, refusal: Refusal

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from harness.interpret.reading.columns import Columns, read_columns
+from harness.interpret.columns import Columns, read_columns
 from harness.interpret.site import load_site
 from tests.harness.interpret.conftest import LAYER, SITE, changed
 

@@ -11,33 +11,23 @@ that no cone test can have are refused; the message has file, line, value and wh
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
-from harness.interpret.forms import AXES, ByDepth
+from harness.interpret.forms import AXES
+from harness.interpret.plausible import check_units, without_lost
+from harness.interpret.reading.contents import TestFile, cell_number
 from harness.interpret.reading.files import read_file
-from harness.interpret.reading.formats import TestFile, cell_number
 from harness.interpret.reading.headings import columns_in, is_of_rods
 from harness.interpret.site import LARGEST_DEPTH, MeasuredTest
 from harness.study.tables import StudyError
-from mpm_warp.fields.checks import Range
 from mpm_warp.fields.flat import parameters_of
 from mpm_warp.grid.fitted import Floats
 
-MOST_INCLINED = math.radians(45.0)
-"""No cone inclines more; a larger value is in another unit."""
-POSSIBLE: Mapping[str, Range] = {
-    "qc": Range(minimum=-0.2e6, maximum=200e6),
-    "fs": Range(minimum=-0.2e6, maximum=5e6),
-    "u2": Range(minimum=-100e6, maximum=100e6),
-}
-"""Values that a cone, a sleeve and a filter can measure [Pa]; a zero may be shifted."""
-ABOVE_VACUUM = Range(minimum=-0.2e6, maximum=100e6)
-"""Values of u2 [Pa] if its zero is the pressure of the air: water boils at -0.1 MPa."""
 REBOUND = 0.05
 """The tip may move back by so much at a change of rods [m]."""
 NO_VALUE = -999.0, -9999.0, -99999.0, -999999.0
@@ -99,18 +89,20 @@ def read_columns(test: MeasuredTest) -> Columns:
             "area_ratio = 1 takes qc as corrected; where u2 has another name: columns = "
             '{ u2 = "..." }'
         )
-    _refuse_impossible(test, places, values)
+    without_lost(test, places, values, notes)
+    units = {it: test.units.get(it, file.headings[place].unit) for it, (place, _) in found.items()}
     angles = [values.pop(name) for name in AXES if name in values]
     of_rods = is_of_rods(file.headings[found["depth"][0]])
     if of_rods and not angles:
         notes.append("depth is the length of the rods, as the file has no inclination")
     elif of_rods or AXES[0] in test.columns:
         length = values["depth"]
-        values["depth"] = _corrected(path, length, angles, places)
+        values["depth"] = _corrected(length, angles)
         less = float(length[-1] - values["depth"][-1])
         notes.append(f"depth corrected by inclination, by {less:.2g} m at the end")
     elif angles:
         notes.append("depth is taken as corrected by inclination")
+    check_units(test, values, units, notes)
     return Columns(values, area_ratio, pre_drilled, cone_radius, tuple(notes))
 
 
@@ -130,28 +122,6 @@ def _with_depth(
     if not found.all():
         notes.append(f"rows left out whose depth is a code for no value: {np.sum(~found)}")
     return found
-
-
-def _refuse_impossible(
-    test: MeasuredTest, places: np.ndarray, values: Mapping[str, Floats]
-) -> None:
-    """Refuse resistances and pressures that no cone measures."""
-    # At sea water_level is 0, and the zero of the sensors may be the pressure at the sea bed.
-    from_air = not isinstance(test.water, ByDepth) and test.water != 0.0
-    bounds = {**POSSIBLE, "u2": ABOVE_VACUUM} if from_air else POSSIBLE
-    for name, possible in bounds.items():
-        for place, value in zip(places, values[name].tolist(), strict=True):
-            if not (math.isnan(value) or possible.holds(value, value)):
-                remedy = (
-                    "look at its unit; a code for no value belongs under `missing` of the site "
-                    "file, as missing = [-9999]"
-                )
-                if from_air and POSSIBLE[name].holds(value, value):
-                    remedy += "; where sensors were set to zero on the sea bed water_level is 0"
-                raise StudyError(
-                    f"{test.file}: {place}: {name} = {value:g} Pa, must be {possible.allowed}; "
-                    f"{remedy}"
-                )
 
 
 def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, float, list[str]]:
@@ -175,6 +145,9 @@ def _of_the_cone(test: MeasuredTest, file: TestFile) -> tuple[float, float, floa
         elif stated is not None and stated != value:
             notes.append(f"{key} = {value:g} by the site file, {stated:g} by the file")
         values.append(value)
+    level = file.stated.get("water_level", test.water)
+    if level != test.water:
+        notes.append(f"the file has a water level of {level:g} m")
     area_ratio, pre_drilled, cone_area = values
     if area_ratio is None:
         raise StudyError(
@@ -240,13 +213,14 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
         if depth[-1] < depth[0]
         else ""
     )
+    again = "; where another push begins here, part the file, as each push is a test of its own"
     before = np.maximum.accumulate(np.concatenate([[-1.0], depth[:-1]]))
     kept, back = depth > before, before - depth
     if back.max() > REBOUND:
         row = int(np.argmax(back > REBOUND))
         raise StudyError(
             f"{path}: {places[row]}: depth goes back from {before[row]:g} to {depth[row]:g} m; at "
-            f"most {REBOUND:g} m are allowed, for a change of rods{levels}"
+            f"most {REBOUND:g} m are allowed, for a change of rods{levels or again}"
         )
     if not kept.all():
         notes.append(f"rows left out in which the tip stands or goes back: {np.sum(~kept)}")
@@ -257,17 +231,11 @@ def _downward(path: Path, depth: Floats, places: np.ndarray, notes: list[str]) -
     return kept
 
 
-def _corrected(path: Path, length: Floats, angles: Sequence[Floats], places: np.ndarray) -> Floats:
+def _corrected(length: Floats, angles: Sequence[Floats]) -> Floats:
     """Depths of lengths of rods, vertical above the first row; missing angles are interpolated."""
     slope = np.zeros_like(length)
     for angle in angles:
         known = np.isfinite(angle)
-        wrong = known & (np.abs(np.nan_to_num(angle)) > MOST_INCLINED)
-        if wrong.any():
-            raise StudyError(
-                f"{path}: {places[wrong][0]}: inclination of {math.degrees(angle[wrong][0]):.3g} "
-                f"degrees, must be <= {math.degrees(MOST_INCLINED):g}; look at its unit"
-            )
         if known.any():
             slope += np.tan(np.interp(length, length[known], angle[known])) ** 2
     cosine = 1.0 / np.sqrt(1.0 + slope)
