@@ -16,7 +16,7 @@ from harness.pictures.drawing.plot_parts import (
     series_colour,
     shade,
 )
-from harness.pictures.drawing.quantities import Floats
+from harness.pictures.drawing.quantities import Floats, wrapped
 
 KILO = 1e3
 MEASURED = {
@@ -24,6 +24,8 @@ MEASURED = {
     "sleeve_friction": "$f_{\\mathrm{s}}$",
     "pore_pressure": "$u_2$",
 }
+CAPTION_LETTERS = 140
+"""Number of letters in a line of the caption."""
 TALL = 6.0
 """Height of the pictures of tests [inch]."""
 SHADES = (
@@ -158,7 +160,7 @@ def _finished(
     axes.set_ylabel("depth of the tip [m]")
     axes.set_ylim(min(deepest or 1.0, inside.max() + 1.0), max(0.0, inside.min() - 1.0))
     figure.set_figwidth(9.0)
-    figure.supxlabel(words, fontsize=7)
+    figure.supxlabel(wrapped(words, CAPTION_LETTERS), fontsize=7)
     return figure
 
 
