@@ -15,11 +15,11 @@ from hypothesis import HealthCheck, settings
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """The option that makes the hostile tests try thousands of cases."""
+    """The option that makes the hostile tests try thousands of cases, and compares all figures."""
     parser.addoption(
         "--deep",
         action="store_true",
-        help="thousands of damaged files, malformed studies and random cases, not some fifty",
+        help="thousands of hostile cases, not some fifty, and all figures of the pages",
     )
 
 

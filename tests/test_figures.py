@@ -95,6 +95,90 @@ FIGURES = [
 ]
 
 
+STUDIES = "studies/README.md"
+NC_ROW = " {:.2f} ± {:.2f} |"
+SOFTENED = " {:.2f}, {:.3f} |"
+SHOULDER, FACE = "pore_pressure_factor_shoulder", "pore_pressure_factor_face"
+ROWS_BESIDE_FACE = f"cells_per_radius={[rows / 3**0.5 for rows in (3, 4, 5, 10)]}"
+WHOLE_TABLES = [
+    *(
+        Figure(
+            "README.md",
+            f"| {index} | **cone factor Nc** |" + " **{:.2f} ± {:.2f}** |" * 5,
+            "adhesion_factor",
+            (f"rigidity_index={index}",),
+            (NC, HALF_WIDTH),
+        )
+        for index in (50, 100, 300)
+    ),
+    Figure(STUDIES, "| Nc |" + NC_ROW * 6, "rigidity_index", (), (NC, HALF_WIDTH)),
+    Figure(STUDIES, "| Nc |" + NC_ROW * 5, "stress_anisotropy", (), (NC, HALF_WIDTH)),
+    *(
+        Figure(
+            STUDIES,
+            f"| {ratio}, {ratio} | {{:.2f}} |",
+            "strength_anisotropy",
+            (
+                f"material.strength_extension=[{strength}]",
+                f"material.strength_simple_shear=[{strength}]",
+            ),
+            (SIMULATED,),
+        )
+        for ratio, strength in ((0.8, 16e3), (1, 20e3))
+    ),
+    *(
+        Figure(
+            STUDIES,
+            f"| {cells} |" + SOFTENED * 4,
+            "softening",
+            (
+                "ductility=[50, 10, 3, 1]",
+                "remoulded_strength_ratio=[0.2]",
+                f"cells_per_radius={cells}",
+            ),
+            (SIMULATED, "sleeve_friction_factor"),
+        )
+        for cells in (3, 4)
+    ),
+    Figure(
+        STUDIES,
+        "Nc is {0:.2f}, {2:.2f} and {4:.2f} for mu 0.05, 0.1 and 0.2, as simulated {1:.2f}, "
+        "{3:.2f} and {5:.2f}.",
+        "rate",
+        ("penetration_speed=[0.02]",),
+        (NC, SIMULATED),
+    ),
+    *(
+        Figure(
+            CONE,
+            f"| {adhesion} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.2%}} |",
+            "adhesion_factor",
+            (f"adhesion_factor=[{adhesion}]", "rigidity_index=100", "energy_audit=balance"),
+            (*(f"work_share_{it}" for it in SHARES), "energy_residual"),
+        )
+        for adhesion in (0, 1)
+    ),
+    *(
+        Figure(
+            CONE,
+            f"| {begin} | {{:.1f}} ± {{:.1f}} |" + NC_ROW * 3,
+            "adhesion_factor",
+            (f"adhesion_factor={adhesion}", "rigidity_index=100", ROWS_BESIDE_FACE),
+            (SHOULDER, f"{SHOULDER}_uncertainty"),
+        )
+        for begin, adhesion in (("u2, adhesion factor 0", 0), ("1", 1))
+    ),
+    Figure(
+        CONE,
+        "| u1, adhesion factor 0 |" + NC_ROW * 4,
+        "adhesion_factor",
+        ("adhesion_factor=0", "rigidity_index=100", ROWS_BESIDE_FACE),
+        (FACE, f"{FACE}_uncertainty"),
+    ),
+]
+"""Figures of commands that take up to a minute each; compared with ``--deep``."""
+
+
 def words_of(page: str) -> str:
     return " ".join((ROOT / page).read_text().split())
 
@@ -108,8 +192,15 @@ def rendered(figure: Figure) -> str:
     return figure.phrase.format(*values).replace("%", "")  # tables of shares are in percent
 
 
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "figure" in metafunc.fixturenames:
+        whole = WHOLE_TABLES if metafunc.config.getoption("deep") else []
+        metafunc.parametrize(
+            "figure", FIGURES + whole, ids=lambda it: f"{it.page}: {it.phrase} {it.settings}"
+        )
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", FIGURES, ids=lambda it: f"{it.page}: {it.phrase}")
 def test_a_page_has_what_its_command_gives(figure: Figure) -> None:
     assert rendered(figure) in words_of(figure.page)
 
