@@ -107,8 +107,13 @@ def check_figure(found: xr.Dataset) -> Figure:
 
 
 @STYLED
-def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
-    """Several tests of a site: net resistance and su over depth, su with a band of 90 %."""
+def soundings_figure(
+    found: Sequence[xr.Dataset], points: Sequence[Sequence[tuple[float, float]]]
+) -> Figure:
+    """Several tests of a site: net resistance and su over depth, su with a band of 90 %.
+
+    `points` are depths [m] and strengths [Pa] by a laboratory, beside each of the tests.
+    """
     figure, (test, strength) = panels(2, TALL, sharey=True)
     titles = [one.attrs["title"] for one in found]
     for place, one in enumerate(map(_with_gaps, found)):
@@ -118,13 +123,17 @@ def soundings_figure(found: Sequence[xr.Dataset]) -> Figure:
         resistance = one.net_resistance.where(one.reason == 0) / KILO
         test.plot(resistance, one.depth, color=colour, lw=0.8, label=name)
         _band(strength, one.depth.values, one.strength.values / KILO, "", colour)
+        for depth, value in points[place]:
+            strength.plot(value / KILO, depth, "o", color=colour, ms=4, clip_on=False)
     test.set_xlabel(f"{MEASURED['net_resistance']} [kPa]")
     strength.set_xlabel("$s_{\\mathrm{u}}$ [kPa]")
     for axes in (test, strength):
         axes.autoscale(axis="x")
         axes.set_xlim(left=0.0)
     _legend(test, 3)
-    return _finished(figure, found, "Bands hold 90 % of each test by itself.")
+    words = "Bands hold 90 % of each test by itself; points are laboratory tests beside it."
+    depths = [depth for own in points for depth, _ in own]
+    return _finished(figure, found, words if depths else words.partition(";")[0] + ".", depths)
 
 
 def _with_gaps(found: xr.Dataset) -> xr.Dataset:

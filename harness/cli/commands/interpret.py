@@ -84,8 +84,10 @@ def interpret_site(options: argparse.Namespace) -> int:
     prepare(options.out)
     for test in tests:
         _write(test, f"{options.out}/{test.site.name}{ENDING}")
-    together = soundings_figure([measured.found for measured in tests]) if len(names) > 1 else None
-    if together is not None:
+    together = None
+    if len(names) > 1:
+        found_of_all = [measured.found for measured in tests]
+        together = soundings_figure(found_of_all, [laboratory_points(it) for it in found_of_all])
         _write_figure(together, whole)
     write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
     tell(f"no design value, and no strength of drained soil; a page of all: {whole}.html")

@@ -41,7 +41,7 @@ def interpreted(title: str = "A site") -> xr.Dataset:
 
 
 def test_no_curve_is_drawn_across_a_gap() -> None:
-    for figure in (interpretation_figure(interpreted()), soundings_figure([interpreted()])):
+    for figure in (interpretation_figure(interpreted()), soundings_figure([interpreted()], [[]])):
         for axes in figure.axes:
             for line in axes.get_lines():
                 depth, value = line.get_ydata(), line.get_xdata()
@@ -62,13 +62,25 @@ def test_the_line_of_a_layer_goes_from_its_top_to_its_bottom_with_its_band() -> 
 
 
 def test_several_tests_have_a_line_and_a_band_each() -> None:
-    figure = soundings_figure([interpreted("one"), interpreted("two")])
+    figure = soundings_figure([interpreted("one"), interpreted("two")], [[], []])
     test, strength = figure.axes
     assert texts(test.get_legend().get_texts()) == ["one", "two"]
-    alike = soundings_figure([interpreted("one"), interpreted("one")]).axes[0]
+    alike = soundings_figure([interpreted("one"), interpreted("one")], [[], []]).axes[0]
     assert texts(alike.get_legend().get_texts()) == ["one (site_one)"] * 2
     assert len(strength.get_lines()) == len(strength.collections) == 2
     assert len({line.get_color() for line in strength.get_lines()}) == 2
+
+
+def test_laboratory_tests_are_beside_their_sounding_and_inside_the_picture() -> None:
+    points = [[(5.0, 40e3)], [(14.0, 90e3), (6.0, 30e3)]]
+    figure = soundings_figure([interpreted("one"), interpreted("two")], points)
+    strength = figure.axes[1]
+    drawn = [line for line in strength.get_lines() if len(line.get_xdata()) == 1]
+    found = [(float(it.get_ydata()[0]), 1e3 * float(it.get_xdata()[0])) for it in drawn]
+    assert found == points[0] + points[1]
+    assert len({line.get_color() for line in drawn}) == 2
+    assert figure.axes[0].get_ylim() == pytest.approx((14.0, 1.0))
+    assert strength.get_xlim()[1] > 90.0
 
 
 def test_shares_fill_the_panel_where_a_layer_lacks_a_cause() -> None:
