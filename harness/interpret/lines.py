@@ -49,7 +49,8 @@ def line_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
     for title in found.layer.values:
         own = found.sel(layer=title)
         if own.line_slope.notnull().all():
-            cells = (f"{middle} ({band})" for middle, band in map(_spoken, _figures(own)))
+            spoken = map(_spoken, _figures(own))
+            cells = ("0" if middle == "0" else f"{middle} ({band})" for middle, band in spoken)
             rows.append((str(title), "{:g} to {:g}".format(*own.line_depth.values), *cells))
     return rows
 

@@ -4,14 +4,14 @@ The line is fitted to su of the layer by least squares, in each draw by itself. 
 by all that is common to the depths of a draw: inputs, errors of the test, factor of the site. What
 differs from depth to depth averages out along the layer. It changes su of a draw by
 
-    su within e + r v,   e, v ~ N(0, 1)
+    su within e + c r v,   e, v ~ N(0, 1),   c = sqrt(n / chi-square of n - 2)
 
 before the fit. The first part is the departure of real clay at a depth, the second the scatter of
 su about the line, with the residual r (wild bootstrap by clusters; Cameron, Gelbach & Miller 2008,
-as commonly quoted). e and v are the same in a piece of the layer and independent between pieces.
+as commonly quoted) and the error of its size, c, by the number of pieces n. e and v are the same in
+a piece of the layer and independent between pieces, c is the same in all of them.
 """
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -27,7 +27,7 @@ in the median, have a correlation of 0.08 +- 0.06 (`studies.laboratory.field`)."
 FEWEST_PIECES = 3
 """With fewer pieces the slope is 0."""
 BAND = 0.05, 0.95
-"""Quantiles of the slope; it is 0 if 0 is between them."""
+"""Quantiles of the slope by all but the departure of a depth; it is 0 if 0 is between them."""
 
 
 def line_figures(
@@ -80,17 +80,17 @@ def strength_line(
     """
     piece = np.unique((depth - depth[0]) // PIECE, return_inverse=True)[1]
     count, middle = int(piece[-1]) + 1, float(depth.mean())
-    random = np.random.default_rng(seed).normal(size=(2, count, strength.shape[1]))
-    of_clay, of_line = random[:, piece]
+    random = np.random.default_rng(seed)
+    of_clay, of_line = random.normal(size=(2, count, strength.shape[1]))[:, piece]
     for terms in (2, 1):
         basis = (depth[:, None] - middle) ** np.arange(terms)
         fit = np.linalg.pinv(basis)
         line = fit @ strength
-        # Residuals are smaller than errors, by the terms that are fitted to them.
-        residual = (strength - basis @ line) * math.sqrt(count / max(count - terms, 1))
-        line += fit @ (strength * within * of_clay + residual * of_line)
-        mean, slope = line[0, chosen], line[-1, chosen]
-        low, high = np.quantile(slope, BAND)
-        if terms > 1 and count >= FEWEST_PIECES and low * high > 0.0:
-            return np.stack([mean - middle * slope, slope])
-    return np.stack([mean, np.zeros_like(mean)])
+        size = np.sqrt(count / random.chisquare(max(count - terms, 1), strength.shape[1]))
+        line += fit @ ((strength - basis @ line) * size * of_line)
+        low, high = np.quantile(line[-1, chosen], BAND)
+        if terms == 1 or (count >= FEWEST_PIECES and low * high > 0.0):
+            break
+    line = (line + fit @ (strength * within * of_clay))[:, chosen]
+    slope = line[1] if len(line) > 1 else np.zeros(len(chosen))
+    return np.stack([line[0] - middle * slope, slope])
