@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from harness.archive.conventions import Role, over_cases, with_role
 from harness.compare.compared import BY_COMPRESSION, stored_experience
-from harness.pictures.convergence import refined
 from harness.pictures.declared import pieces_of
 from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.plot_parts import (
@@ -28,6 +27,7 @@ from harness.pictures.literature import (
     has_literature,
     ranges_of_own,
 )
+from harness.pictures.method.convergence import refined
 from harness.pictures.studied import Studied
 from harness.references.reference import COMPARED, NEEDED
 

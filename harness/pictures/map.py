@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from harness.pictures.convergence import refined
 from harness.pictures.curve import draw_over
 from harness.pictures.drawing.caption import captioned
 from harness.pictures.drawing.plot_parts import FAILED, INK, SHADES, STYLED, panels
 from harness.pictures.drawing.quantities import Floats, Values, axis_label
 from harness.pictures.literature import has_literature, ranges_of_own
+from harness.pictures.method.convergence import refined
 from harness.pictures.studied import Studied
 
 MOST_CURVES = 5

@@ -16,7 +16,6 @@ from harness.archive.conventions import without_incomplete_curves
 from harness.archive.own_files import check_replaceable, write_own
 from harness.errors import HarnessError
 from harness.pictures.cases import cases_figure, scenes_figure
-from harness.pictures.convergence import convergence_figure
 from harness.pictures.curve import curve_figure
 from harness.pictures.curves import curves_figure
 from harness.pictures.declared import declared
@@ -24,9 +23,10 @@ from harness.pictures.drawing.caption import MISSING_NUMBERS
 from harness.pictures.drawing.plot_parts import image
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.map import map_figure
+from harness.pictures.method.convergence import convergence_figure
+from harness.pictures.method.stability import stability_figure
+from harness.pictures.method.work_precision import study_figure
 from harness.pictures.spread import spread_figure
-from harness.pictures.stability import stability_figure
-from harness.pictures.work_precision import study_figure
 
 Picture = Callable[[xr.Dataset], Figure | None]
 PICTURES: dict[str, Picture] = {

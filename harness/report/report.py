@@ -30,8 +30,8 @@ from harness.compare.spread import spread_rows, spreads_of
 from harness.errors import counted
 from harness.pictures.drawing.caption import SOIL_AND_CONE
 from harness.pictures.drawing.plot_parts import image
+from harness.pictures.method.stability import shows_stability, stability_rows
 from harness.pictures.pictures import Failures, rendered
-from harness.pictures.stability import shows_stability, stability_rows
 from harness.pictures.studied import Studied
 from harness.references.reference import COMPARED
 from harness.report import words

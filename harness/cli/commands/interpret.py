@@ -25,7 +25,11 @@ from harness.interpret.result import (
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret, laboratory_beside
 from harness.pictures.drawing.plot_parts import image
-from harness.pictures.interpreted import check_figure, interpretation_figure, soundings_figure
+from harness.pictures.measured.interpreted import (
+    check_figure,
+    interpretation_figure,
+    soundings_figure,
+)
 from harness.report.plain_pages import Interpreted, interpretation_page
 from harness.run.resources import UPDATE_RATE
 from mpm_warp.errors import InaccurateRun, ParameterError, SceneError, SimulationDiverged

@@ -25,7 +25,7 @@ from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, counted, say, tell
 from harness.machine import usable_cores
 from harness.pictures.drawing.plot_parts import image
-from harness.pictures.work_precision import draw_work_precision
+from harness.pictures.method.work_precision import draw_work_precision
 from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.resources import RunOptions, spoken_time
 from harness.run.run_study import on_cluster, on_this_machine, run_study

@@ -159,7 +159,7 @@ def references(options: argparse.Namespace) -> int:
         say(all_entries() if options.id is None else one_entry(options.id))
         return DONE
     from harness.pictures.drawing.plot_parts import image  # only pictures need matplotlib
-    from harness.pictures.evidence import evidence_figure
+    from harness.pictures.measured.evidence import evidence_figure
 
     path = options.out / "field_sites.png"
     check_replaceable(path)

@@ -8,7 +8,7 @@ import pytest
 from harness.interpret.tables import evidence as of_sites
 from harness.interpret.tables.evidence import evidence, inside
 from harness.interpret.tables.model_factor import measured_sites
-from harness.pictures.evidence import evidence_figure
+from harness.pictures.measured.evidence import evidence_figure
 from tests.harness.conftest import Command, Refusal
 
 

@@ -12,7 +12,7 @@ from harness.interpret.measured import CLAY_INDEX, REASONS, WATER
 from harness.interpret.result import in_digits, in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
-from harness.pictures.interpreted import interpretation_figure
+from harness.pictures.measured.interpreted import interpretation_figure
 from tests.harness.conftest import Refusal
 from tests.harness.interpret.conftest import STRENGTH, changed
 

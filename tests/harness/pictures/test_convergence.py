@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from harness.pictures.convergence import convergence_figure
-from harness.pictures.work_precision import study_figure
+from harness.pictures.method.convergence import convergence_figure
+from harness.pictures.method.work_precision import study_figure
 
 from .conftest import MADE, caption_of, figures, legend, result, texts
 

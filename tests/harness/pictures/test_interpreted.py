@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from harness.pictures.interpreted import interpretation_figure, soundings_figure
+from harness.pictures.measured.interpreted import interpretation_figure, soundings_figure
 from tests.harness.pictures.conftest import texts
 
 LINE_DEPTH = np.array([[2.0, 10.0]])

@@ -16,7 +16,7 @@ from harness.pictures.drawing.plot_parts import FAILED
 from harness.pictures.drawing.rows import INSIDE
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.literature import colours_of
-from harness.pictures.stability import stability_rows
+from harness.pictures.method.stability import stability_rows
 from harness.references.registry import reference_of
 
 from .conftest import caption_of, collected, drawn, legend, result, texts

@@ -17,7 +17,7 @@ from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
 from harness.pictures.drawing.plot_parts import STATUSES
 from harness.pictures.effects import tornado_figure
-from harness.pictures.stability import (
+from harness.pictures.method.stability import (
     BAR,
     short_reason,
     stability_figure,

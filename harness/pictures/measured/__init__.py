@@ -1,0 +1,1 @@
+"""Pictures of measured ground: strength of a test, and computed beside measured factors."""

@@ -1,0 +1,1 @@
+"""Pictures of the method itself: its order, its error over run time, where it is stable."""
