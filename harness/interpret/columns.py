@@ -6,7 +6,8 @@ If the file has the length l of the rods and the inclination of the cone, each s
     dz = dl / sqrt(1 + tan^2 a + tan^2 b)
 
 with inclinations a and b in two planes, or a alone (EN ISO 22476-1, as commonly quoted). Values
-that no cone test can have are refused; the message has file, line, value and what is allowed.
+that no cone test can have are refused in a line with file, line, value and what is allowed; single
+ones are left out with a note.
 """
 
 import math

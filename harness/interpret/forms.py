@@ -10,6 +10,8 @@ from harness.study.tables import LINE, is_number, table_schema
 from mpm_warp.fields.declaration import Form, Parameter, Refused, Schema, bounds_schema
 from mpm_warp.fields.names import did_you_mean, nearest_name
 
+WATER = 9.81e3
+"""Unit weight of water [N/m3]."""
 COLUMNS = ("depth", "qc", "fs", "u2")
 """Quantities that are read from a test file."""
 AXES = ("inclination", "inclination_across")

@@ -12,14 +12,12 @@ import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.columns import read_columns
-from harness.interpret.forms import COLUMNS, ByDepth
+from harness.interpret.forms import COLUMNS, WATER, ByDepth
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves
 
-WATER = 9.81e3
-"""Unit weight of water [N/m3]."""
 CLAY_INDEX = 2.6
 """Least Ic of soil that behaves as clay (Robertson 2009, as commonly quoted)."""
 UNDRAINED_BQ = 0.5

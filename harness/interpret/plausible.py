@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from harness.interpret.forms import AXES, ByDepth
+from harness.interpret.forms import AXES, WATER, ByDepth
 from harness.interpret.site import MeasuredTest
 from harness.study.tables import StudyError
 from mpm_warp.fields.checks import Range
@@ -27,8 +27,8 @@ OF_SOIL: Mapping[str, tuple[Range, str]] = {
     "u2": (Range(maximum=10), "at most 1"),
 }
 """Median ratios to qc, with a margin, and in words; a wrong unit is mostly a thousand off."""
-WATER, LEAST_OF_WATER = 9.81e3, 0.01
-"""Unit weight of water [N/m3]; least u2 over the pressure of water, if it is measured at all."""
+LEAST_OF_WATER = 0.01
+"""Least u2 over the pressure of the water in the ground, if it is measured at all."""
 
 
 def without_lost(
@@ -51,7 +51,7 @@ def without_lost(
         if wrong.mean() <= FEW and (name in AXES or not high.any()):
             values[name][wrong] = np.nan
             notes.append(
-                f"{name}: {np.sum(wrong)} readings that no cone can have left out, the first, "
+                f"readings of {name} left out that no cone can have: {np.sum(wrong)}, the first "
                 f"{own[first]:.3g} {unit}, at {places[first]}"
             )
             continue

@@ -1,15 +1,20 @@
 """AGS 4 (groups SCPG and SCPT) and AGS 3 (group STCN)."""
 
 import csv
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from harness.interpret.reading.contents import Heading, TestFile, one_of, stated_values
+from harness.interpret.reading.contents import Heading, TestFile, numbers_of, one_of, stated_values
 from harness.study.tables import StudyError
 
-Group = dict[str, list[tuple[int, list[str]]]]
-"""Rows of a group by their kind, each with its line: HEADING, UNIT and DATA."""
+Row = tuple[int, list[str]]
+"""A line and its cells."""
+Group = dict[str, list[Row]]
+"""Rows of a group by their kind: HEADING, UNIT and DATA."""
 TESTS, CONES = ("SCPT", "STCN"), "SCPG"
+BACK = 0.5
+"""Way back [m] after which another push begins; at a change of rods it is a tenth of it at most."""
 STATED = {
     "area_ratio": ("SCPG_CAR", "-"),
     "cone_area": ("SCPG_CSA", "cm2"),
@@ -27,15 +32,15 @@ def read_ags(path: Path, text: str, sounding: str | None) -> TestFile:
             f"{path}: has no group SCPT of AGS 4, or STCN of AGS 3, with headings, units and rows"
         )
     (_, titles), (_, units) = test["HEADING"][0], test["UNIT"][0]
-    rows = [(number, _name(titles, cells), cells) for number, cells in test["DATA"]]
-    chosen = one_of(path, list(dict.fromkeys(name for _, name, _ in rows)), sounding)
+    pushes = _pushes(titles, test["DATA"])
+    chosen = one_of(path, list(pushes), sounding)
     return TestFile(
         headings=[
             Heading(title.lower().replace("stcn_", "scpt_"), title, unit)
             for title, unit in zip(titles, units + [""] * len(titles), strict=False)
         ],
-        rows=[(number, cells) for number, name, cells in rows if name == chosen],
-        stated=_stated(path, groups.get(CONES, {}), chosen),
+        rows=pushes[chosen],
+        stated=_stated(path, groups.get(CONES, {}), _name(titles, pushes[chosen][0][1])),
     )
 
 
@@ -70,11 +75,27 @@ def _groups(path: Path, text: str) -> dict[str, Group]:
     return groups
 
 
+def _pushes(titles: Sequence[str], rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """Rows by the name of their push; where the depth goes back another one begins, NAME/2."""
+    pushes: dict[str, list[Row]] = {}
+    place = next((it for it, title in enumerate(titles) if title.endswith("_DPTH")), 0)
+    now: dict[str, tuple[str, float]] = {}  # by name of the test, its push and depth
+    for row in rows:
+        name = _name(titles, row[1])
+        push, before = now.get(name, (name, -math.inf))
+        depth = next(iter(numbers_of(row[1][place : place + 1])), before)
+        if depth < before - BACK:
+            push = f"{name}/{2 + sum(it.startswith(f'{name}/') for it in pushes)}"
+        now[name] = push, depth
+        pushes.setdefault(push, []).append(row)
+    return pushes
+
+
 def _name(titles: Sequence[str], cells: Sequence[str]) -> str:
     """Location and test of a row, as CPT1/2, or CPT1 if the test has no name."""
     row = dict(zip(titles, cells, strict=False))
-    place = row.get("LOCA_ID", row.get("HOLE_ID", ""))
-    return "/".join(filter(None, (place, row.get("SCPG_TESN", ""))))
+    places, pushes = ("LOCA_ID", "HOLE_ID"), ("SCPG_TESN", "STCN_TESN")
+    return "/".join(filter(None, (row.get(it, "") for it in (*places, *pushes))))
 
 
 def _stated(path: Path, cones: Group, chosen: str) -> dict[str, float]:

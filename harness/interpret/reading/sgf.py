@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from harness.interpret.reading.contents import Heading, TestFile, one_of, stated_values
+from harness.study.tables import StudyError
 
 Codes = dict[str, str]
 COLUMNS = {
@@ -39,8 +40,10 @@ def read_sgf(path: Path, text: str, sounding: str | None) -> TestFile:
     for place, (of_test, rows) in enumerate(found, start=1):
         if any("QC" in codes for _, codes in rows):
             name = of_test.get("HK") or f"test {place}"
-            again = 1 + sum(it.partition("/")[0] == name for it in tests)
-            tests[name if again == 1 else f"{name}/{again}"] = of_test, rows
+            again = 2 + sum(it.startswith(f"{name}/") for it in tests)
+            tests[f"{name}/{again}" if name in tests else name] = of_test, rows
+    if not tests:
+        raise StudyError(f"{path}: has no cone test: no sounding in it has the code QC")
     of_test, rows = tests[one_of(path, list(tests), sounding)]
     there = [code for code in COLUMNS if any(code in codes for _, codes in rows)]
     return TestFile(

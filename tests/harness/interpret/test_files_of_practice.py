@@ -11,6 +11,7 @@ import pytest
 from tests.harness.interpret.written_tests import (
     WRITERS,
     Row,
+    as_ags,
     as_csv,
     as_gef,
     as_sgf,
@@ -48,7 +49,7 @@ TOLD: dict[str, tuple[str, str, str, float | str]] = {
         "csv",
         "\n1.5,",
         "\n1.5,-2.58,0.01,0.03\n1.5,",
-        "qc: 1 readings that no cone can have left out, the first, -2.58 MPa, at line 7",
+        "readings of qc left out that no cone can have: 1, the first -2.58 MPa, at line 7",
     ),
     "u2 in another unit": (
         "csv",
@@ -114,6 +115,12 @@ def in_two_pushes(rows: list[Row]) -> str:
     return first.replace("MA=0.80", "MA=0.6") + second[second.index("$\nHA") :]
 
 
+def again_from_the_top(rows: list[Row]) -> str:
+    """A second push without a name of its own in a group of AGS."""
+    data = as_ags(rows).partition('"2DP","2DP","2DP","2DP"\n')[2]
+    return as_ags(rows[:50]) + data
+
+
 WRITTEN: dict[str, tuple[str, Callable[[list[Row]], str], str]] = {
     "AGS 3": ("ags", as_ags_3, ""),
     "right": ("asc", lambda rows: of_fixed_width(rows, ">"), ""),
@@ -121,7 +128,8 @@ WRITTEN: dict[str, tuple[str, Callable[[list[Row]], str], str]] = {
     "a hyphen": ("csv", lambda rows: with_words(rows, "-"), ""),
     "of a workbook": ("csv", lambda rows: with_words(rows, "#N/A"), ""),
     "downward": ("gef", downward, "'Gecorrigeerde diepte' is negative downward in the file"),
-    "pushes": ("cpt", in_two_pushes, ""),
+    "pushes of CPT1": ("cpt", in_two_pushes, ""),
+    "pushes of CPT1/1": ("ags", again_from_the_top, ""),
 }
 """A kind of file, its writer, and a note."""
 
@@ -130,7 +138,8 @@ WRITTEN: dict[str, tuple[str, Callable[[list[Row]], str], str]] = {
 def test_rows_are_the_same_however_a_program_writes_them(folder: Path, case: str) -> None:
     kind, writer, note = WRITTEN[case]
     rows = rows_of(folder)
-    named = '\nsounding = "CPT1/2"' if case == "pushes" else ""
+    _, several, name = case.partition("pushes of ")
+    named = f'\nsounding = "{name}/2"' if several else ""
     found = columns_of(site_of(folder, kind, writer(rows), ("[test]", f"[test]{named}")))
     expected = np.array(rows).T * np.array([1.0, 1e6, 1e6, 1e6])[:, None]
     np.testing.assert_allclose(list(found.values.values()), expected, rtol=1e-12)

@@ -8,7 +8,8 @@ import xarray as xr
 
 from harness.interpret import strength
 from harness.interpret.check import checked, misfit_in_words
-from harness.interpret.measured import CLAY_INDEX, REASONS, WATER
+from harness.interpret.forms import WATER
+from harness.interpret.measured import CLAY_INDEX, REASONS
 from harness.interpret.result import in_digits, in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
