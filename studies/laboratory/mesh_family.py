@@ -1,85 +1,67 @@
-"""Cone factors on a second family of meshes, with columns of nodes that are partly upright.
+"""Cone factors on meshes with cells of other shapes.
 
-By default the columns follow the cone up to the edge of the grid. Here they follow it up to a
-number of radii and are upright beyond, so the cells have other shapes but the same widths. A limit
-of fine meshes that is the same in both families does not come from the shape of the cells.
+By default the cells at the cone are square, and the columns of nodes follow the cone up to the edge
+of the grid. `WIDTH_RATIO` makes cells wider than high, and with `UPRIGHT` the columns are upright
+from a number of radii on. A limit of fine meshes that all families share does not come from the
+shape of the cells; `limit_of_mesh` compares it.
 
-``mesh_family IR ADHESION RADII...`` runs 4, 5, 7 and 10 rows beside the face on a
-mesh that is upright beyond each of the radii. It prints the cone factors as simulated, and the
-limit N0 of the law of the mesh, N = N0 + B h + Q h^1.7 + C g^1.5 h^1.3, where each family has its
-own B.
+``mesh_family WIDTH_RATIO UPRIGHT IR ADHESION ROWS...`` prints a row of studies/mesh_error_wide.csv
+for each number of rows beside the face; an `UPRIGHT` of 1000 has no upright columns. All else is as
+in studies/mesh_error.toml.
 """
 
 import math
 import sys
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
+from harness.study.study import load_study
 from mpm_warp import ConePenetration, Grid, parameter
-from mpm_warp.grid.fitted import Floats
-from mpm_warp.uncertainty.laws import (
-    EFFECTS,
-    GROWTH_OF_MESHES,
-    curvature_error,
-    growth_measure,
-)
-
-ROWS = (4, 5, 7, 10)
+from mpm_warp.grid.fitted import growing
 
 
 @dataclass(frozen=True, kw_only=True, init=False)
-class UprightCone(ConePenetration):
-    """A cone test whose columns of nodes are upright from about `upright` cone radii on."""
+class OtherMeshCone(ConePenetration):
+    """A cone test on a mesh with cells of another shape."""
 
+    width_ratio: float = parameter(1.0, "width of the cells at the cone over their height", above=0)
     upright: float = parameter(
         1000.0, "radius from which on the columns are upright, over cone radius", above=1
     )
 
     @property
     def _grid(self) -> Grid:
-        grid = super()._grid
-        radii = grid.columns * (grid.fitted_radius - self.cone.cone_radius) + self.cone.cone_radius
-        last = int(np.abs(radii - self.upright * self.cone.cone_radius).argmin())
+        grid, radius = super()._grid, self.cone.cone_radius
+        width = self.width_ratio * self.cell_size
+        columns = growing(
+            width, grid.fitted_radius - radius, 1.0 + self.cell_growth * width / radius
+        )
+        radii = radius + columns
+        last = int(np.abs(radii - self.upright * radius).argmin())
         fitted = float(radii[last])
-        columns = (radii - self.cone.cone_radius) / (fitted - self.cone.cone_radius)
-        columns[last:] = radii[last:] / fitted
-        return replace(grid, columns=columns, fitted_radius=fitted)
+        shape = columns / (fitted - radius)
+        shape[last:] = radii[last:] / fitted
+        return replace(grid, columns=shape, fitted_radius=fitted)
 
 
-def factor(rows: int, upright: float, **clay: Any) -> float:
+def factor(rows: int, width_ratio: float, upright: float, index: float, adhesion: float) -> float:
     """The cone factor as simulated on a mesh of so many rows beside the face."""
-    test = UprightCone(
-        cells_per_radius=rows / math.sqrt(3.0),
-        cell_growth=GROWTH_OF_MESHES,
-        upright=upright,
-        **clay,
-    )
+    (case,) = load_study(
+        "mesh_error",
+        [
+            f"rigidity_index=[{index}]",
+            f"adhesion_factor=[{adhesion}]",
+            f"cells_per_radius=[{rows / math.sqrt(3.0):.2f}]",
+        ],
+    ).cases
+    shape = {"width_ratio": width_ratio, "upright": upright}
+    test = OtherMeshCone.of({**case.parameters, **shape})
     return float(test.run().cone_factor_simulated)
 
 
-def limit(factors: Floats, **clay: float) -> tuple[float, float, float]:
-    """N0 and B by least squares, and the largest residual; factors of `ROWS`, shape [4]."""
-    size = math.sqrt(3.0) / np.array(ROWS)
-    known = np.array(
-        [
-            curvature_error(cell_size=it, **clay)
-            + EFFECTS["growth"].size * growth_measure(it, GROWTH_OF_MESHES)
-            for it in size
-        ]
-    )
-    slope, at_zero = np.polyfit(size, factors - known, 1)
-    residual = np.abs(factors - known - at_zero - slope * size).max()
-    return float(at_zero), float(slope), float(residual)
-
-
 if __name__ == "__main__":
-    index, adhesion, *radii = map(float, sys.argv[1:])
-    clay = {"rigidity_index": index, "adhesion_factor": adhesion}
-    for upright in (1000.0, *radii):
-        found = [factor(rows, upright, **clay) for rows in ROWS]
-        at_zero, slope, residual = limit(np.array(found), **clay)
-        shown = "  ".join(f"{it:.3f}" for it in found)
-        print(f"upright beyond {upright:4g}: {shown}  N0 {at_zero:.3f}  B {slope:.2f}", end="  ")
-        print(f"largest residual {residual:.3f}", flush=True)
+    width_ratio, upright, index, adhesion = map(float, sys.argv[1:5])
+    for rows in map(int, sys.argv[5:]):
+        found = factor(rows, width_ratio, upright, index, adhesion)
+        print(f"{index:g},{adhesion:g},{rows / math.sqrt(3.0):.2f},{found:.4f}", flush=True)
