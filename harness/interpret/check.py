@@ -17,9 +17,10 @@ import numpy as np
 import xarray as xr
 
 from harness.errors import HarnessError
+from harness.interpret.inference.draws import rate_of
 from harness.interpret.result import GROUND
 from harness.interpret.site import Site
-from harness.interpret.tables.factors import TABLE_RATE, at_table_rate
+from harness.interpret.tables.factors import TABLE_RATE, USUAL_RADIUS, at_table_rate
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 from mpm_warp.scenes.sounding.profile import Profile
@@ -57,7 +58,9 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
         inputs = {name: medians.sel(cause=name).values for name in layer.inputs}
         inputs["remoulded_strength_ratio"] = 1.0 / inputs["sensitivity"]
         names = ("rate_factor", "remoulded_strength_ratio", "ductility")
-        soil, _ = at_table_rate({name: inputs[name] for name in names}, layer.laboratory_rate)
+        soil, _ = at_table_rate(
+            {name: inputs[name] for name in names}, rate_of(site, number, found)
+        )
         soils.append([float(value) for value in soil.values()])
         thicknesses.append(layer.bottom - layer.top)
     if not rows:
@@ -78,7 +81,10 @@ def sounding_of(site: Site, found: xr.Dataset, accuracy: str) -> Sounding:
     rate, remoulded, ductility = np.average(soils, axis=0, weights=thicknesses)
     changes: dict[str, Any] = dict(ACCURACY[accuracy])
     if rate > 0.0:
-        changes |= {"rate_factor": rate, "reference_strain_rate": TABLE_RATE}
+        changes |= {
+            "rate_factor": rate,
+            "reference_strain_rate": TABLE_RATE * USUAL_RADIUS / radius,
+        }
     if remoulded < 1.0:
         changes |= {"remoulded_strength_ratio": remoulded, "ductility": ductility}
     return Sounding(

@@ -84,12 +84,6 @@ def read_columns(test: MeasuredTest) -> Columns:
         if name not in values:
             values[name] = np.full_like(values["depth"], np.nan)
             notes.append(f'no column is taken as {name} (columns = {{ {name} = "..." }}): {lost}')
-    if area_ratio < 1.0 and np.isnan(values["u2"]).all():
-        raise StudyError(
-            f"{path}: has no u2, which the correction by area_ratio = {area_ratio:g} needs; "
-            "area_ratio = 1 takes qc as corrected; where u2 has another name: columns = "
-            '{ u2 = "..." }'
-        )
     without_lost(test, places, values, notes)
     units = {it: test.units.get(it, file.headings[place].unit) for it, (place, _) in found.items()}
     angles = [values.pop(name) for name in AXES if name in values]

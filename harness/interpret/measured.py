@@ -14,6 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from harness.interpret.columns import read_columns
 from harness.interpret.forms import COLUMNS, WATER, ByDepth
 from harness.interpret.site import MeasuredTest
+from harness.interpret.tables.model_factor import typical
 from harness.study.tables import StudyError
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import curves
@@ -28,9 +29,12 @@ BQ_RANGE = -0.3, 1.4
 """Range of Bq in clay."""
 ROUNDING = 1e-6
 """Rounding error of a depth [m]."""
-FLAT_LENGTH, FLAT_RANGE = 1.0, 500.0
-"""A filter whose readings vary less than this [Pa] over this length [m] is not saturated, except in
-sand above the water table: there it has nothing to read."""
+FLAT_LENGTH, FLAT_SHARE = 1.5, 0.3
+"""A filter is locked or not saturated if over this length [m] the deviation of its readings is
+below this share of that of hydrostatic pressure, while qc has more than hydrostatic pressure;
+except in sand above the water table, where it has nothing to read."""
+DRY = 500.0
+"""u0 [Pa] above the water table is below this."""
 LEAST_SHARE_ABOVE = 0.5
 """Least share of rows with qt above sigma_v0; with fewer the unit of qc is probably wrong."""
 NO_INDEX, OTHER_LAYER = "no fs and it may be sand", "between border told and found"
@@ -53,19 +57,29 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     """The corrected test of a site by depth; missing values are NaN.
 
     `reason` has indices of `REASONS`, without those that depend on layers. Attributes: `notes` on
-    the test file, `cone_radius` [m].
+    the test file, `cone_radius` [m], and `drawn_share`, the share of u2 in qt if u2 is not measured
+    and each draw has its own, or else 0.
     """
     read = read_columns(test)
     depth, qc, fs, u2 = (read.values[name] for name in COLUMNS)
     u0 = water_pressure(test, depth)
     stress = vertical_stress(test, depth)
     by_u2, notes = 1.0 - read.area_ratio, [*read.notes]
-    if by_u2 == 0.0 and not u2.any():
+    if not u2.any():
         u2 = np.full_like(u2, np.nan)
         notes.append("u2 is 0 in all rows, and taken as not measured")
-    qt = qc + by_u2 * u2 if by_u2 > 0.0 else qc
+    drawn = 0.0
+    if by_u2 > 0.0 and np.isnan(u2).all():
+        drawn, usual = by_u2, typical("Bq")
+        net = (qc + by_u2 * u0 - stress) / (1.0 - by_u2 * usual)
+        notes.append(
+            f"u2 is not measured: each draw has its own for the correction by area_ratio = "
+            f"{read.area_ratio:g}; qt and qnet as given here are with Bq = {usual:.2g}"
+        )
+    else:
+        net = qc + (by_u2 * u2 if by_u2 > 0.0 else 0.0) - stress
+    qt = net + stress
     qt_error = np.hypot(error_of(test, "qc", qc), by_u2 * np.nan_to_num(error_of(test, "u2", u2)))
-    net = qt - stress
     there = np.isfinite(net) & (depth >= read.pre_drilled)
     share_above = float(np.mean(net[there] > 0.0)) if there.any() else 1.0
     if share_above < LEAST_SHARE_ABOVE:
@@ -88,7 +102,7 @@ def measured(test: MeasuredTest) -> xr.Dataset:
     may_drain = ~(ratio >= UNDRAINED_BQ)
     is_sand = may_drain & (index < CLAY_INDEX)
     may_be_sand = may_drain & np.isnan(friction) & (by_tip < CLAY_INDEX)
-    dry = (is_sand | may_be_sand) & (u0 < FLAT_RANGE)
+    dry = (is_sand | may_be_sand) & (u0 < DRY)
     reasons = {
         "pre-drilled": depth < read.pre_drilled,
         "value missing": ~np.isfinite(net),
@@ -119,7 +133,9 @@ def measured(test: MeasuredTest) -> xr.Dataset:
         "flag_meanings": " ".join(text.replace(" ", "_") for text in REASONS),
     }
     found["reason"] = xr.Variable("depth", reason.astype(np.int8), flags)
-    return found.assign_attrs(notes="; ".join(notes), cone_radius=read.cone_radius)
+    return found.assign_attrs(
+        notes="; ".join(notes), cone_radius=read.cone_radius, drawn_share=drawn
+    )
 
 
 def error_of(test: MeasuredTest, name: str, values: Floats) -> Floats:
@@ -160,7 +176,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
 
 
 def _flat(depth: Floats, u2: Floats, qc: Floats) -> np.ndarray:
-    """Where the pore pressure is constant over a length in which the resistance is not."""
+    """Where the pore pressure hardly changes over a length in which the resistance does."""
     flat = np.zeros(len(depth), dtype=bool)
     after = depth + FLAT_LENGTH - ROUNDING
     begins = np.flatnonzero(after <= depth[-1])
@@ -168,6 +184,7 @@ def _flat(depth: Floats, u2: Floats, qc: Floats) -> np.ndarray:
     for begin, end in zip(begins.tolist(), ends.tolist(), strict=True):
         piece = slice(begin, end)
         if end - begin > 5:
-            still = np.ptp(u2[piece]) < FLAT_RANGE and np.ptp(qc[piece]) > 10.0 * FLAT_RANGE
-            flat[piece] |= still
+            hydrostatic = WATER * depth[piece].std()
+            still = u2[piece].std() < FLAT_SHARE * hydrostatic
+            flat[piece] |= still and qc[piece].std() > hydrostatic
     return flat

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from harness.archive.conventions import known_digits
+from harness.interpret.cautions import cautions
 from harness.interpret.forms import MEASURES
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.measured import REASONS
@@ -49,10 +50,12 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
     ("layer", "measure", "bound"): {
         "measure_mean": ("Pa", "mean of fs and of u2 - u0, and what the inputs allow"),
     },
+    ("depth", "measure", "bound"): {
+        "measure_at_depth": ("Pa", "fs and u2 - u0, and what the inputs allow"),
+    },
     ("depth",): GROUND,
 }
 """Results by their dims, each with unit and meaning."""
-MEAN_OF = {"sleeve": "sleeve friction", "pore_pressure": "excess pore pressure"}
 NO_TEST = "without a laboratory test of this site"
 LABORATORY = "laboratory_strength"
 UNCHECKED = ", of which the sleeve is not checked on real ground,"
@@ -201,8 +204,9 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         own = found.isel(depth=here)
         told_by = telling(site, own)
         tests = int(np.nan_to_num(found.laboratory_tests.sel(layer=told)))
-        measures = ", ".join(told_by).replace("_", " ")
-        if layer.strength != SIMULATED and "sleeve" in told_by:
+        by_sleeve = [] if "adhesion_factor" in layer.inputs else ["adhesion by the sleeve"]
+        measures = ", ".join([*told_by, *by_sleeve]).replace("_", " ")
+        if layer.strength != SIMULATED and "sleeve" in measures:
             measures += UNCHECKED
         low, middle, high = in_digits(*own.strength.mean("depth").values / 1e3)
         factor = in_digits(*own.resistance_factor.mean("depth").values)
@@ -221,7 +225,8 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}, by {measures} "
             f"with Nkt {factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
-            f"error from {largest}{assumed}.{misfits(found, told)}{warning}"
+            f"error from {largest}{assumed}.{misfits(own, told)}{warning}"
+            f"{cautions(layer, own)}"
         )
     return sentences
 
@@ -237,19 +242,21 @@ def of_ground(layer: Layer, tests: int) -> str:
     return f"{words}, with a model factor {of}"
 
 
-def misfits(found: xr.Dataset, title: str) -> str:
-    """What is measured in a layer beyond what its inputs allow, in words after a blank, or ""."""
-    words = []
-    for measure in found.measure.values:
-        own = found.measure_mean.sel(layer=title, measure=measure).values / 1e3
-        mean, least, largest = own
-        if mean < least or mean > largest:
-            side = "below" if mean < least else "above"
+def misfits(own: xr.Dataset, title: str) -> str:
+    """What fs and Bq are in a layer beside what its inputs allow, in words after a blank, or ""."""
+    net, words = float(own.net_resistance.mean()), []
+    for measure, name, size, unit in (
+        ("sleeve", "fs", 1e3, " kPa"),
+        ("pore_pressure", "Bq", net, ""),
+    ):
+        mean, least, largest = own.measure_mean.sel(layer=title, measure=measure).values / size
+        if np.isfinite(mean):
+            side = "below" if mean < least else "above" if mean > largest else "within"
+            low, middle, high = in_digits(least, mean, largest)
             words.append(
-                f" The {MEAN_OF[str(measure)]}, {mean:.3g} kPa on average, is {side} what the "
-                f"inputs allow, {least:.3g} to {largest:.3g} kPa."
+                f"{name} is {middle}{unit}, {side} what the inputs allow, {low} to {high}{unit}"
             )
-    return "".join(words)
+    return f" On average {'; '.join(words)}." if words else ""
 
 
 def in_digits(low: float, middle: float, high: float) -> list[str]:

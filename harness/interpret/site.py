@@ -81,6 +81,13 @@ class MeasuredTest:
         minimum=1,
         maximum=100,
     )
+    speed: float = parameter(
+        20.0,
+        "speed of the cone, by which su acts at its strain rate",
+        unit="mm/s",
+        minimum=1,
+        maximum=100,
+    )
     water_level: float = parameter(
         1.0,
         "depth of the ground water, with hydrostatic pressure below; negative if water stands on "

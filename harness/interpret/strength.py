@@ -22,6 +22,7 @@ from harness.interpret.inference.draws import (
     FRICTION,
     MEASUREMENT,
     TABLE_ERROR,
+    UNMEASURED,
     WEIGHT,
     Drawn,
     draw,
@@ -115,7 +116,8 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
     names = dict.fromkeys(name for layer in site.layers for name in inputs_of(site, layer))
     by_sleeve = [FRICTION] if any(map(is_by_sleeve, site.layers)) else []
     of_model = [SITE, DEPTH] if any(layer.strength != SIMULATED for layer in site.layers) else []
-    causes = [*names, WEIGHT, MEASUREMENT, *by_sleeve, TABLE_ERROR, *of_model, TOGETHER]
+    of_test = [WEIGHT, MEASUREMENT, *([UNMEASURED] if test.attrs["drawn_share"] else [])]
+    causes = [*names, *of_test, *by_sleeve, TABLE_ERROR, *of_model, TOGETHER]
     found = without_strength(site, test, causes)
     arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
     reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
@@ -139,7 +141,8 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
             )
         notes += _unused(site, layer, measures_of(site.test, used, here, layer.strength))
         drawn = draw(site, number, used, here)
-        arrays["measure_mean"][number] = [drawn.allowed[name] for name in MEASURES[1:]]
+        mean, *depths = np.stack([drawn.beside[name] for name in MEASURES[1:]], axis=1)
+        arrays["measure_mean"][number], arrays["measure_at_depth"][here] = mean, depths
         others = [*tests[:number], *tests[number + 1 :], *beside]
         counting = calibrated(layer, drawn, tests[number], others)
         if counting is not None:

@@ -25,6 +25,7 @@ from harness.interpret.inference.line import strength_line
 from harness.interpret.inference.weights import chosen_draws
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.site import MODES, Layer, MeasuredTest, Site
+from harness.interpret.tables.factors import USUAL_RADIUS
 from harness.interpret.tables.model_factor import (
     BETWEEN,
     DEPTH,
@@ -105,6 +106,7 @@ def computed(pairs: Pairs) -> Computed:
             **dict.fromkeys(NONE, ("depth", np.zeros_like(ocr))),
         },
         {"depth": np.arange(len(ocr), dtype=float)},
+        {"cone_radius": USUAL_RADIUS, "drawn_share": 0.0},
     )
     told = MeasuredTest(where="", folder=Path(), **TEST)
     for place, (ratio, sensitivity) in enumerate(zip(ocr, pairs["sensitivity"], strict=True)):

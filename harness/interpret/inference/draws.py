@@ -9,7 +9,10 @@ with Delta by K0 and su, and alpha, if the site file says so, by the sleeve fric
 iteration. The sleeve friction then has a random error of its own in each draw, the same at all
 depths. e_table is the error of the table. If `use` names sleeve or pore pressure, each draw is
 weighted by the likelihood of the layer's mean of fs and u2 - u0. How fs and u2 of real clay differ
-from those of simulated clay is told in `weights`.
+from those of simulated clay is told in `weights`. If u2 is not measured, each draw has its own Bq,
+by the table, this difference and its error, and with net area ratio a
+
+    qnet = (qc + (1 - a) u0 - sigma_v0) / (1 - (1 - a) Bq)
 """
 
 import math
@@ -21,9 +24,20 @@ import xarray as xr
 
 from harness.interpret.forms import ByDepth
 from harness.interpret.inference.weights import HALF_WIDTH, measures_of
+from harness.interpret.measured import BQ_RANGE
 from harness.interpret.result import GROUND
 from harness.interpret.site import Layer, Site
-from harness.interpret.tables.factors import RANGES, TABLE_RATE, Along, at_table_rate, factors
+from harness.interpret.tables.factors import (
+    PRESSURE,
+    QUANTITIES,
+    RANGES,
+    TABLE_RATE,
+    USUAL_RADIUS,
+    USUAL_SPEED,
+    Along,
+    at_table_rate,
+    factors,
+)
 from harness.interpret.tables.model_factor import (
     RATIOS,
     SIMULATED,
@@ -31,6 +45,7 @@ from harness.interpret.tables.model_factor import (
     model_causes,
     model_factor,
     over_average,
+    typical,
 )
 from harness.study.distributions import Input, normal, sampled
 from harness.study.tables import StudyError
@@ -47,9 +62,9 @@ MOST_OUTSIDE = 0.05
 MODEL_SEED = 2**32
 """Added to the seed for draws of the model factor."""
 MEASUREMENT, TABLE_ERROR, WEIGHT = "test", "numerical", "unit_weight"
-FRICTION = "sleeve_friction"
+FRICTION, UNMEASURED = "sleeve_friction", "pore_pressure"
 """Causes of an error that are not inputs of a layer. That of the sleeve friction counts where the
-adhesion follows from it."""
+adhesion follows from it, that of the pore pressure where u2 is not measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +80,7 @@ class Drawn:
     expected: Mapping[
         str, Floats
     ]  # mean of fs and of u2 - u0 in simulated clay [Pa], shape [draws]
-    # mean of both as measured, and the least and largest that the inputs allow [Pa], by measure
-    allowed: Mapping[str, tuple[float, float, float]]
+    beside: Mapping[str, Floats]  # `Measure.beside`, by measure, shape [1 + depths, 3]
 
 
 def inputs_of(site: Site, layer: Layer) -> Mapping[str, Input]:
@@ -78,32 +92,15 @@ def inputs_of(site: Site, layer: Layer) -> Mapping[str, Input]:
 def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     """Draw the inputs of a layer, and find the strength of each draw at the indices of depths."""
     layer, weight = site.layers[number], site.test.unit_weight
-    table = factors()
-    causes = {
-        **inputs_of(site, layer),
-        MEASUREMENT: normal(1.0 / HALF_WIDTH),
-        TABLE_ERROR: normal(table.half_widths["cone_factor"] / HALF_WIDTH),
-        SITE: normal(1.0),  # for simulated clay too, so that all modes have the same draws
-    }
-    if not isinstance(weight, ByDepth):
-        causes[WEIGHT] = weight
-    if is_by_sleeve(layer):
-        causes[FRICTION] = normal(1.0)
-    inputs = sampled(causes, site.samples, site.seed + number)
-    if layer.strength == SIMULATED:
-        del inputs[SITE]
-    else:
-        of_model = model_causes(model_factor())
-        inputs = sampled(of_model, site.samples, MODEL_SEED + site.seed + number) | inputs
-
+    table, drawn_share = factors(), test.attrs["drawn_share"]
+    inputs = _drawn_inputs(site, number, is_u2_drawn=drawn_share > 0.0)
     at = {str(name): array.values[here, None] for name, array in test.variables.items()}
     stress = at["vertical_stress"]
     if not isinstance(weight, ByDepth):
         stress = stress + at["depth"] * (inputs[WEIGHT] - weight.at(0.5))
     qt_error = at["total_resistance_error"] * inputs[MEASUREMENT]
-    net = at["total_resistance"] + qt_error - stress
-    net = np.maximum(net, LEAST_RESISTANCE * at["net_resistance"])
-    soil, ratio = _in_table(site, number, inputs)
+    net, least = at["total_resistance"] + qt_error - stress, LEAST_RESISTANCE * at["net_resistance"]
+    soil, ratio = _in_table(site, number, rate_of(site, number, test), inputs)
     along, error = table.along(soil), np.exp(inputs[TABLE_ERROR])
 
     measures = measures_of(site.test, test, here, layer.strength)
@@ -111,39 +108,80 @@ def draw(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Drawn:
     if is_by_sleeve(layer):
         friction_error = measures["sleeve"].deviation[:, None] * inputs[FRICTION]
 
-    # Delta and the adhesion by the sleeve depend on the strength, so all three are iterated.
+    pressure = measures["pore_pressure"]
+    # qnet if Bq were 0, where u2 is not measured
+    plain = net - drawn_share * typical("Bq") * at["net_resistance"]
+    net = np.maximum(net, least)
+    of_pressure = np.exp(pressure.shift + pressure.width * inputs.get(UNMEASURED, 0.0)) / error
+
+    # Delta, the adhesion by the sleeve and an unmeasured u2 depend on the strength: all iterated.
     strength = net / (10.0 * ratio * error)
     for _ in range(REPETITIONS):
         anisotropy = _anisotropy(inputs, stress - at["water_pressure"], strength) / ratio
         held = np.clip(anisotropy, *RANGES["stress_anisotropy"])
         adhesion = _adhesion(inputs, friction + friction_error, strength * ratio, along, held)
-        factor = along(held, adhesion, 1)["cone_factor"] * ratio * error
-        before, strength = strength, net / factor
+        own = along(held, adhesion, len(QUANTITIES) if drawn_share else 1)
+        if drawn_share:
+            share = np.minimum(own[PRESSURE] / own["cone_factor"] * of_pressure, BQ_RANGE[1])
+            net = np.maximum(plain / (1.0 - drawn_share * share), least)
+        before, strength = strength, net / (own["cone_factor"] * ratio * error)
         if np.max(np.abs(strength / before - 1.0)) < SETTLED:
             break
     simulated = along(held, adhesion)
     likelihood = np.zeros(site.samples)
     errors = {"sleeve": friction_error, "pore_pressure": np.zeros(site.samples)}
-    allowed, means = {}, {}
+    beside, means = {}, {}
     for name, measure in measures.items():
         expected = simulated[measure.quantity] * ratio * strength - errors[name]
-        allowed[name] = measure.mean, *measure.allowed(expected, site.seed)
+        beside[name] = measure.beside(expected, site.seed)
         means[name] = expected.mean(axis=0)
         if name in site.use:
             likelihood += measure.log_likelihood(expected)
     low, high = RANGES["stress_anisotropy"]
     outside = np.mean((anisotropy < low) | (anisotropy > high), axis=1)
-    own = net / error / at["net_resistance"]
-    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, own)
+    relative = net / error / at["net_resistance"]
+    of_ground = (strength * ratio, soil["rigidity_index"], adhesion, held, relative)
     ground = {
         name: np.broadcast_to(draws, strength.shape)
         for name, draws in zip(GROUND, of_ground, strict=True)
     }
-    return Drawn(inputs, net, strength, ground, outside, likelihood, means, allowed)
+    return Drawn(inputs, net, strength, ground, outside, likelihood, means, beside)
+
+
+def _drawn_inputs(site: Site, number: int, *, is_u2_drawn: bool) -> Mapping[str, Floats]:
+    """All that is drawn for a layer, by cause, shape [draws]."""
+    layer, weight = site.layers[number], site.test.unit_weight
+    causes = {
+        **inputs_of(site, layer),
+        MEASUREMENT: normal(1.0 / HALF_WIDTH),
+        TABLE_ERROR: normal(factors().half_widths["cone_factor"] / HALF_WIDTH),
+        SITE: normal(1.0),  # for simulated clay too, so that all modes have the same draws
+    }
+    if not isinstance(weight, ByDepth):
+        causes[WEIGHT] = weight
+    if is_by_sleeve(layer):
+        causes[FRICTION] = normal(1.0)
+    if is_u2_drawn:
+        causes[UNMEASURED] = normal(1.0)
+    inputs = sampled(causes, site.samples, site.seed + number)
+    if layer.strength == SIMULATED:
+        del inputs[SITE]
+        return inputs
+    of_model = model_causes(model_factor())
+    return sampled(of_model, site.samples, MODEL_SEED + site.seed + number) | inputs
+
+
+def rate_of(site: Site, number: int, test: xr.Dataset) -> float:
+    """Shear strain rate of the su of a layer [1/s], for a cone with the strain rates of the table.
+
+    Strain rates scale with speed over radius, and only the ratio of both rates counts.
+    """
+    over_usual = site.test.speed / (1e3 * USUAL_SPEED) * USUAL_RADIUS / test.attrs["cone_radius"]
+    return site.layers[number].laboratory_rate / over_usual
 
 
 def _in_table(
-    site: Site, number: int, inputs: Mapping[str, Floats]
+    site: Site, number: int, rate: float, inputs: Mapping[str, Floats]
 ) -> tuple[dict[str, Floats], Floats]:
     """The soil of each draw at the rate of the table, and su' / su; see `at_table_rate`."""
     layer = site.layers[number]
@@ -153,7 +191,7 @@ def _in_table(
         "remoulded_strength_ratio": 1.0 / inputs["sensitivity"],
         "ductility": inputs["ductility"],
     }
-    soil, _ = at_table_rate(given, layer.laboratory_rate)
+    soil, _ = at_table_rate(given, rate)
     for name, values in soil.items():
         low, high = RANGES[name]
         share = np.mean((values < low) | (values > high))
@@ -165,9 +203,9 @@ def _in_table(
             )
     # With mu' at the edge mu is mu' / (1 + mu' L); a draw beyond may have no strength left there.
     most = RANGES["rate_factor"][1]
-    edge = most / (1.0 + most * math.log10(layer.laboratory_rate / TABLE_RATE))
+    edge = most / (1.0 + most * math.log10(rate / TABLE_RATE))
     given["rate_factor"] = np.minimum(given["rate_factor"], edge)
-    soil, ratio = at_table_rate(given, layer.laboratory_rate)
+    soil, ratio = at_table_rate(given, rate)
     return {name: np.clip(value, *RANGES[name]) for name, value in soil.items()}, ratio
 
 

@@ -59,21 +59,28 @@ class Measure:
         known = self.values[np.isfinite(self.values)]
         return float(known.mean()) if known.size else math.nan
 
-    def allowed(self, expected: Floats, seed: int) -> tuple[float, float]:
-        """Least and largest mean [Pa] that the draws allow, with ALLOWED; NaN if none is measured.
+    def beside(self, expected: Floats, seed: int) -> Floats:
+        """What is measured, and the least and largest value that ALLOWED of the draws have [Pa].
 
         Args:
             expected: values of each draw [Pa], shape [depths, draws].
             seed: of the random errors.
+
+        Returns:
+            The mean of the layer, then each depth, NaN where none is measured; shape [1 + depths,
+            3].
         """
         known = np.isfinite(self.values)
-        if not known.any():
-            return math.nan, math.nan
-        of_model, of_test = np.random.default_rng(seed).normal(size=(2, expected.shape[1]))
-        means = expected[known].mean(axis=0) * np.exp(self.shift + self.width * of_model)
-        means += self.half_width[known].mean() / HALF_WIDTH * of_test
-        low, high = np.quantile(means, [0.5 * (1.0 - ALLOWED), 0.5 * (1.0 + ALLOWED)])
-        return float(low), float(high)
+        found = np.full((1 + len(known), 3), np.nan)
+        if known.any():
+            of_model, of_test = np.random.default_rng(seed).normal(size=(2, expected.shape[1]))
+            drawn = expected[known] * np.exp(self.shift + self.width * of_model)
+            drawn += self.half_width[known, None] / HALF_WIDTH * of_test
+            values = np.vstack([drawn.mean(axis=0), drawn])
+            ends = np.quantile(values, [0.5 * (1.0 - ALLOWED), 0.5 * (1.0 + ALLOWED)], axis=1)
+            measured = [self.mean, *self.values[known]]
+            found[np.concatenate([[True], known])] = np.stack([measured, *ends], axis=1)
+        return found
 
     def log_likelihood(self, expected: Floats) -> Floats:
         """Log-likelihood of each draw, shape [draws]. A mean not above 0 tells nothing.

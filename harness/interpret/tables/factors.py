@@ -33,6 +33,8 @@ from mpm_warp.uncertainty.shoulder import RADIAL_FACTOR, excess_at_filter, shoul
 
 TABLE_RATE = 1e-6
 """Shear strain rate of the strength in the tables [1/s]."""
+USUAL_SPEED, USUAL_RADIUS = 0.02, 0.01785
+"""Real speed [m/s] and radius [m] of the cone in the tables; strain rates go with their ratio."""
 RANGES: Mapping[str, tuple[float, float]] = {
     "rigidity_index": (15.0, 1000.0),
     "adhesion_factor": (0.0, 1.0),

@@ -160,6 +160,11 @@ def measured_sites() -> tuple[SiteFigures, ...]:
     )
 
 
+def typical(name: str) -> float:
+    """Median of a figure over the measured sites."""
+    return float(np.nanmedian([getattr(site, name) for site in measured_sites()]))
+
+
 @functools.cache
 def model_factor() -> ModelFactor:
     """The model factor by the sites that ship."""

@@ -1,6 +1,7 @@
 """Pictures of interpreted cone tests by depth, downward."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -26,34 +27,43 @@ MEASURED = {
 }
 CAPTION_LETTERS = 140
 """Number of letters in a line of the caption."""
+BESIDE = {"sleeve_friction": "sleeve", "pore_pressure": "pore_pressure"}
+"""Measured quantities that are compared with what the inputs allow, and their names there."""
+MARK: Mapping[str, Any] = {"color": "red", "lw": 2.5, "solid_capstyle": "round", "zorder": 3}
+"""Style of measured values beyond what the inputs allow."""
 TALL = 6.0
 """Height of the pictures of tests [inch]."""
 SHADES = (
     "Grey: no strength, the table says why, and lines may leave the panel; brown: feels another "
-    "layer."
+    "layer; red: beyond what the inputs allow."
 )
 CHECKED = (
     "Simulated: in the ground of the medians; misfit: simulated over expected, less 1; band: "
     "95 % of the test."
 )
+INDEX_SCALE, RATIO_LIMITS = 4.0, (-0.3, 1.4)
+"""Ic over the first is drawn beside Bq, within the limits of Bq of clay."""
 BAND = shade(0.3)
 """Colour of medians and bands."""
 
 
 @STYLED
 def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float]] = ()) -> Figure:
-    """Four panels by depth: the measured test, Nkt, su, and the shares of the error of su.
+    """Five panels by depth: the measured test, Bq and Ic, Nkt, su, and the shares of its error.
 
-    Bands hold 90 %. `found` is the result of `interpret`; `points` are depths [m] and strengths
-    [Pa] by a laboratory.
+    Bands hold 90 %, that of Bq what the inputs allow. `found` is the result of `interpret`;
+    `points` are depths [m] and strengths [Pa] by a laboratory.
     """
     found = _with_gaps(found)
-    figure, (test, factor, strength, shares) = panels(4, TALL, sharey=True)
+    figure, (test, ratios, factor, strength, shares) = panels(5, TALL, sharey=True)
     depth = found.depth.values
     for (name, label), line in series(MEASURED.items()):
         scale, text = (10.0, f"{label} x 10") if name == "sleeve_friction" else (1.0, label)
         entry = text if found[name].notnull().any() else ""
         test.plot(scale * found[name] / KILO, depth, color=line.colour, lw=0.8, label=entry)
+        if name in BESIDE:
+            test.plot(scale * _beyond(found, name) / KILO, depth, **MARK)
+    test.plot(found.water_pressure / KILO, depth, "k:", lw=0.8, label="$u_0$")
     if "sharpened_resistance" in found:
         sharp, text = found.sharpened_resistance / KILO, f"{MEASURED['net_resistance']} sharpened"
         test.plot(sharp, depth, "k--", lw=0.8, label=text)
@@ -62,6 +72,7 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     shown = np.array([line.get_xdata() for line in test.get_lines()], dtype=float)
     shown = shown[:, here] if here.any() else shown
     test.set_xlim(*(1.05 * np.array([min(0.0, np.nanmin(shown)), np.nanmax(shown)])))
+    _ratios(ratios, found)
     _band(factor, depth, found.resistance_factor.values, "$N_{\\mathrm{kt}}$ [-]", BAND)
     _band(strength, depth, found.strength.values / KILO, "$s_{\\mathrm{u}}$ [kPa]", BAND)
     for title in found.layer.values:
@@ -78,7 +89,10 @@ def interpretation_figure(found: xr.Dataset, points: Sequence[tuple[float, float
     _shares(shares, found)
     _shade(figure.axes, found)
     _legend(test, 3)
-    words = f"{found.attrs['title']}. Bands hold 90 %, dotted lines that of the line. {SHADES}"
+    words = (
+        f"{found.attrs['title']}. Bands hold 90 %, that of Bq 98 %, dotted lines that of the line. "
+        f"{SHADES}"
+    )
     return _finished(figure, [found], words, [depth for depth, _ in points])
 
 
@@ -188,6 +202,27 @@ def _band(axes: Axes, depth: Floats, values: Floats, label: str, colour: str) ->
     axes.set_xlabel(label)
     if np.isfinite(high).any():
         axes.set_xlim(0.0, 1.1 * float(np.nanmax(high)))
+
+
+def _beyond(found: xr.Dataset, name: str) -> xr.DataArray:
+    """A measured quantity where it is beyond what the inputs allow, NaN elsewhere."""
+    beside = found.measure_at_depth.sel(measure=BESIDE[name])
+    measured, least, largest = (beside.isel(bound=place) for place in range(3))
+    return found[name].where((measured < least) | (measured > largest))
+
+
+def _ratios(axes: Axes, found: xr.Dataset) -> None:
+    """Draw Bq, with what the inputs allow, and Ic."""
+    depth, net = found.depth.values, found.net_resistance
+    beside = found.measure_at_depth.sel(measure="pore_pressure") / net
+    low, high = beside.sel(bound="least"), beside.sel(bound="largest")
+    axes.fill_betweenx(depth, low, high, color=BAND, alpha=0.25, lw=0)
+    axes.plot(found.pore_pressure_ratio, depth, color=BAND, lw=0.8, label="$B_{\\mathrm{q}}$")
+    excess = _beyond(found, "pore_pressure") - found.water_pressure
+    axes.plot(excess / net, depth, **MARK)
+    axes.plot(found.soil_index / INDEX_SCALE, depth, "k", lw=0.8, label="$I_{\\mathrm{c}}$ / 4")
+    axes.set(xlim=RATIO_LIMITS, xlabel="measured [-]")
+    _legend(axes, 2)
 
 
 def _shares(axes: Axes, found: xr.Dataset) -> None:

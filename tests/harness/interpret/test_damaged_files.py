@@ -53,7 +53,6 @@ REPLACED: dict[str, tuple[str, str, str]] = {
     "csv: a code": ("\n1.5,", "\n1.5,-9999,0,0\n1.51,", "value: missing = [-9999] in"),
     "csv: a code of two decimals": ("\n1.5,", LOST.format("-9.99,0,0"), "belongs under `missing`"),
     "csv: no unit": ("qc [MPa]", "qc", "has no unit"),
-    "csv: no u2": ("u2 [MPa]", "other [MPa]", "has no u2"),
     "csv: unknown unit": ("[MPa]", "[lb]", "has unit 'lb'; allowed: Pa, kPa, MPa"),
     "csv: levels": ("\n1.0,", "\n12.5,", "has levels, give ground_level"),
     "csv: a row that goes back": ("\n1.5,", "\n1.3,", "line 7: depth goes back from 1.4 to 1.3 m"),
@@ -196,10 +195,6 @@ HARMED: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "ags: a quote": (
         lambda it: it + b'"DATA","CPT1","3 2\'24.1"","GRS80"\n',
         " is no table: ',' expected after '\"'; quotes in a text are doubled",
-    ),
-    "ags: u2 without values": (
-        lambda it: re.sub(rb'("DATA","CPT1"(,"[^"]*"){4},)"[^"]*"', rb'\1""', it),
-        "has no u2, which the correction",
     ),
     "cpt: two tests": (
         lambda it: it + it[it.index(b"$\nHA") :],

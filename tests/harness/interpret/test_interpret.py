@@ -321,6 +321,6 @@ def test_a_draw_just_beyond_the_table_counts_like_one_far_beyond_it(folder: Path
     inputs = {name: np.repeat(value, 1000) for name, value in drawn.items()}
     inputs["rate_factor"] = np.full(1000, 0.01)
     inputs["rate_factor"][-3:] = 0.2, 0.2499, 0.3
-    held, ratio = _in_table(site, 0, inputs)
+    held, ratio = _in_table(site, 0, site.layers[0].laboratory_rate, inputs)
     for values in (ratio, *held.values()):
         np.testing.assert_allclose(values[-3:], values[-3])

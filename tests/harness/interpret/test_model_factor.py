@@ -1,7 +1,6 @@
 """The model factor: what measured sites tell of real clay, and what is stated without them."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +24,7 @@ from harness.interpret.tables.model_factor import (
     pressure_factor,
     with_model_factor,
 )
+from harness.pictures.interpreted import interpretation_figure
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 from tests.harness.interpret.conftest import DEPTH as DEPTHS
@@ -149,23 +149,28 @@ def test_the_pore_pressure_of_real_clay_is_that_of_the_sites() -> None:
 @pytest.mark.parametrize(
     ("measure", "times", "told"),
     [
-        ("fs", 1.0, ""),
-        ("fs", 3.0, "The sleeve friction, .* is above what the inputs allow, "),
-        ("u2", 1.0, ""),
-        ("u2", 0.15, "The excess pore pressure, .* is below what the inputs allow, "),
+        ("fs", 1.0, "fs is 6.8 kPa, within what the inputs allow, "),
+        ("fs", 3.0, "fs is 20.4 kPa, above what the inputs allow, "),
+        ("u2", 1.0, "Bq is 0.50, within what the inputs allow, "),
+        ("u2", 0.15, "Bq is 0.08, below what the inputs allow, "),
     ],
 )
-def test_what_the_inputs_do_not_allow_is_said(
-    folder: Path, measure: str, times: float, told: str
-) -> None:
+def test_what_the_inputs_allow_is_said(folder: Path, measure: str, times: float, told: str) -> None:
+    """And marked in the picture at all depths of the layer, or at none."""
     friction = 0.4 * STRENGTH * (times if measure == "fs" else 1.0)
     share = 0.5 * (times if measure == "u2" else 1.0)
     rows = measured_rows(DEPTHS, FACTOR * STRENGTH, friction, share)
     (folder / "test.csv").write_text(rows)
     site = load_site(changed(folder, ('"isotropic"', '"mobilised"')))
-    (sentence,) = in_words(site, interpret(site))
-    assert re.search(told, sentence)
-    assert sentence.count("what the inputs allow") == bool(told)
+    found = interpret(site)
+    (sentence,) = in_words(site, found)
+    assert told in sentence
+    assert sentence.count("within what the inputs allow") == (2 if times == 1.0 else 1)
+    lines = [
+        line for line in interpretation_figure(found).axes[0].lines if line.get_color() == "red"
+    ]
+    marked = sum(np.isfinite(line.get_xdata()).sum() for line in lines)
+    assert marked == (0 if times == 1.0 else (found.reason == 0).sum())
 
 
 def test_the_sleeve_does_not_tell_the_model_factor(folder: Path) -> None:

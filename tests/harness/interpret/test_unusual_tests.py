@@ -1,5 +1,6 @@
 """Tests in unusual ground, and readings that tell nothing: what is given, what is left out, why."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,16 @@ import xarray as xr
 from harness.interpret import strength
 from harness.interpret.check import checked, misfit_in_words
 from harness.interpret.forms import WATER
+from harness.interpret.inference.weights import Measure
 from harness.interpret.measured import CLAY_INDEX, REASONS
 from harness.interpret.result import in_digits, in_words
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret
+from harness.interpret.tables.factors import PRESSURE, RANGES, factors
+from harness.interpret.tables.model_factor import pressure_factor
 from harness.pictures.measured.interpreted import interpretation_figure
 from tests.harness.conftest import Refusal
-from tests.harness.interpret.conftest import STRENGTH, changed
+from tests.harness.interpret.conftest import DEPTH, FACTOR, STRENGTH, changed, measured_rows
 
 LAYER_ENDS = "from = 2\nto = 10"
 ROW = 50
@@ -188,13 +192,36 @@ def test_more_draws_than_the_memory_holds_are_refused(
     assert "site.toml: samples = 2048: with 81 depths in the layer 2 to 10 m at most 1543" in line
 
 
-def test_u2_of_zeros_is_none(folder: Path) -> None:
-    """Where nothing is corrected by it."""
+@pytest.mark.parametrize("ratio", [1.0, 0.8])
+def test_u2_of_zeros_is_none(folder: Path, ratio: float) -> None:
     rewritten(folder, "u2", "0")
-    assert "used" not in reasons(interpret(load_site(folder / "site.toml")))
-    found = interpret(load_site(changed(folder, ("area_ratio = 0.8", "area_ratio = 1"))))
+    found = interpret(load_site(changed(folder, ("area_ratio = 0.8", f"area_ratio = {ratio}"))))
     assert set(reasons(found)) == {"no layer", "used"}
-    assert found.attrs["notes"] == "u2 is 0 in all rows, and taken as not measured"
+    assert found.attrs["notes"].startswith("u2 is 0 in all rows, and taken as not measured")
+
+
+@pytest.mark.parametrize("mode", ["isotropic", "mobilised"])
+def test_an_unmeasured_u2_is_drawn(folder: Path, mode: str) -> None:
+    """Around the one that the table expects, in real clay times the factor of the sites."""
+    soil = {"rigidity_index": 120.0, "adhesion_factor": 0.4, "stress_anisotropy": 0.2}
+    soil |= {"remoulded_strength_ratio": 1.0, "ductility": 20.0}
+    table = factors().at(dict.fromkeys(RANGES, 0.0) | soil)
+    share = float(table[PRESSURE] / table["cone_factor"])
+    share *= math.exp(pressure_factor()[0]) if mode == "mobilised" else 1.0
+    rows = measured_rows(DEPTH, FACTOR * STRENGTH, 0.4 * STRENGTH, share)
+    (folder / "test.csv").write_text(rows)
+    site = load_site(changed(folder, ("isotropic", mode)))
+    measured = interpret(site).isel(depth=ROW)
+    rewritten(folder, "u2", "")
+    found = interpret(site).isel(depth=ROW)
+    np.testing.assert_allclose(found.strength[1], measured.strength[1], rtol=2e-3)
+    # d ln qnet = (1 - a) Bq / (1 - (1 - a) Bq) d ln Bq
+    width = Measure(PRESSURE, np.ones(1), np.ones(1)).width if mode == "isotropic" else 0.24
+    by_u2 = 0.2 * share / (1.0 - 0.2 * share) * width
+    total = np.ptp(np.log(found.strength)) / 2.0 / 1.645
+    assert float(found.error_share.sel(cause="pore_pressure")) == pytest.approx(
+        (by_u2 / total) ** 2, abs=0.03
+    )
 
 
 @pytest.mark.filterwarnings("error")
@@ -248,7 +275,7 @@ def test_points_of_a_laboratory_are_all_in_the_picture(folder: Path) -> None:
     strongest = 3.0 * float(STRENGTH.max())
     found = interpret(load_site(folder / "site.toml"))
     figure = interpretation_figure(found, [(5.0, strongest), (0.5, strongest), (15.0, strongest)])
-    test, _, strength, _ = figure.axes
+    test, _, _, strength, _ = figure.axes
     assert strength.get_xlim()[1] > strongest / 1e3
     assert strength.get_ylim() == (15.0, 0.0)
     used = found.reason.values == 0
@@ -275,3 +302,35 @@ def test_a_filter_set_to_zero_on_the_sea_bed_may_read_far_below(folder: Path) ->
     rewritten(folder, "u2", "-998", slice(ROW, ROW + 2))
     below = interpret(load_site(changed(folder, ("water_level = 1.0", "water_level = 0"))))
     assert float(below.pore_pressure[ROW]) == -998e3
+
+
+CAUTIONS = {
+    "as the measured sites": ({}, "", ""),
+    "sensitive by Bq": ({"share": 0.9}, "", "it may be sensitive beyond the measured sites"),
+    "sensitive by Fr": ({"friction": 0.03}, "", "it may be sensitive beyond the measured sites"),
+    "overconsolidated": ({"times": 6.0, "friction": 0.9}, "", "it may be overconsolidated beyond"),
+    "silt": ({"share": 0.2, "times": 2.8, "friction": 0.22}, "", "it may be silt that drains"),
+    "a filter with air": ({"share": -0.05}, "", "it may be soft with u2 below u0, so that"),
+    "K0": (
+        {"times": 2.0},
+        'K0 = 1.2\nstrength = "simple_shear"',
+        "Caution: K0 is above 1, simple_shear_ratio and extension_ratio assumed as in soft clay",
+    ),
+}
+
+
+@pytest.mark.parametrize(("ground", "keys", "told"), CAUTIONS.values(), ids=list(CAUTIONS))
+def test_clay_unlike_that_of_the_measured_sites_is_told(
+    folder: Path, ground: dict[str, float], keys: str, told: str
+) -> None:
+    """Where the sounding shows it, and only there."""
+    ground = {"times": 1.0, "friction": 0.4, "share": 0.5} | ground
+    net = ground["times"] * FACTOR * STRENGTH
+    friction = ground["friction"] * ground["times"] * STRENGTH
+    (folder / "test.csv").write_text(measured_rows(DEPTH, net, friction, ground["share"]))
+    anisotropy = ("stress_anisotropy = 0.2", "") if "K0" in keys else ("", "")
+    mode = ('strength = "isotropic"', keys or 'strength = "mobilised"')
+    site = load_site(changed(folder, mode, anisotropy))
+    (sentence,) = in_words(site, interpret(site))
+    assert told in sentence
+    assert sentence.count("Caution") == bool(told)
