@@ -176,7 +176,8 @@ def rate_of(site: Site, number: int, test: xr.Dataset) -> float:
 
     Strain rates scale with speed over radius, and only the ratio of both rates counts.
     """
-    over_usual = site.test.speed / (1e3 * USUAL_SPEED) * USUAL_RADIUS / test.attrs["cone_radius"]
+    radius = float(test.attrs["cone_radius"])
+    over_usual = 1e-3 * site.test.speed / USUAL_SPEED * USUAL_RADIUS / radius
     return site.layers[number].laboratory_rate / over_usual
 
 

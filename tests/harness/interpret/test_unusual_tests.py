@@ -214,14 +214,15 @@ def test_an_unmeasured_u2_is_drawn(folder: Path, mode: str) -> None:
     measured = interpret(site).isel(depth=ROW)
     rewritten(folder, "u2", "")
     found = interpret(site).isel(depth=ROW)
-    np.testing.assert_allclose(found.strength[1], measured.strength[1], rtol=2e-3)
+    deviation = np.ptp(np.log(found.strength.values)) / 2.0 / 1.645
+    # The median of 512 draws has 5.5 % of their deviation as its own, and both medians have it.
+    noise = 3.0 * math.sqrt(2.0) * 0.055 * deviation
+    assert abs(math.log(float(found.strength[1] / measured.strength[1]))) < noise
     # d ln qnet = (1 - a) Bq / (1 - (1 - a) Bq) d ln Bq
     width = Measure(PRESSURE, np.ones(1), np.ones(1)).width if mode == "isotropic" else 0.24
     by_u2 = 0.2 * share / (1.0 - 0.2 * share) * width
-    total = np.ptp(np.log(found.strength)) / 2.0 / 1.645
-    assert float(found.error_share.sel(cause="pore_pressure")) == pytest.approx(
-        (by_u2 / total) ** 2, abs=0.03
-    )
+    told = float(found.error_share.sel(cause="pore_pressure"))
+    assert told == pytest.approx((by_u2 / deviation) ** 2, abs=0.03)
 
 
 @pytest.mark.filterwarnings("error")
