@@ -61,7 +61,7 @@ class Slope(NamedTuple):
 
 
 def sounding(path: Path, ground: Ground) -> tuple[float, Floats, Floats]:
-    """Median speed [mm/s], and medians of qnet [kPa] and Bq by window; NaN if MA is not known, 0."""
+    """Median speed [mm/s], and medians of qnet [kPa] and Bq by window; NaN where not known."""
     text = path.read_text(encoding="latin-1")
     depth, qc, u2, speed = np.array(re.findall(ROW, text, re.MULTILINE), dtype=float).T
     by_u2 = 1.0 - (float(re.findall(r",MA=([\d.]+)", text)[0]) or math.nan)
