@@ -195,13 +195,13 @@ def test_no_strength_has_a_reason(folder: Path, change: tuple[str, str], reason:
 
 
 def test_values_that_cannot_be_clay_are_left_out(folder: Path) -> None:
-    """Sand: ten times the resistance, the same friction; a filter that stands still."""
+    """Sand: ten times the resistance, the same friction; a filter that hardly moves."""
     lines = (folder / "test.csv").read_text().splitlines()
     for row in range(50, 60):
         depth, qc, *others = lines[row].split(",")
         lines[row] = ",".join([depth, f"{20.0 * float(qc):g}", *others])
     for row in range(70, 95):
-        lines[row] = ",".join([*lines[row].split(",")[:3], "77.0"])
+        lines[row] = ",".join([*lines[row].split(",")[:3], f"{76 + row % 3}"])
     (folder / "test.csv").write_text("\n".join(lines))
     found = interpret(load_site(folder / "site.toml"))
     words = found.reason.attrs["flag_meanings"].split()
@@ -300,6 +300,16 @@ def test_the_ground_of_the_tip_has_the_measured_resistance(folder: Path) -> None
     rate = ("rate_factor = 0", "rate_factor = 0.1"), ("= 1e-6", "= 1e-4")
     ratio = interpret(load_site(changed(folder, *rate))).ground_resistance_ratio
     np.testing.assert_allclose(ratio.dropna("depth"), 1.0, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("keys", "times"), [("speed = 2", 10.0), ("cone_area = 40", 2.0)])
+def test_a_slower_cone_is_like_a_faster_laboratory(folder: Path, keys: str, times: float) -> None:
+    """The strain rate of a cone is its speed over its radius."""
+    site = changed(folder, ("rate_factor = 0", "rate_factor = 0.1"), ("= 1e-6", "= 1e-5"))
+    changed(folder, ("[test]", f"[test]\n{keys}"))
+    slower = interpret(load_site(site))
+    changed(folder, (f"{keys}\n", ""), ("= 1e-5", f"= {1e-5 * times}"))
+    np.testing.assert_allclose(slower.strength, interpret(load_site(site)).strength, rtol=1e-9)
 
 
 def test_draws_beyond_the_rate_effect_of_the_table_count_as_at_its_edge(folder: Path) -> None:

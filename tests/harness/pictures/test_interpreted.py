@@ -16,12 +16,17 @@ def interpreted(title: str = "A site") -> xr.Dataset:
     depth = np.concatenate([np.arange(1.0, 5.01, 0.1), np.arange(7.0, 12.0, 0.1)])
     strength = np.outer(10.0e3 + 1.0e3 * depth, [0.8, 1.0, 1.3])
     reason = np.where((depth < 2.0) | (depth > 10.0), 1, np.where(np.isclose(depth, 9.0), 2, 0))
+    beside = strength[:, None, [1, 0, 2]] * np.ones((2, 1))
     meanings = {"flag_meanings": "used no_layer not_undrained_clay"}
     return xr.Dataset(
         {
             "net_resistance": ("depth", 12.0 * strength[:, 1]),
             "sleeve_friction": ("depth", 0.4 * strength[:, 1]),
             "pore_pressure": ("depth", 6.0 * strength[:, 1]),
+            "water_pressure": ("depth", 10.0e3 * depth),
+            "pore_pressure_ratio": ("depth", np.full_like(depth, 0.5)),
+            "soil_index": ("depth", np.full_like(depth, 3.0)),
+            "measure_at_depth": (("depth", "measure", "bound"), beside),
             "strength": (("depth", "percentile"), np.where(reason[:, None], np.nan, strength)),
             "resistance_factor": (("depth", "percentile"), np.full_like(strength, 12.0)),
             "error_share": (("depth", "cause"), np.full((len(depth), 2), 0.5)),
@@ -35,6 +40,8 @@ def interpreted(title: str = "A site") -> xr.Dataset:
             "layer": ["clay"],
             "percentile": [5.0, 50.0, 95.0],
             "cause": ["test", "model"],
+            "measure": ["sleeve", "pore_pressure"],
+            "bound": ["measured", "least", "largest"],
         },
         {"title": title, "site": f"site_{title}"},
     )
@@ -54,7 +61,7 @@ def test_the_layers_fill_the_picture() -> None:
 
 
 def test_the_line_of_a_layer_goes_from_its_top_to_its_bottom_with_its_band() -> None:
-    strength = interpretation_figure(interpreted()).axes[2]
+    strength = interpretation_figure(interpreted()).axes[3]
     drawn = [line for line in strength.get_lines() if len(line.get_xdata()) == 2]
     np.testing.assert_array_equal([line.get_ydata() for line in drawn], 3 * [LINE_DEPTH[0]])
     percentiles = sorted(line.get_xdata().tolist() for line in drawn)
@@ -88,7 +95,7 @@ def test_shares_fill_the_panel_where_a_layer_lacks_a_cause() -> None:
     found.error_share[:] = [0.25, 0.75]
     below = found.depth.values > 7.0
     found.error_share[below] = [1.0, np.nan]
-    panel = interpretation_figure(found).axes[3]
+    panel = interpretation_figure(found).axes[4]
     paths = [path.vertices for it in panel.collections for path in it.get_paths()]
     ends = np.concatenate(paths)
     used = found.depth.values[below & (found.reason.values == 0)]
