@@ -24,7 +24,7 @@ from harness.interpret.tables.model_factor import (
     pressure_factor,
     with_model_factor,
 )
-from harness.pictures.interpreted import interpretation_figure
+from harness.pictures.measured.interpreted import interpretation_figure
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
 from tests.harness.interpret.conftest import DEPTH as DEPTHS
