@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from harness.interpret.measured import WATER
+from harness.interpret.forms import WATER
 from harness.interpret.site import Layer
 from harness.interpret.tables.factors import USUAL_SPEED, at_table_rate, factors
 from harness.study.distributions import sampled
