@@ -148,7 +148,7 @@ def _columns(path: Path, headings: Sequence[Heading]) -> dict[str, tuple[int, fl
         name = next((it for it, own in NAMES.items() if plain_name(heading.name) in own), None)
         sizes = UNITS.get(name or "")
         size = None if sizes is None else size_of(heading.unit, sizes)
-        near = did_you_mean(heading.name, NAMES, 0.7) if name is None else ""
+        near = did_you_mean(heading.name, NAMES, 0.85) if name is None else ""
         twice = "; there are two of it" if name in found else ""
         unit = f"; its unit must be one of {', '.join(sizes)}" if sizes and size is None else ""
         if problem := near or twice or unit:

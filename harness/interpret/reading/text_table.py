@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from harness.interpret.reading.contents import Heading, TestFile, numbers_of
-from harness.interpret.reading.units import LENGTHS, size_of
+from harness.interpret.reading.units import ANGLES, LENGTHS, PRESSURES, size_of
 from harness.study.tables import StudyError
 
 FEWEST_COLUMNS = 3
@@ -160,7 +160,10 @@ def _words(line: str) -> list[str]:
 
 
 def _heading(title: str) -> Heading:
-    """Name and unit of "qc [MPa]" or "qc (MPa)"."""
-    found = re.fullmatch(r"(.*?)\s*(?:[\[(]([^\])]*)[\])])?", title)
-    name, unit = (found[1], found[2] or "") if found else (title, "")
+    """Name and unit of "qc [MPa]", "qc (MPa)" or "qc_MPa"."""
+    found = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]", title)
+    after = re.fullmatch(r"(.+?)[\s_]+(\S+)", title)
+    if found is None and after and size_of(after[2], {**LENGTHS, **PRESSURES, **ANGLES}):
+        found = after
+    name, unit = found.groups() if found else (title, "")
     return Heading(name.strip().lower(), title, unit)

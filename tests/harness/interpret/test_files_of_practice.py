@@ -104,6 +104,11 @@ def with_words(rows: list[Row], word: str) -> str:
     return "\n".join([header, *(re.sub(r",(?=,|$)", f",{word}", line) for line in lines)])
 
 
+def with_units_in_names(rows: list[Row]) -> str:
+    header = "depth_m,qc_MPa,Sleeve friction MPa,u2_MPa"
+    return "\n".join([header, *as_csv(rows).splitlines()[1:]])
+
+
 def downward(rows: list[Row]) -> str:
     """A GEF whose corrected depths are negative."""
     return re.sub(r"(?m)^(\d\S+ \S+ )(\d)", r"\1-\2", as_gef(rows))
@@ -125,6 +130,7 @@ WRITTEN: dict[str, tuple[str, Callable[[list[Row]], str], str]] = {
     "AGS 3": ("ags", as_ags_3, ""),
     "right": ("asc", lambda rows: of_fixed_width(rows, ">"), ""),
     "left": ("asc", lambda rows: of_fixed_width(rows, "<"), ""),
+    "units in names": ("csv", with_units_in_names, ""),
     "a hyphen": ("csv", lambda rows: with_words(rows, "-"), ""),
     "of a workbook": ("csv", lambda rows: with_words(rows, "#N/A"), ""),
     "downward": ("gef", downward, "'Gecorrigeerde diepte' is negative downward in the file"),

@@ -252,6 +252,7 @@ def test_a_csv_has_the_same_tests(folder: Path) -> None:
     [
         ("z (m);cu (kPa);type;error [%]", "5,0;20,5;field vane;10"),
         ("Site A;;;\nsample;Depth [ft];Su [MPa];Method;error", "B1;16.4041995;0.0205;FVT;0.1"),
+        ("depth_m,su_kPa,test,strength ratio,error", "5,20.5,vane,0.3,0.1"),
         ("test\tundrained shear strength [kN/m2]\tdepth [cm]\terror", "Vane\t20.5\t500\t0.1"),
     ],
 )
