@@ -94,14 +94,19 @@ def _by_columns(every: Mapping[int, str]) -> dict[int, str]:
         edges = [span[end] for span in max((spans[it] for it in rows), key=len)]
         if all(span[end] in edges for it in rows for span in spans[it]):
             cuts = [0, *(edges[:-1] if end else edges[1:])]
-            wide = [
-                it for it in header for low, high in spans[it] if {*range(low + 1, high)} & {*cuts}
-            ]
+            wide = {
+                it
+                for it in header
+                for low, high in spans[it]
+                if any(low < cut < high for cut in cuts)
+            }
+            if wide & {*header[-1:]}:
+                break
             pieces = [slice(*ends) for ends in itertools.pairwise([*cuts, None])]
             return {
                 it: "\t".join(lines[it][piece].strip() for piece in pieces)
                 for it in (*header, *rows)
-                if it not in wide and header[-1:] != wide[-1:]
+                if it not in wide
             }
     return {}
 
