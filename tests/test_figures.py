@@ -52,7 +52,7 @@ FIGURES = [
     ),
     Figure(
         CONE,
-        "| 0.5 | {:.1%} | {:.1%} | {:.1%} | {:.1%} | {:.1%} | {:.2%} |",
+        "| 0.5 |" + " {:z.1%} |" * 5 + " {:.2%} |",
         "adhesion_factor",
         (ADHESION_05, "rigidity_index=100", "energy_audit=balance"),
         (*(f"work_share_{it}" for it in SHARES), "energy_residual"),
@@ -151,7 +151,7 @@ WHOLE_TABLES = [
     *(
         Figure(
             CONE,
-            f"| {adhesion} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.1%}} | {{:.2%}} |",
+            f"| {adhesion} |" + " {:z.1%} |" * 5 + " {:.2%} |",
             "adhesion_factor",
             (f"adhesion_factor=[{adhesion}]", "rigidity_index=100", "energy_audit=balance"),
             (*(f"work_share_{it}" for it in SHARES), "energy_residual"),
