@@ -4,6 +4,7 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -65,6 +66,8 @@ SPOKEN = {name.lower().replace("_", ""): name for name in KINDS} | {
     "fv": "vane",
     "fvt": "vane",
     "fieldvane": "vane",
+    "simpleshear": "DSS",
+    "directsimpleshear": "DSS",
 }
 """Kinds as tables have them, by `plain_name`."""
 NAMES: Mapping[str, tuple[str, ...]] = {
@@ -148,7 +151,7 @@ def _columns(path: Path, headings: Sequence[Heading]) -> dict[str, tuple[int, fl
         name = next((it for it, own in NAMES.items() if plain_name(heading.name) in own), None)
         sizes = UNITS.get(name or "")
         size = None if sizes is None else size_of(heading.unit, sizes)
-        near = did_you_mean(heading.name, NAMES, 0.85) if name is None else ""
+        near = did_you_mean(heading.name, chain(*NAMES.values()), 0.85) if name is None else ""
         twice = "; there are two of it" if name in found else ""
         unit = f"; its unit must be one of {', '.join(sizes)}" if sizes and size is None else ""
         if problem := near or twice or unit:

@@ -274,7 +274,7 @@ HEAD = "depth [m],strength [kPa],test\n"
             "column 'depth': must be CSV with columns as depth [m], su [kPa], test, and error",
         ),
         ("depth [m],su [kPa]\n5,15", "has no column 'test' among depth [m], su [kPa]: must be"),
-        ("z [m],su [kPa],test,eror\n5,1,UU,0", "column 'eror': must be CSV with columns as"),
+        ("z [m],su [kPa],metod\n5,1,UU", "column 'metod': must be CSV with columns as depth [m]"),
         ("z [m],su [kPa],cu [kPa],test\n5,1,1,UU", "column 'cu [kPa]': must be"),
         (f"{HEAD}5,15,UU\n6,-1,UU", "line 3: strength = -1.0 is not allowed: must be a number > 0"),
         (f"{HEAD}5,nan,UU", "line 2: strength = 'nan' is not allowed: must be a number"),
