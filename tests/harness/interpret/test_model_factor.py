@@ -182,7 +182,21 @@ def test_the_sleeve_does_not_tell_the_model_factor(folder: Path) -> None:
     both = found.input_before, found.input_after
     before, after = (it.sel(cause="site_factor").values[0] for it in both)
     np.testing.assert_allclose(after, before, rtol=0.03)
-    assert (
-        "by tip, sleeve, of which the sleeve is not checked on real ground, with"
-        in (in_words(site, found)[0])
-    )
+
+
+@pytest.mark.parametrize(
+    ("change", "mode", "told"),
+    [
+        (("[test]", 'use = ["tip", "sleeve"]\n[test]'), "mobilised", "by tip, sleeve, of which"),
+        (("= 0.4", '= "sleeve"'), "mobilised", "by tip, adhesion by the sleeve, of which"),
+        (("= 0.4", '= "sleeve"'), "isotropic", ""),
+        (("= 0.4", "= 0.4"), "mobilised", ""),
+    ],
+)
+def test_a_sleeve_that_counts_is_said_to_be_unchecked(
+    folder: Path, change: tuple[str, str], mode: str, told: str
+) -> None:
+    site = load_site(changed(folder, change, ("isotropic", mode)))
+    (sentence,) = in_words(site, interpret(site))
+    assert told in sentence
+    assert ("the sleeve is not checked on real ground, with" in sentence) == bool(told)
