@@ -20,7 +20,7 @@ PEAK, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 def stated_in(file: Path) -> str:
     """What the system states in a file; "" if there is none."""
     try:
-        return file.read_text()
+        return file.read_text(encoding="utf-8")
     except OSError:
         return ""
 
@@ -43,7 +43,7 @@ def memory_of_machine() -> int:
 def reset_peak_memory() -> bool:
     """Let the peak memory count from now on; False where that is impossible, as outside Linux."""
     try:
-        RESET.write_text("5")
+        RESET.write_text("5", encoding="utf-8")
     except OSError:
         return False
     return True

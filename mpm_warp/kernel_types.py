@@ -28,7 +28,7 @@ def _start_warp_in_silence() -> None:
         wp.init()
         return
     kept = os.dup(2)
-    with Path(os.devnull).open("w") as nowhere:
+    with Path(os.devnull).open("w", encoding="utf-8") as nowhere:
         os.dup2(nowhere.fileno(), 2)  # the remark does not come from Python
         try:
             wp.init()

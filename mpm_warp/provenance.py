@@ -135,7 +135,7 @@ def _commit() -> str:
 def _processor() -> str:
     """Name of the processor model, which :mod:`platform` does not give on Linux."""
     try:
-        text = Path("/proc/cpuinfo").read_text()
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
     except OSError:
         text = ""  # no Linux
     named = re.search(r"^model name\s*:(.*)", text, re.MULTILINE)

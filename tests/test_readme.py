@@ -75,13 +75,15 @@ def test_a_study_of_ones_own_is_made_and_read(
         if words[0] == "new":  # the edit that the page speaks of, and a mesh that costs nothing
             definition = Path("my_study.toml")
             before, after = re.findall(r"`(rigidity_index = \[.*?\])`", page)
-            assert before in definition.read_text()
+            assert before in definition.read_text(encoding="utf-8")
             short = "".join(f"{it.replace('=', ' = ')}\n" for it in SHORT)
-            edited = definition.read_text().replace(before, after)
-            definition.write_text(edited.replace("[fixed]\n", f"[fixed]\n{short}"))
-    assert "<html" in Path("my_study.html").read_text()
+            edited = definition.read_text(encoding="utf-8").replace(before, after)
+            definition.write_text(
+                edited.replace("[fixed]\n", f"[fixed]\n{short}"), encoding="utf-8"
+            )
+    assert "<html" in Path("my_study.html").read_text(encoding="utf-8")
     assert run(blocks(OF_HARNESS.read_text())[0], folder).count("completed") == 3
-    assert "penetration" in Path("resistance.csv").read_text()
+    assert "penetration" in Path("resistance.csv").read_text(encoding="utf-8")
     capsys.readouterr()
 
 
@@ -96,7 +98,7 @@ def test_results_are_read_and_held_against_a_new_reference(folder: Path) -> None
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
     if page not in (README, OF_HARNESS, EXECUTED):
-        text, printed = page.read_text(), ""
+        text, printed = page.read_text(encoding="utf-8"), ""
         for block in blocks(text):
             for name in re.findall(r'"results/(\w+)\.nc"', block):
                 assert main(["run", name, *SET_SHORT, f"--out={tmp_path / 'results'}"]) == 0
@@ -106,9 +108,9 @@ def test_python_of_other_pages_runs(page: Path, tmp_path: Path) -> None:
 
 def commands(page: Path) -> Iterator[str]:
     """The commands of `harness` on a page: those in blocks, and those within the text."""
-    for block in blocks(page.read_text(), "sh"):
+    for block in blocks(page.read_text(encoding="utf-8"), "sh"):
         yield from re.findall(r"(?:^|bin/)harness (.*)$", block, re.MULTILINE)
-    yield from re.findall(r"`harness ([^`]+)`", " ".join(page.read_text().split()))
+    yield from re.findall(r"`harness ([^`]+)`", " ".join(page.read_text(encoding="utf-8").split()))
 
 
 @pytest.mark.parametrize(
@@ -120,7 +122,7 @@ def test_every_command_can_be_given(
     """A command is known with its options, and every study and scene that it names is there."""
     monkeypatch.chdir(tmp_path)
     main(["new", "my_study"])
-    Path("cpt.csv").write_text("depth [m],qc [MPa],fs [kPa]\n1,1,1\n")
+    Path("cpt.csv").write_text("depth [m],qc [MPa],fs [kPa]\n1,1,1\n", encoding="utf-8")
     main(["new", "site", "--interpret", "cpt.csv"])
     parser = make_parser()
     for line in dict.fromkeys(commands(page)):
@@ -171,20 +173,20 @@ def is_placeholder(word: str) -> bool:
     ids=lambda page: str(page.relative_to(ROOT)),
 )
 def test_a_page_is_read_in_a_quarter_of_an_hour_and_the_first_in_five_minutes(page: Path) -> None:
-    assert len(page.read_text().split()) < 2500
-    assert page != README or len(page.read_text().splitlines()) <= 150
+    assert len(page.read_text(encoding="utf-8").split()) < 2500
+    assert page != README or len(page.read_text(encoding="utf-8").splitlines()) <= 150
 
 
 def anchors(page: Path) -> set[str]:
     """What the headings of a page are called in links, as GitHub makes it of them."""
-    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_lead_to_what_is_there(page: Path) -> None:
     broken = []
-    for link in re.findall(r"\]\(([^)]+)\)", page.read_text()):
+    for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
         file, _, anchor = link.partition("#")
         target = page.parent / file if file else page
         if "://" not in link and not (
@@ -199,7 +201,9 @@ def test_links_lead_to_what_is_there(page: Path) -> None:
 )
 def test_files_and_folders_that_a_page_names_are_there(page: Path) -> None:
     """In its own folder or one above it, or in a folder that it names."""
-    named = re.findall(r"(?<!\[)`((?!results/)[\w./-]+(?:\.py|/))`", page.read_text())
+    named = re.findall(
+        r"(?<!\[)`((?!results/)[\w./-]+(?:\.py|/))`", page.read_text(encoding="utf-8")
+    )
     above = [it for it in page.parents if it.is_relative_to(ROOT)]
     folders = [*above, *(at / it for at in above for it in named if it.endswith("/"))]
     assert [it for it in named if not any((at / it).exists() for at in folders)] == []

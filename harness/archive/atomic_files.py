@@ -74,6 +74,7 @@ def write_whole(content: bytes | memoryview, path: Path) -> None:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
+            file.close()  # Windows renames no open file
             partial.replace(path)
     except OSError as error:
         raise ArchiveError(f"{path}: cannot be written: {error.strerror}") from None
@@ -140,13 +141,13 @@ def _partial(folder: Path) -> Iterator[tuple[Path, BinaryIO]]:
     An existing file is never overwritten, and a link is never followed.
     """
     path = folder / f".{secrets.token_hex(8)}{partial_ending(os.getpid())}"
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
-    with open(path, "wb", opener=lambda name, _: os.open(name, flags, 0o666)) as file:
-        try:
+    file = path.open("xb")
+    try:
+        with file:
             yield path, file
-        finally:
-            with contextlib.suppress(OSError):
-                path.unlink()
+    finally:  # after the file is closed: Windows removes no open one
+        with contextlib.suppress(OSError):
+            path.unlink()
 
 
 def partial_ending(process_id: int | str) -> str:

@@ -26,6 +26,8 @@ from mpm_warp.execution import THREAD_COUNTS
 
 LONGEST_WAIT = 1.0
 """Longest time to wait for a message [s]."""
+MOST_WAITED_FOR = 60
+"""Workers whose messages end the wait at once; Windows waits for at most 63 objects."""
 ABANDONED = 1
 """Exit code of a worker whose parent process has ended."""
 GRACE = 2.0
@@ -131,7 +133,8 @@ def _wait_for_messages(workers: Sequence["WorkerProcess"]) -> list["WorkerProces
     """
     begin = time.monotonic()
     left = min((worker.deadline - begin for worker in workers), default=0.0)
-    wait([worker.connection for worker in workers], min(max(0.0, left), LONGEST_WAIT))
+    connections = [worker.connection for worker in workers[:MOST_WAITED_FOR]]
+    wait(connections, min(max(0.0, left), LONGEST_WAIT))
     waited = time.monotonic() - begin
     for worker in workers if waited > 2.0 * LONGEST_WAIT else ():
         worker.began += waited
@@ -183,11 +186,16 @@ class WorkerProcess:
     @property
     def has_message(self) -> bool:
         """Whether it has sent a message, or its case has taken too long."""
-        return self.connection.poll() or time.monotonic() >= self.deadline
+        return self._can_read or time.monotonic() >= self.deadline
+
+    @property
+    def _can_read(self) -> bool:
+        """Whether there is a message or its end; on Windows `poll` would raise at the end."""
+        return bool(wait([self.connection], 0.0))
 
     def receive(self) -> float | Outcome:
         """The message of the worker on its case: the fraction done, or how it ended."""
-        if not self.connection.poll():
+        if not self._can_read:
             assert self.has_message
             end_all([self])
             return self._lost(TIMED_OUT, f"ended after {self.options.time_limit:g} s")
@@ -273,6 +281,7 @@ def serve_while_parent_lives(connection: Connection, folder: Path, options: RunO
     This is the first function of a worker. A file that is half-written when it exits has a
     temporary name, and the next run removes it.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows, where it inherits no mask
     threading.Thread(target=_end_with_parent, daemon=True).start()
     # This import loads Warp and all scenes, which takes seconds.
     from harness.run.worker import serve

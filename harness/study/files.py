@@ -27,8 +27,12 @@ from mpm_warp.scenes.sounding.table import PROFILE, columns_of, text_of
 
 BASE = text_key("base", "study from which keys are taken that this one lacks", None)
 FILE = text_key("file", "a CSV file with the ground")
-STUDY_NAME = r"\w[\w.-]*"
-"""Pattern of the name of a study."""
+STUDY_NAME = r"(?!(?i:con|prn|aux|nul|com\d|lpt\d)(\.|$))\w([\w.-]*[\w-])?"
+"""Pattern of the name of a study; Windows reserves some names, and drops a dot at the end."""
+NAME_RULE = (
+    "letters, digits, '_', '-' and '.', with neither '-' nor '.' first, no '.' last, and no device "
+    "of Windows, as con or nul"
+)
 LARGEST_FILE = 1_000_000
 """Bytes that a study file or a profile may have; a larger file is a mistake."""
 WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
@@ -80,10 +84,7 @@ def find_study(study: str, beside: Path | None = None) -> Path:
         near = nearest_name(path.stem, [*study_names(), *scene_names()])
         raise StudyError(f"{study}: {problem}{near}")
     if path.suffix != ".toml" or not re.fullmatch(STUDY_NAME, path.stem):
-        raise StudyError(
-            f"{study}: a study's file is called NAME.toml, NAME of letters, digits, '_', '-', '.', "
-            "with neither '-' nor '.' first"
-        )
+        raise StudyError(f"{study}: a study's file is called NAME.toml, NAME of {NAME_RULE}")
     return path
 
 

@@ -90,7 +90,9 @@ class Limits(NamedTuple):
 
 def families(path: Path) -> dict[tuple[float, float], Family]:
     """The meshes of a file of readings, by rigidity index and adhesion factor."""
-    index, adhesion, cells, factors = np.array([*numbers_by_column(path.read_text()).values()])
+    index, adhesion, cells, factors = np.array(
+        [*numbers_by_column(path.read_text(encoding="utf-8")).values()]
+    )
     face = math.sqrt(3.0)  # height of the face of a cone of 60 degrees over its radius
     sizes = face / np.round(face * cells)
     found = {}

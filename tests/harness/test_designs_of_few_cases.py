@@ -100,5 +100,5 @@ def test_every_command_ends_well(
     remarks = capsys.readouterr().err.splitlines()
     known = ("nothing to", "1 case: ", "2 cases: ", "computed by other sources")
     assert [line for line in remarks if not any(it in line for it in known)] == []
-    rows = Path(page).read_text().count('<tr class="bad">')
+    rows = Path(page).read_text(encoding="utf-8").count('<tr class="bad">')
     assert rows == len(study.cases) - completed

@@ -68,12 +68,16 @@ import psutil  # has other ways on other systems, and may use these here
 
 for name in ("SIGHUP", "SIGPIPE", "pthread_sigmask"):
     delattr(signal, name)
-for name in ("sysconf", "getloadavg", "sched_getaffinity", "O_NOFOLLOW"):
+for name in ("sysconf", "getloadavg", "sched_getaffinity", "getuid", "fork", "killpg"):
     delattr(os, name)
 sys.modules["resource"] = None  # an import of it fails
 
 
 def refused(event, arguments):
+    if event in ("os.rename", "os.remove"):
+        own = {opened.path for opened in psutil.Process().open_files()}
+        if own & {os.path.realpath(it) for it in arguments if isinstance(it, str | os.PathLike)}:
+            raise PermissionError(13, "The file is open", arguments[0])
     if event == "open" and str(arguments[0]).startswith(("/proc", "/sys")):
         frame = sys._getframe(1)
         while frame is not None:
@@ -85,7 +89,7 @@ def refused(event, arguments):
 
 sys.addaudithook(refused)
 """
-"""Takes from Python and from Linux what other systems lack."""
+"""Takes from Python and from Linux what other systems lack; no open file is renamed or removed."""
 
 
 EVERYTHING = """
@@ -107,6 +111,7 @@ if __name__ == "__main__":
 
 @pytest.mark.slow
 def test_given_a_machine_without_posix_modules_commands_and_a_run_work(tmp_path: Path) -> None:
+    """Its texts are ASCII unless said otherwise."""
     test = measured_rows(DEPTH, 11.5 * STRENGTH, 0.4 * STRENGTH)
     tiny = 'title = "tiny"\nscene = "material_point"\n[fixed]\nstep_count = 64\n'
     for name, text in (
@@ -125,6 +130,8 @@ def test_given_a_machine_without_posix_modules_commands_and_a_run_work(tmp_path:
     )
     path = os.pathsep.join([str(tmp_path), str(Path(__file__).parents[2])])
     everything = [sys.executable, "everything.py", *commands]
-    end = finished(everything, cwd=tmp_path, env=os.environ | {"PYTHONPATH": path})
+    ascii_only = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    end = finished(everything, cwd=tmp_path, env=os.environ | ascii_only | {"PYTHONPATH": path})
     assert end.returncode == 0, end.stderr
+    assert not list(tmp_path.rglob("*.part"))
     assert read_study(tmp_path / "results" / "tiny.nc")["status"].item() == COMPLETED

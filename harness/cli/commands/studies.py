@@ -40,7 +40,7 @@ from harness.study.description import (
     study_text,
     warn_of_unusual_values,
 )
-from harness.study.files import STUDY_NAME, find_study, study_names
+from harness.study.files import NAME_RULE, STUDY_NAME, find_study, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
@@ -57,8 +57,8 @@ def new(options: argparse.Namespace) -> int:
     path = Path(f"{name}.toml")
     if not re.fullmatch(STUDY_NAME, name):
         raise HarnessError(
-            f"{options.name}: is not a valid name; use letters, digits, '_', '-' and '.', with "
-            "neither '-' nor '.' first, and no folder: the file goes into the current one"
+            f"{options.name}: is not a valid name; use {NAME_RULE}; and no folder: the file goes "
+            "into the current one"
         )
     if name in study_names():
         raise HarnessError(f"{name}: a study that ships has this name; choose another")
@@ -95,7 +95,7 @@ def _site_text(test: Path) -> str:
         for key, it in told.items()
         if keys[key].bounds.holds(it, it) and not (key == "water_level" and it < 0.0)
     }
-    return site_text(str(test), allowed, soundings)
+    return site_text(test.as_posix(), allowed, soundings)
 
 
 def list_names(options: argparse.Namespace) -> int:

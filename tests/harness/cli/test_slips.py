@@ -79,6 +79,9 @@ MISTAKES = {
     "new adhesion_factor": "a study that ships has this name; choose another",
     "new text": "text.toml: exists already; edit it, or choose another name",
     "new a/b": "is not a valid name; use letters, digits, '_', '-' and '.'",
+    "new Con": "no device of Windows",
+    "new com1.soft": "no device of Windows",
+    "new clay.": "no '.' last",
     "new mine --scene mesh_size": "--scene mesh_size: is a study; its scene is cone_penetration",
     "new mine --scene sounding --interpret cpt.csv": "not allowed with argument --scene",
     "new mine --scene cone_bering": "unknown scene 'cone_bering'; did you mean 'cone_bearing'?",
@@ -133,7 +136,7 @@ MISTAKES |= {
 @pytest.mark.parametrize("line", MISTAKES)
 def test_a_mistake_is_answered_by_what_to_do(line: str, here: Path, refusal: Refusal) -> None:
     for name, text in FILES.items():
-        Path(name).write_text(text)
+        Path(name).write_text(text, encoding="utf-8")
     Path("folder.toml").mkdir()
     assert MISTAKES[line] in refusal(shlex.split(line))
     assert set(here.iterdir()) == {here / name for name in (*FILES, "folder.toml")}

@@ -26,7 +26,7 @@ def full() -> Iterator[TextIO]:
     """A stream that takes nothing, as on a full disk."""
     if not FULL.exists():
         pytest.skip("there is no device here that is always full")
-    with FULL.open("w", buffering=1) as stream:
+    with FULL.open("w", encoding="utf-8", buffering=1) as stream:
         yield stream
 
 

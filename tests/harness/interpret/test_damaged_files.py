@@ -261,6 +261,8 @@ def test_a_new_site_file_is_told_what_to_name(here: Path, damage: str, command: 
     kind, (harm, problem) = damage.partition(":")[0], DAMAGED[damage]
     Path(f"test.{kind}").write_bytes(harm(WRITERS[kind](rows_of(here)).encode()))
     assert problem in command("new", "mine", "--interpret", f"test.{kind}").err.splitlines()[0]
-    soundings = [it for it in Path("mine.toml").read_text().splitlines() if "#sounding" in it]
+    soundings = [
+        it for it in Path("mine.toml").read_text(encoding="utf-8").splitlines() if "#sounding" in it
+    ]
     one_of_two = ['#sounding = "B/1"', '#sounding = "CPT1/1"']
     assert soundings == (one_of_two if "two tests" in damage else ["#sounding = ..."])

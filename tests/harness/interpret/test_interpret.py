@@ -251,7 +251,7 @@ def test_a_file_of_others_is_not_replaced(ending: str, here: Path, refusal: Refu
     """Nothing is written then, a table with the columns of a test and a result of a study too."""
     path = Path(f"results/site_interpretation{'.nc' if ending == 'a result' else ending}")
     path.parent.mkdir()
-    path.write_text("depth [m],qc [kPa],fs [kPa],u2 [kPa]\n1,2,3,4\n")
+    path.write_text("depth [m],qc [kPa],fs [kPa],u2 [kPa]\n1,2,3,4\n", encoding="utf-8")
     if ending == "a result":
         write_netcdf(xr.Dataset(attrs={"study": "site", "title": "A study"}), path)
     before = path.read_bytes()

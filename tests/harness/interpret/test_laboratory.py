@@ -301,14 +301,14 @@ HEAD = "depth [m],strength [kPa],test\n"
 def test_a_csv_that_cannot_be_is_one_line(
     text: str, told: str, here: Path, refusal: Refusal
 ) -> None:
-    Path("lab.csv").write_text(text)
+    Path("lab.csv").write_text(text, encoding="utf-8")
     line = refusal(["interpret", "site.toml", "--laboratory", "lab.csv"])
     assert line.startswith("harness: lab.csv: ")
     assert told in line
 
 
 def test_a_csv_is_of_one_sounding(here: Path, refusal: Refusal) -> None:
-    Path("lab.csv").write_text(HEAD)
+    Path("lab.csv").write_text(HEAD, encoding="utf-8")
     line = refusal(["interpret", "site.toml", "site.toml", "--laboratory", "lab.csv"])
     assert "--laboratory is of one sounding" in line
 

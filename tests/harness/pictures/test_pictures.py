@@ -190,7 +190,7 @@ def test_the_surroundings_of_a_command_change_no_picture(
     plot = [sys.executable, "-m", "harness", "plot", "demo.nc", "--out"]
     assert finished([*plot, "plain"]).returncode == 0
     monkeypatch.setenv("MPLBACKEND", "module://matplotlib_inline.backend_inline")
-    Path("matplotlibrc").write_text("text.usetex: True\nfigure.facecolor: red\n")
+    Path("matplotlibrc").write_text("text.usetex: True\nfigure.facecolor: red\n", encoding="utf-8")
     told = finished([*plot, "other"])
     assert told.returncode == 0, told.stderr
     plain, other = (

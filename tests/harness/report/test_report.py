@@ -43,7 +43,7 @@ class Elements(HTMLParser):
 
 
 def test_the_page_needs_nothing_else(page_file: Path) -> None:
-    text = page_file.read_text()
+    text = page_file.read_text(encoding="utf-8")
     elements = Elements(text)
     assert elements.open == []
     for tag, attributes in elements.found:
@@ -57,7 +57,7 @@ def test_the_page_needs_nothing_else(page_file: Path) -> None:
 
 
 def test_links_lead_to_what_is_on_the_page(page_file: Path) -> None:
-    elements = Elements(page_file.read_text()).found
+    elements = Elements(page_file.read_text(encoding="utf-8")).found
     anchors = {it["id"] for _, it in elements if it.get("id")}
     links = {(it["href"] or "").removeprefix("#") for _, it in elements if it.get("href")}
     assert links == {"summary", "compared", "study-1", "study-2"}
@@ -65,7 +65,7 @@ def test_links_lead_to_what_is_on_the_page(page_file: Path) -> None:
 
 
 def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
-    text = page_file.read_text()
+    text = page_file.read_text(encoding="utf-8")
     assert "<script" not in text
     assert "velocity of &lt;particle 3&gt;" in text
     assert "&lt;b&gt;unknown&lt;/b&gt;" in text
@@ -73,7 +73,7 @@ def test_markup_in_what_a_file_says_stays_text(page_file: Path) -> None:
 
 
 def test_the_same_results_give_the_same_page(results: list[xr.Dataset], page_file: Path) -> None:
-    assert page(results) == (page_file.read_text(), {})
+    assert page(results) == (page_file.read_text(encoding="utf-8"), {})
 
 
 def test_numbers_have_sensible_digits_and_units(results: list[xr.Dataset]) -> None:

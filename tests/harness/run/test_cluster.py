@@ -222,7 +222,9 @@ def test_without_dask_the_missing_package_is_named(
 
 
 def test_timed_runs_do_not_go_with_a_cluster(small_file: Path, refusal: Refusal) -> None:
-    small_file.write_text(small_file.read_text() + "[timing]\nrepeats = 2\n")
+    small_file.write_text(
+        small_file.read_text(encoding="utf-8") + "[timing]\nrepeats = 2\n", encoding="utf-8"
+    )
     line = refusal(["run", str(small_file), "--dask", "tcp://h:1"])
     assert "cases are timed on this machine, without --dask" in line
 

@@ -98,8 +98,11 @@ def test_a_study_of_the_same_name_is_not_replaced_silently(
     assert "another title" not in of_small("collect", code=1).err
     source = Path(small.source)
     title = f'title = "{small.title}"'
-    assert title in source.read_text()
-    source.write_text(source.read_text().replace(title, 'title = "Of another ground"'))
+    assert title in source.read_text(encoding="utf-8")
+    source.write_text(
+        source.read_text(encoding="utf-8").replace(title, 'title = "Of another ground"'),
+        encoding="utf-8",
+    )
     told = of_small("collect", code=1).err
     named = f'{out / "small.nc"}: was of a study with another title, "{small.title}"; its cases'
     assert named in told

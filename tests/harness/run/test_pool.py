@@ -7,6 +7,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NoReturn
 
 import pytest
@@ -77,6 +78,16 @@ def test_a_case_has_its_threads_from_the_first_step_on(
     assert sent == [2, *stub.cases]
 
 
+def test_given_more_workers_than_windows_waits_for_the_first_are_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    worker = SimpleNamespace(connection=None, deadline=math.inf, has_message=True)
+    counts = list[int]()
+    monkeypatch.setattr(pool, "wait", lambda objects, timeout: counts.append(len(objects)))
+    assert len(pool._wait_for_messages(100 * [worker])) == 100
+    assert counts[0] < 63
+
+
 def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("harness.run.pool.usable_cores", lambda: 8)
     assert [share_of_cores(cases) for cases in (1, 2, 3, 4, 5, 8, 20)] == [4, 4, 2, 2, 1, 1, 1]
@@ -87,7 +98,10 @@ def test_cases_at_work_share_the_cores(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSEGV])
-def test_a_dead_worker_takes_one_case(tmp_path: Path, stub: Study, number: signal.Signals) -> None:
+def test_a_dead_worker_takes_one_case(
+    tmp_path: Path, stub: Study, number: signal.Signals, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr("multiprocessing.connection._ConnectionBase.poll")  # Windows: it raises
     study = load_study(str(stub.source), ["seconds=[1000, 0]", "number=1"])
 
     def kill(case: Case, fraction: float) -> None:

@@ -55,7 +55,7 @@ def test_cases_are_run_as_the_options_and_the_study_ask_for(
     monkeypatch.setattr("harness.run.pool.usable_cores", lambda: 8)
     monkeypatch.setattr(run_study, "check_device", lambda device: None)
     monkeypatch.setattr(run_study, "run_cases", note)
-    small_file.write_text(small_file.read_text() + more)
+    small_file.write_text(small_file.read_text(encoding="utf-8") + more, encoding="utf-8")
     command = ["run", str(small_file), f"--out={tmp_path / 'out'}", *options.split()]
     assert main(command) == 1  # nothing was computed
     assert {name: asked[name] for name in expected} == expected
@@ -65,7 +65,7 @@ def test_a_run_gives_dataset_and_pictures(
     small_file: Path, tmp_path: Path, command: Command
 ) -> None:
     compared = '[compare]\nreferences = ["lu_2004"]\nexperience = ["karlsrud_2005"]\n'
-    small_file.write_text(small_file.read_text() + compared)
+    small_file.write_text(small_file.read_text(encoding="utf-8") + compared, encoding="utf-8")
     out = tmp_path / "out"
     told = command("run", small_file, "--out", out)
     assert told.out.endswith(f"{out}/small.nc\n")
@@ -119,7 +119,10 @@ def test_a_run_goes_on_where_it_stopped(stub: Study, tmp_path: Path, command: Co
 def test_a_damaged_result_of_the_reference_study_is_told_before_a_case_is_run(
     small_file: Path, tmp_path: Path, refusal: Refusal
 ) -> None:
-    small_file.write_text(f'{small_file.read_text()}[compare]\nreference_study = "finest.toml"\n')
+    small_file.write_text(
+        f'{small_file.read_text(encoding="utf-8")}[compare]\nreference_study = "finest.toml"\n',
+        encoding="utf-8",
+    )
     (tmp_path / "finest.toml").write_text(HEAD)
     (tmp_path / "finest.nc").write_bytes(b"noise")
     line = refusal(["run", str(small_file), "--out", str(tmp_path / "out")])
@@ -129,16 +132,16 @@ def test_a_damaged_result_of_the_reference_study_is_told_before_a_case_is_run(
 
 def test_a_study_may_ask_for_timed_runs(stub: Study, tmp_path: Path, command: Command) -> None:
     out, source = tmp_path / "out", Path(stub.source)
-    untimed = source.read_text().replace("[0, 0.5, 1]", "[0, 1]")
+    untimed = source.read_text(encoding="utf-8").replace("[0, 0.5, 1]", "[0, 1]")
     where = [source, "--out", out]
 
     def told_after(definition: str) -> Any:
-        source.write_text(definition)
+        source.write_text(definition, encoding="utf-8")
         return command("run", *where).err
 
     assert "0 done already" in told_after(untimed)
     keys = [case.key for case in load_study(str(source)).cases]
-    source.write_text(untimed + TIMED)
+    source.write_text(untimed + TIMED, encoding="utf-8")
     assert [case.key for case in load_study(str(source)).cases] == keys
     assert "2 cases: 2 untimed" in command("status", *where, code=1).out
 

@@ -26,7 +26,7 @@ def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
     assert main(["new", "mine", "--scene", scene]) == 0
     study = load_study("mine.toml")
     assert len(study.cases) > 1
-    text = Path("mine.toml").read_text()
+    text = Path("mine.toml").read_text(encoding="utf-8")
     assert max(map(len, text.splitlines())) <= 100
     for name in own_parameters_of(scene_class(scene)):
         assert f"{name} = " in text
@@ -35,20 +35,25 @@ def test_a_new_study_is_sound_and_explains_every_parameter(scene: str) -> None:
 @pytest.mark.parametrize("scene", ["cone_penetration", "sounding", "cone_bearing"])
 def test_references_are_offered_to_a_scene_that_has_what_they_are_of(scene: str) -> None:
     main(["new", "mine", "--scene", scene])
-    text = Path("mine.toml").read_text()
+    text = Path("mine.toml").read_text(encoding="utf-8")
     assert ("#[compare]" in text) == (scene == "cone_penetration")
     for line in ("[compare]", "references", "experience"):
         text = text.replace(f"#{line}", line)
-    Path("edited.toml").write_text(text)
+    Path("edited.toml").write_text(text, encoding="utf-8")
     assert bool(load_study("edited.toml").compared.references) == (scene == "cone_penetration")
 
 
 def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
     main(["new", "mine"])
-    lines = Path("mine.toml").read_text().split("# A reference of your own")[0].splitlines()
+    lines = (
+        Path("mine.toml")
+        .read_text(encoding="utf-8")
+        .split("# A reference of your own")[0]
+        .splitlines()
+    )
     assert "#in_situ_stress = 400000.0" in lines
     given = [line[1:] if re.match(r"#\w+ = [^.\[]", line) else line for line in lines]
-    Path("edited.toml").write_text("\n".join(given))
+    Path("edited.toml").write_text("\n".join(given), encoding="utf-8")
     fixed = read_toml(Path("edited.toml"))["fixed"]
     known = parameters_of(scene_class("cone_penetration"))
     with_default = {name for name, it in known.items() if it.default is not None}
