@@ -3,6 +3,7 @@
 Text that comes from a file can neither set a colour nor move the cursor.
 """
 
+import errno
 import os
 import sys
 from collections.abc import Iterator
@@ -74,6 +75,8 @@ def written(stream: TextIO) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
+        if error.errno == errno.EINVAL:  # what Windows says of a closed pipe
+            raise BrokenPipeError from None
         send_nowhere(stream)
         if stream is sys.stdout:
             why = f"standard output: cannot be written: {error.strerror}"

@@ -7,6 +7,9 @@ classes for a scene of one's own.
 
     result = ConePenetration(rigidity_index=150).run(progress=True)
 
+Examples below run after `import numpy as np`, `from dataclasses import dataclass` and `from
+mpm_warp import *`. `harness describe NAME` lists the parameters of a scene.
+
 `import mpm_warp` by itself takes no time. The simulator is imported with the first of its names.
 """
 
@@ -19,7 +22,9 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        if name == "__all__":  # of `from mpm_warp import *`
+        if name == "__all__":
+            # of `from mpm_warp import *`, and of pdoc, which asks for no name that is not here
+            globals().update((it, getattr(import_module(__name__), it)) for it in __dir__())
             return __dir__()
         missing = f"module {__name__!r} has no attribute {name!r}"
         # Python asks for names of its own, and for names of modules before it imports them.

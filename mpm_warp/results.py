@@ -49,6 +49,11 @@ class Drawn:
 
     Raises:
         SceneError: the name of the picture has other characters than letters, digits and "_".
+
+    Example:
+        >>> settlement = ([1.0, 1.5], "m", "settlement", Drawn(picture="settlement"))
+        >>> curves("time", ([0.1, 0.2], "s", "time"), top=settlement).top.attrs["drawn_picture"]
+        'settlement'
     """
 
     picture: str
@@ -127,7 +132,12 @@ Quantity = (
 def labelled(
     *, dims: tuple[str, ...] = (), role: str | None = None, **quantities: Quantity
 ) -> dict[str, xr.Variable]:
-    """Variables by name, of the same dims and role; ``x_exact`` is the exact value of ``x``."""
+    """Variables by name, of the same dims and role; ``x_exact`` is the exact value of ``x``.
+
+    Example:
+        >>> labelled(role="headline", error=(0.02, "1", "error of the settlement"))["error"].attrs
+        {'units': '1', 'long_name': 'error of the settlement', 'role': 'headline'}
+    """
     return {
         name: variable(
             value,
@@ -144,7 +154,15 @@ def labelled(
 
 
 def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
-    """Curves over an axis with this name and these places."""
+    """Curves over an axis with this name and these places.
+
+    Example:
+        >>> settled = curves(
+        ...     "time", ([0.1, 0.2], "s", "time under load"), top=([1.0, 1.5], "m", "settlement")
+        ... )
+        >>> settled.top.attrs
+        {'units': 'm', 'long_name': 'settlement'}
+    """
     coords = labelled(dims=(axis,), role=None, **{axis: places})
     return xr.Dataset(labelled(dims=(axis,), role=None, **quantities), coords=coords)
 

@@ -34,7 +34,18 @@ class Sampler(Protocol):
 
 
 class Samples:
-    """Samples a row of numbers each time; `curves` makes a dataset of the columns."""
+    """Samples a row of numbers each time; `curves` makes a dataset of the columns.
+
+    Example:
+        >>> simulation = Simulation(GravityColumn(cell_count=2).build())
+        >>> times = Samples(
+        ...     lambda: [simulation.time],
+        ...     lambda time: curves("sample", (np.arange(len(time)), "1", ""), at=(time, "s", "")),
+        ... )
+        >>> times.sample()
+        >>> times.dataset()["at"].values
+        array([0.])
+    """
 
     def __init__(
         self, take: Callable[[], Sequence[float] | None], curves: Callable[..., xr.Dataset]
@@ -77,6 +88,12 @@ def follow(
 
     Raises:
         SimulationDiverged: the run became unstable; `curves` has the records up to then.
+
+    Example:
+        >>> simulation = Simulation(GravityColumn(cell_count=2).build())
+        >>> cost = follow(simulation, [5, 10], simulation.advance_to_step, [])
+        >>> int(cost.step_count)
+        10
     """
     try:
         for count, moment in enumerate(moments, start=1):

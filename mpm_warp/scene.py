@@ -54,6 +54,12 @@ class Part(Checked):
         needs: classes of parts that the scene must have too.
         not_beside: classes of parts that the scene must not have, each with a remedy, or "".
         cell_bytes, point_bytes: memory for a cell with its share of nodes, and for a slot [byte].
+
+    Example:
+        >>> class Wind(Part):
+        ...     pass
+        >>> GravityColumn().build().with_parts(Wind()).find(Wind) is not None
+        True
     """
 
     needs: "ClassVar[tuple[type[Part], ...]]" = ()
@@ -110,6 +116,13 @@ class Scene(Checked):
 
     Raises:
         SceneError: a value is not allowed, or two parts exclude each other.
+
+    Example:
+        >>> column = GravityColumn(cell_count=4).build()
+        >>> [type(part).__name__ for part in column.parts]
+        ['Gravity', 'Damping', 'Fixed']
+        >>> column.without(Damping).find(Damping) is None
+        True
     """
 
     grid: Grid

@@ -45,6 +45,12 @@ class Simulation:
         SimulationDiverged: from every method that takes steps. The watch checks the run every
             `CHECK_INTERVAL` steps; the message says what is wrong, where, when and what may help.
         WindowOverfull: likewise: more soil has stayed in the window than it has slots for.
+
+    Example:
+        >>> simulation = Simulation(GravityColumn(cell_count=2).build())
+        >>> simulation.advance(10)
+        >>> simulation.step_count, simulation.array("particle.stress").shape
+        (10, (8, 4))
     """
 
     @in_turn

@@ -32,6 +32,10 @@ class Snapshots:
 
     Raises:
         ValueError: there is no moment, or one is not a number > 0.
+
+    Example:
+        >>> Snapshots([5.0, 0.5]).at
+        (0.5, 5.0)
     """
 
     def __init__(self, at: Iterable[float]) -> None:
@@ -122,6 +126,11 @@ def soil_fields(simulation: Simulation) -> dict[str, xr.Variable]:
     Raises:
         TypeError: the scene is not soil in a grid.
         KeyError: the scene has no `History`, so the place of entry is unknown.
+
+    Example:
+        >>> simulation = Simulation(GravityColumn(cell_count=2).build().with_parts(History()))
+        >>> soil_fields(simulation)["point_z"].attrs["units"]
+        'm'
     """
     scene, array = soil_scene(simulation), simulation.array
     travel = simulation.travel if scene.find(MovingGrid) else 0.0

@@ -93,6 +93,10 @@ def load_study(study: str, settings: Iterable[str] = ()) -> Study:
 
     Raises:
         StudyError: the study or a setting is not valid; the message names file, key and value.
+
+    Example:
+        >>> [case.label for case in load_study("adhesion_factor", ["rigidity_index=50"]).cases[:2]]
+        ['adhesion_factor=0.0', 'adhesion_factor=0.25']
     """
     if study in scene_names() and study not in study_names():
         raise StudyError(

@@ -42,7 +42,13 @@ from mpm_warp.plan.plan import Plan
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Load(Checked):
-    """Forces of constant direction on the particles of a body; they rise linearly, then stay."""
+    """Forces of constant direction on the particles of a body; they rise linearly, then stay.
+
+    Example:
+        >>> pressing = Load(forces=np.array([[0.0, -5.0]]), start=1.0, rise_time=2.0)
+        >>> float(pressing.impulse_time(4.0))  # [s]
+        2.0
+    """
 
     forces: Floats = parameter(meaning="final force on each particle", unit="N", shape=(None, 2))
     start: float = parameter(meaning="time t_0 at which the rise begins", unit="s", minimum=0)
@@ -94,7 +100,15 @@ def clock(time_step: real, load_time: wp.array[real]):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Body(Checked):
-    """A linear elastic body, or a rigid one, as a square lattice of particles."""
+    """A linear elastic body, or a rigid one, as a square lattice of particles.
+
+    Example:
+        >>> soil = LinearElastic(shear_modulus=4e6, poissons_ratio=0.3, density=2000.0)
+        >>> frame = InterfaceFrame(angle=0.0)
+        >>> block = frame.body((0.0, 1.0), (0.0, 0.3), spacing=0.05, material=soil)  # [m]
+        >>> block.position.shape, round(block.mass.sum())
+        ((120, 2), 600)
+    """
 
     position: Floats  # positions of the particles [m], shape [particle_count, 2]
     volume: Floats = parameter(
@@ -152,7 +166,12 @@ low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 
 @dataclass(frozen=True, kw_only=True)
 class UniformGrid(Checked):
-    """A grid of square cells."""
+    """A grid of square cells.
+
+    Example:
+        >>> UniformGrid(lower=(0.0, 0.0), cell_size=0.1, cell_counts=(10, 5)).node_count
+        66
+    """
 
     lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
     cell_size: float = parameter(meaning="side of a cell", unit="m", above=0)
@@ -229,7 +248,15 @@ MARGIN = 2
 
 @dataclass(frozen=True, kw_only=True)
 class InterfaceFrame:
-    """Coordinates along an interface and normal to it."""
+    """Coordinates along an interface and normal to it.
+
+    Example:
+        >>> soil = LinearElastic(shear_modulus=4e6, poissons_ratio=0.3, density=2000.0)
+        >>> frame = InterfaceFrame(angle=0.0)
+        >>> block = frame.body((0.0, 1.0), (0.0, 0.3), spacing=0.05, material=soil)  # [m]
+        >>> block.particle_count
+        120
+    """
 
     angle: float  # from the first axis of the grid to the interface in plane strain [rad]
     # radius of a cylindrical interface around the axis [m], > 0; it runs along z, its outward side

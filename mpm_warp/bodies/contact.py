@@ -55,6 +55,10 @@ class BodyContact(Checked):
 
     The normal is that of the base, because the normal of a body turns at its edges. So the base
     should extend beyond the body. The area is that of the body along this normal.
+
+    Example:
+        >>> BodyContact(friction=0.3, adhesion=500.0)
+        BodyContact(friction=0.3, adhesion=500.0)
     """
 
     friction: float = parameter(0.0, "Coulomb coefficient", minimum=0)

@@ -28,6 +28,11 @@ class BodyScene(Checked):
 
     Raises:
         SceneError: a value is not allowed, a body is not within the grid, or two overlap.
+
+    Example:
+        >>> scene = SlidingBlock().build()
+        >>> [body.particle_count for body in scene.bodies], scene.contact.friction
+        ([120, 240], 0.3)
     """
 
     grid: UniformGrid

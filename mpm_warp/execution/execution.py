@@ -27,6 +27,10 @@ class Execution:
 
     Raises:
         SceneError: this machine has no such device, or the number of threads is not allowed.
+
+    Example:
+        >>> Execution(threads=2).device
+        'cpu'
     """
 
     device: str = "cpu"

@@ -48,6 +48,15 @@ class Group:
 
     Raises:
         mpm_warp.errors.ParameterError: a value is not allowed.
+
+    Example:
+        >>> @dataclass(frozen=True, kw_only=True)
+        ... class Ageing(Group):
+        ...     rest: float = parameter(1.0, "time at rest", unit="d", minimum=1)
+        >>> Ageing(rest=0)
+        Traceback (most recent call last):
+            ...
+        mpm_warp.errors.ParameterError: rest = 0 is not allowed: must be a number >= 1; ...
     """
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]

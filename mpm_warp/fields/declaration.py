@@ -201,6 +201,13 @@ def parameter(
     below. The default is None if the scene derives the value from others, and the type is
     ``float``. It is None also if there may be no value, and the type is ``float | None``. `meaning`
     must say which. `key` is the name in files, if it differs from that of the field.
+
+    Example:
+        >>> @dataclass(frozen=True, kw_only=True)
+        ... class Ageing(Group):
+        ...     rest: float = parameter(1.0, "time at rest", unit="d", minimum=1)
+        >>> Ageing().rest
+        1.0
     """
     choices = choices if variants is None else tuple(variants.names())
     definition = {"default": default, "unit": unit, "meaning": meaning, "choices": choices}
@@ -212,12 +219,31 @@ def parameter(
 
 
 def group() -> Any:
-    """Declare a field that is a group of parameters; its type, a dataclass, says which."""
+    """Declare a field that is a group of parameters; its type, a dataclass, says which.
+
+    Example:
+        >>> @dataclass(frozen=True, kw_only=True)
+        ... class Ageing(Group):
+        ...     rest: float = parameter(1.0, "time at rest", unit="d", minimum=1)
+        >>> @dataclass(frozen=True, kw_only=True)
+        ... class ConeInAgedClay(ConePenetration):
+        ...     ageing: Ageing = group()
+        >>> ConeInAgedClay(rest=30, rigidity_index=80).ageing
+        Ageing(rest=30.0)
+    """
     return dataclasses.field(metadata={"group": True})
 
 
 def redefined(owner: type, name: str, **changes: Any) -> Any:
-    """Declare a parameter of a dataclass again with changed arguments of :func:`parameter`."""
+    """Declare a parameter of a dataclass again with changed arguments of :func:`parameter`.
+
+    Example:
+        >>> @dataclass(frozen=True, kw_only=True)
+        ... class LongFlight(FlyingBlock):
+        ...     travel: float = redefined(FlyingBlock, "travel", default=2.0)
+        >>> LongFlight().travel
+        2.0
+    """
     declared = dict({field.name: field for field in dataclasses.fields(owner)}[name].metadata)
     return parameter(**declared | dataclasses.asdict(declared.pop("bounds")) | changes)
 

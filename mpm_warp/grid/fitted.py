@@ -60,6 +60,18 @@ class Grid(Checked):
 
     Raises:
         SceneError: a value is not allowed.
+
+    Example:
+        >>> grid = Grid(
+        ...     columns=np.array([0.0, 1.0]),
+        ...     rows=np.linspace(0.0, 1.0, 5),
+        ...     surface_radius=np.zeros(5),  # the axis
+        ...     fitted_radius=0.5,
+        ... )
+        >>> grid.cell_count, grid.outer_radius
+        (4, 0.5)
+        >>> grid.cell_volumes  # per radian [m3]
+        array([0.03125, 0.03125, 0.03125, 0.03125])
     """
 
     # 1, the fitted radius, is one of them; beyond it they are radius over fitted radius

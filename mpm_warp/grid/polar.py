@@ -25,6 +25,16 @@ class PolarGrid(Grid):
 
     Raises:
         SceneError: a value is not allowed, or the surface is not round.
+
+    Example:
+        >>> grid = PolarGrid(
+        ...     columns=np.array([0.0, 0.5, 1.0]),
+        ...     rows=np.linspace(0.0, np.pi / 2, 4),  # angles from the z axis [rad]
+        ...     surface_radius=np.ones(4),
+        ...     fitted_radius=3.0,
+        ... )
+        >>> grid.cell_count, grid.outer_radius, grid.node_positions.shape
+        (6, 3.0, (12, 2))
     """
 
     polar = True

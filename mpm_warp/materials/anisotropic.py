@@ -217,6 +217,19 @@ class Anisotropic(PerfectlyPlastic):
 
     Raises:
         SceneError: a strength is not allowed, or is not possible with the others.
+
+    Example:
+        >>> clay = Anisotropic(
+        ...     strength_compression=20e3,
+        ...     strength_extension=14e3,
+        ...     strength_simple_shear=16e3,
+        ...     strength_horizontal=16e3,
+        ...     shear_modulus=1e6,
+        ...     poissons_ratio=0.49,
+        ...     density=1700.0,
+        ... )
+        >>> round(clay.undrained_strength("triaxial_extension"))  # [Pa]
+        14000
     """
 
     strength: float = field(init=False)

@@ -54,6 +54,21 @@ class EinavRandolph(UndrainedClay):
 
     Raises:
         SceneError: a value is not allowed, or the strength falls too steeply.
+
+    Example:
+        >>> clay = EinavRandolph(
+        ...     strength=10e3,
+        ...     criterion=Tresca,
+        ...     shear_modulus=1e6,
+        ...     poissons_ratio=0.49,
+        ...     density=1700.0,
+        ...     rate_factor=0.1,
+        ...     reference_strain_rate=1e-5,
+        ...     remoulded_strength_ratio=0.2,
+        ...     ductility=10.0,
+        ... )
+        >>> clay.softens, clay.depends_on_rate
+        (True, True)
     """
 
     criterion: type[PerfectlyPlastic]

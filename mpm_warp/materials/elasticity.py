@@ -26,7 +26,13 @@ SHEAR_MODULUS, BULK_MODULUS = 0, 1
 
 @dataclass(frozen=True, kw_only=True)
 class Isotropic(Material):
-    """The base of laws with constant elastic moduli whose plastic strain keeps the volume."""
+    """The base of laws with constant elastic moduli whose plastic strain keeps the volume.
+
+    Example:
+        >>> clay = Tresca(strength=10e3, shear_modulus=1e6, poissons_ratio=0.49, density=1700.0)
+        >>> isinstance(clay, Isotropic), round(clay.pressure_wave_speed)  # [m/s]
+        (True, 173)
+    """
 
     shear_modulus: float = parameter(None, "shear modulus G", unit="Pa", above=0)
     poissons_ratio: float = parameter(None, "Poisson's ratio nu", minimum=0, below=0.5)
@@ -84,7 +90,13 @@ class Isotropic(Material):
 
 @dataclass(frozen=True, kw_only=True)
 class LinearElastic(Isotropic):
-    """Soil or a body that never yields, with the Jaumann rate of stress."""
+    """Soil or a body that never yields, with the Jaumann rate of stress.
+
+    Example:
+        >>> steel = LinearElastic(shear_modulus=80e9, poissons_ratio=0.3, density=7850.0)
+        >>> round(steel.shear_wave_speed)  # [m/s]
+        3192
+    """
 
     def update(self) -> Any:
         """Elastic."""

@@ -85,6 +85,11 @@ class Material(Checked, ABC):
 
     Attributes:
         variation: how strength, stiffness and adhesion vary by place; None: they are uniform.
+
+    Example:
+        >>> clay = Tresca(strength=10e3, shear_modulus=1e6, poissons_ratio=0.49, density=1700.0)
+        >>> isinstance(clay, Material), round(clay.shear_wave_speed, 1)  # [m/s]
+        (True, 24.3)
     """
 
     density: float = parameter(None, "density rho", unit="kg/m3", above=0)

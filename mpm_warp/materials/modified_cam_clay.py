@@ -56,6 +56,19 @@ class ModifiedCamClay(Material):
 
     Raises:
         SceneError: a value is not allowed, or two contradict each other.
+
+    Example:
+        >>> clay = ModifiedCamClay(
+        ...     critical_state_ratio=1.0,
+        ...     compression_slope=0.2,
+        ...     swelling_slope=0.04,
+        ...     specific_volume=2.2,
+        ...     mean_effective_stress=100e3,
+        ...     isotropic_overconsolidation_ratio=1.5,
+        ...     density=1700.0,
+        ... )
+        >>> round(clay.undrained_strength("triaxial_compression"))  # [Pa]
+        39721
     """
 
     critical_state_ratio: float = parameter(

@@ -80,7 +80,13 @@ def nearest_of_hexagon(trial: vec4, strength: real, shape: Any) -> vec4:
 
 
 class Tresca(PerfectlyPlastic):
-    """Yields where (sigma_1 - sigma_3) / 2 = su."""
+    """Yields where (sigma_1 - sigma_3) / 2 = su.
+
+    Example:
+        >>> clay = Tresca(strength=10e3, shear_modulus=1e6, poissons_ratio=0.49, density=1700.0)
+        >>> clay.undrained_strength("triaxial_compression")  # [Pa]
+        10000.0
+    """
 
     measure = greatest_shear
     within = within_hexagon

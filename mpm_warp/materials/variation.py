@@ -29,6 +29,15 @@ class Variation(Checked):
     Attributes:
         rows: the `Material` at each depth, n of one law. Between depths properties and initial
             state are linear; of a law with constant moduli only `shape`. None: only ratios vary.
+
+    Example:
+        >>> growing = Variation(
+        ...     depth=np.array([0.0, 10.0]),
+        ...     strength_ratio=np.array([0.5, 1.0]),
+        ...     stiffness_ratio=np.array([0.5, 1.0]),
+        ... )
+        >>> growing.at(np.array([[0.1, -4.0]]), growing.strength_ratio)  # at (r, z)
+        array([0.7])
     """
 
     depth: Floats = parameter(

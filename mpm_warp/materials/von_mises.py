@@ -39,7 +39,13 @@ def nearest_of_cylinder(trial: vec4, strength: real, shape: Any) -> vec4:
 
 
 class VonMises(PerfectlyPlastic):
-    """Yields where sqrt(J2) = su: matched to Tresca in pure shear, not in triaxial compression."""
+    """Yields where sqrt(J2) = su: matched to Tresca in pure shear, not in triaxial compression.
+
+    Example:
+        >>> clay = VonMises(strength=10e3, shear_modulus=1e6, poissons_ratio=0.49, density=1700.0)
+        >>> round(clay.undrained_strength("triaxial_compression"))  # [Pa]
+        8660
+    """
 
     measure = root_of_j2
     within = within_cylinder

@@ -37,6 +37,11 @@ class Fixed(Part):
 
     Attributes:
         nodes: flat indices, each once, shape [node_count].
+
+    Example:
+        >>> grid = GravityColumn(cell_count=4).build().grid
+        >>> Fixed.on(grid, radial=["everywhere"], vertical=["bottom"]).nodes.size
+        10
     """
 
     nodes: Integers
@@ -107,7 +112,13 @@ def fixed(
 
 @dataclass(frozen=True, kw_only=True)
 class RadialMotion(Part):
-    """The nodes of a polar grid move only along their rays."""
+    """The nodes of a polar grid move only along their rays.
+
+    Example:
+        >>> cavity = CavitySphere(remoulded_strength_ratio=0.5, ductility=10)
+        >>> cavity.build().find(RadialMotion)
+        RadialMotion()
+    """
 
     def check(self, scene: Scene) -> None:
         """Check that the grid is polar."""
@@ -148,6 +159,10 @@ class FarField(Part):
 
     Attributes:
         nodes: flat indices of the nodes on the side, upward, shape [node_count].
+
+    Example:
+        >>> CavityCylinder().build().find(FarField).nodes.size
+        2
     """
 
     nodes: Integers

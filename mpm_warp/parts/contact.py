@@ -73,6 +73,11 @@ class SurfaceContact(Part):
 
     Attributes:
         nodes: flat indices of the nodes in contact, each once, shape [node_count].
+
+    Example:
+        >>> contact = StripFooting(adhesion_factor=1.0).build().find(SurfaceContact)
+        >>> contact.normals.shape, contact.friction
+        ((9, 2), 0.0)
     """
 
     nodes: Integers

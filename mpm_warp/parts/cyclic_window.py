@@ -43,6 +43,11 @@ class CyclicWindow(MovingGrid):
 
     Attributes:
         stroke: travel of a passage, from turn to turn [m], at least that of two ramps.
+
+    Example:
+        >>> window = CyclicWindow(speed=1.0, ramp_travel=0.1, stroke=1.0)
+        >>> round(window.passage_time, 3)  # [s]
+        1.2
     """
 
     not_beside = ((FarField, "hold the nodes around the grid"),)

@@ -20,7 +20,12 @@ from mpm_warp.scene import Part, Scene, refuse_together
 
 
 class EnclosedSoil(Part):
-    """Soil is all around every cell: there is no free surface and no gap."""
+    """Soil is all around every cell: there is no free surface and no gap.
+
+    Example:
+        >>> BallPenetration().build().find(EnclosedSoil) is not None
+        True
+    """
 
     cell_bytes = 8.0
 

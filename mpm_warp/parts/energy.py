@@ -48,7 +48,12 @@ kinetic, least mass), of cells (viscous), of slots (plastic, elastic)."""
 
 
 class EnergyAudit(Part):
-    """Records the energy that the transfers create or dissipate."""
+    """Records the energy that the transfers create or dissipate.
+
+    Example:
+        >>> ConePenetration().build().find(EnergyAudit) is not None
+        True
+    """
 
     def add_records(self, plan: Plan, scene: Scene) -> None:
         """Add an audited step; the array "transfer.energy" is its E [J] of each row of nodes."""
@@ -60,7 +65,12 @@ class EnergyAudit(Part):
 
 
 class EnergyBalance(Part):
-    """Records the balance of the work of the body; the scene has a bulk viscosity."""
+    """Records the balance of the work of the body; the scene has a bulk viscosity.
+
+    Example:
+        >>> ConePenetration(energy_audit="balance").build().find(EnergyBalance) is not None
+        True
+    """
 
     needs = (MovingGrid, SurfaceContact, EnergyAudit)
     cell_bytes, point_bytes = 88.0, 16.0

@@ -19,7 +19,12 @@ from mpm_warp.scene import Part, Scene
 
 @dataclass(frozen=True)
 class Gravity(Part):
-    """Uniform gravity, downward."""
+    """Uniform gravity, downward.
+
+    Example:
+        >>> Gravity(9.81)
+        Gravity(acceleration=9.81)
+    """
 
     acceleration: float = parameter(meaning="acceleration g", unit="m/s2", above=0)
 
@@ -42,6 +47,11 @@ class NodalLoad(Part):
 
     Attributes:
         nodes: flat indices, each once, shape [node_count].
+
+    Example:
+        >>> load = NodalLoad(nodes=np.array([3]), forces=np.array([[0.0, -100.0]]))  # [N]
+        >>> GravityColumn().build().with_parts(load).find(NodalLoad) is load
+        True
     """
 
     nodes: Integers
@@ -81,7 +91,12 @@ def nodal_load(
 
 @dataclass(frozen=True)
 class Damping(Part):
-    """Drag in proportion to momentum, implicit in time."""
+    """Drag in proportion to momentum, implicit in time.
+
+    Example:
+        >>> Damping(rate=140.0)
+        Damping(rate=140.0)
+    """
 
     rate: float = parameter(meaning="c, force over momentum", unit="1/s", above=0)
 

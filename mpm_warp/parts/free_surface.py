@@ -36,6 +36,10 @@ class FreeSurface(Part):
     """A free surface at rest; stress acts in proportion to the filling of cells.
 
     No cell has a mass-matrix correction, which is derived for full cells.
+
+    Example:
+        >>> StruckColumn().build().find(FreeSurface)
+        FreeSurface()
     """
 
     cell_bytes = 24.0
@@ -51,7 +55,12 @@ class FreeSurface(Part):
 
 @dataclass(frozen=True, kw_only=True)
 class PassingSurface(FreeSurface):
-    """A free surface that the soil carries up through the window."""
+    """A free surface that the soil carries up through the window.
+
+    Example:
+        >>> PassingSurface(level=1.0, layer=0.1, pic_fraction=0.05)
+        PassingSurface(level=1.0, layer=0.1, pic_fraction=0.05)
+    """
 
     needs = (Window,)
     level: float = parameter(

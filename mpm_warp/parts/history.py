@@ -36,7 +36,13 @@ PLASTIC_STRAIN = "particle.plastic_strain"
 
 
 class History(Part):
-    """Points store their place of entry and their plastic shear strain."""
+    """Points store their place of entry and their plastic shear strain.
+
+    Example:
+        >>> scene = GravityColumn().build()
+        >>> scene.find(History), scene.with_parts(History()).find(History) is not None
+        (None, True)
+    """
 
     def add_to_points(self, plan: Plan, scene: Scene) -> None:
         """Add the arrays of the places of entry and of the plastic strain."""

@@ -37,6 +37,10 @@ class ConservativeInterpolation(Part):
     """Particles follow a flow with a uniform divergence in each cell.
 
     For soil that flows along a wall for long. The grid has horizontal rows.
+
+    Example:
+        >>> ConePenetration().build().find(ConservativeInterpolation) is not None
+        True
     """
 
     cell_bytes = 112.0

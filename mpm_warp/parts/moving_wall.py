@@ -38,6 +38,10 @@ class MovingWall(RampedMotion):
     """A smooth cylindrical or spherical wall, the first column of nodes, that moves outward.
 
     The columns up to the outer radius move closer in proportion; soil passes from cell to cell.
+
+    Example:
+        >>> MovingWall(speed=0.1, ramp_travel=0.01)
+        MovingWall(speed=0.1, ramp_travel=0.01)
     """
 
     not_beside = ((MovingGrid, ""),)

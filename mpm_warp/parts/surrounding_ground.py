@@ -67,6 +67,11 @@ class TravellingSource(Checked):
     """Motion and stress of elastic ground far from a body that moves down.
 
     Positions are (r, z) in a grid that travels with the body [m], shape [..., 2].
+
+    Example:
+        >>> source = TravellingSource(radius=0.02, height=0.0, shear_modulus=1e6)
+        >>> source.velocity(np.array([[0.1, 0.0], [0.2, 0.0]])).shape
+        (2, 2)
     """
 
     radius: float = parameter(meaning="radius of the shaft behind the body", unit="m", above=0)
@@ -127,6 +132,11 @@ class SurroundingGround(Part):
         material: soil of a stiffness ratio of 1.
         from_afar: whether the body has come from infinitely far above; else it starts in
             undisturbed ground, as at the surface.
+
+    Example:
+        >>> ground = ConePenetration().build().find(SurroundingGround)
+        >>> ground.from_afar, ground.source.radius
+        (True, 0.01785)
     """
 
     needs = (Window,)

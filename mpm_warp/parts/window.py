@@ -78,6 +78,10 @@ class Approach(Checked):
 
     Attributes:
         travel: at which the grid reaches the final speed [m], > `slowing_travel`.
+
+    Example:
+        >>> Approach(speed=3.0, travel=0.1, slowing_travel=0.04)
+        Approach(speed=3.0, travel=0.1, slowing_travel=0.04)
     """
 
     speed: float = parameter(
@@ -104,6 +108,11 @@ class Window(MovingGrid):
 
     Attributes:
         approach: a fast start; None: there is none.
+
+    Example:
+        >>> window = Window(speed=0.5, ramp_travel=0.02, spare_fraction=0.1)
+        >>> round(window.time_to(0.5), 3)  # [s] for 0.5 m
+        1.04
     """
 
     # more where soil does not fill the grid at the start

@@ -37,6 +37,10 @@ def scene_names() -> tuple[str, ...]:
 
     Raises:
         UnknownSceneError: two scenes have the same name.
+
+    Example:
+        >>> len(scene_names()), scene_names()[0]
+        (25, 'ball_penetration')
     """
     return tuple(sorted(_all_scenes()))
 
@@ -47,6 +51,10 @@ def scene_class(name: str) -> type[CatalogueScene]:
     Raises:
         UnknownSceneError: there is no such scene (the message names the nearest), two scenes have
             the same name, or the entry point of the scene does not give a scene.
+
+    Example:
+        >>> scene_class("cone_penetration").summary
+        'cone penetration test in undrained clay, to steady state'
     """
     scenes = _all_scenes()
     if name not in scenes:

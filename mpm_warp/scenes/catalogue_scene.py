@@ -43,6 +43,15 @@ class CatalogueScene(ShownByParameters, ABC):
     Raises:
         mpm_warp.errors.ParameterError: on construction, where a name is unknown or a value is not
             allowed.
+
+    Example:
+        >>> test = ConePenetration(rigidity_index=150)
+        >>> test.catalogue_name(), test.rigidity_index, test.adhesion_factor
+        ('cone_penetration', 150.0, 0.0)
+        >>> ConePenetration(rigidity_indx=150)
+        Traceback (most recent call last):
+            ...
+        mpm_warp.errors.ParameterError: ...did you mean 'rigidity_index'?
     """
 
     summary: ClassVar[str]

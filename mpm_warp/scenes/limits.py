@@ -21,6 +21,10 @@ class Limit:
         size: > 0; a value without a number is beyond it too.
         remedy: what to try, as in "more cell_count".
         meaning: of the value in a message; default: its long name.
+
+    Example:
+        >>> Limit(0.05, "a lower speed_ratio").remedy
+        'a lower speed_ratio'
     """
 
     size: float
@@ -33,7 +37,12 @@ Limits = Mapping[str, Limit | str]
 
 
 def limited(**remedies: str) -> dict[str, Limit]:
-    """Errors against exact solutions by name, each with what to try beyond `LARGEST_ERROR`."""
+    """Errors against exact solutions by name, each with what to try beyond `LARGEST_ERROR`.
+
+    Example:
+        >>> limited(error="more cell_count")["error"].size
+        0.15
+    """
     return {name: Limit(LARGEST_ERROR, remedy) for name, remedy in remedies.items()}
 
 

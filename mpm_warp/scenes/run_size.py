@@ -27,6 +27,11 @@ class RunSize:
 
     Raises:
         SceneError: the steps are more than can be counted.
+
+    Example:
+        >>> size = ConePenetration().run_size()
+        >>> size.cell_count, size.particle_count, round(size.byte_count / 1e6, 1)
+        (1826, 8400, 2.8)
     """
 
     cell_count: int

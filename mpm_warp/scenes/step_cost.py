@@ -77,6 +77,10 @@ class StepCost(CatalogueScene):
 
     The soil starts with random stresses of the order of its strength, so that much of it yields.
     All results are measurements and differ from run to run.
+
+    Example:
+        >>> StepCost(size=1000).build().grid.cell_count
+        297
     """
 
     summary = "speed of the simulator: particle updates per second, by stage"

@@ -17,6 +17,10 @@ class Verification:
         least_order: least observed order of the variable `error`; None where no order is claimed.
         settings: parameters that differ from their defaults.
         extreme: whether it is a long or violent run, which is made only on request.
+
+    Example:
+        >>> [it.resolutions for it in GravityColumn.verifications]
+        [(10, 20, 40)]
     """
 
     resolution: str
@@ -35,7 +39,12 @@ def compared(
     extreme: bool = False,
     **bounds: float,
 ) -> tuple[Verification, ...]:
-    """A `Verification` for each of the settings, or one for all defaults; bounds by name."""
+    """A `Verification` for each of the settings, or one for all defaults; bounds by name.
+
+    Example:
+        >>> compared("cell_count", (10, 20), least_order=1.9, error=0.01)[0].bounds
+        {'error': 0.01}
+    """
     by_default = Verification(
         resolution=resolution,
         resolutions=resolutions,

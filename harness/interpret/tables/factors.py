@@ -245,6 +245,11 @@ def cone_factor(
 
     Raises:
         ParameterError: a value is outside the table.
+
+    Example:
+        >>> factor, half_width = cone_factor(rigidity_index=100, adhesion_factor=0.5)
+        >>> f"{factor:.1f} +- {half_width:.1f}"
+        '11.5 +- 0.4'
     """
     if reference_strain_rate is None and np.any(np.asarray(rate_factor) != 0.0):
         raise ParameterError("rate_factor", "rate_factor needs a reference_strain_rate [1/s]")

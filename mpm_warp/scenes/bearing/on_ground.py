@@ -149,7 +149,12 @@ class Footing(Bearing):
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class CircularFooting(Footing):
-    """A rigid disc on weightless Tresca soil."""
+    """A rigid disc on weightless Tresca soil.
+
+    Example:
+        >>> round(CircularFooting().exact[0], 2)
+        5.69
+    """
 
     summary = "limit load of a circular footing, smooth and rough"
     version = 3
@@ -162,7 +167,12 @@ class CircularFooting(Footing):
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class StripFooting(Footing):
-    """Half of a rigid strip on weightless Tresca soil; r is the distance from its middle."""
+    """Half of a rigid strip on weightless Tresca soil; r is the distance from its middle.
+
+    Example:
+        >>> round(StripFooting().exact[0], 3)
+        5.142
+    """
 
     summary = "limit load of a strip footing in plane strain, smooth and rough"
     version = 3
@@ -185,6 +195,10 @@ class ConeBearing(Bearing):
     With the half angle a, the face is R / sin(a) long and moves into the soil by sin(a) times the
     displacement. At the same ratio of these lengths, cones of all angles are equally near to their
     limit loads.
+
+    Example:
+        >>> round(ConeBearing(adhesion_factor=1.0).exact[0], 2)
+        6.69
     """
 
     summary = "limit load of a cone with its shoulder at the surface"

@@ -35,7 +35,12 @@ the flight."""
 
 @dataclass(frozen=True, kw_only=True)
 class FlyingBlock(CatalogueScene):
-    """A square that flies across the grid and turns about its centre; no force acts on it."""
+    """A square that flies across the grid and turns about its centre; no force acts on it.
+
+    Example:
+        >>> FlyingBlock(cells_per_side=2).run_size().particle_count
+        16
+    """
 
     summary = "elastic block in free flight, turning; momentum, spin and shape stay"
     version = 3

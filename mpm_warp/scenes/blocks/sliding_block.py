@@ -36,6 +36,11 @@ class SlidingBlock(BlockOnBase):
     """A block pressed on a base and driven along it, against the exact motion of a rigid block.
 
     The error is the relative error of its acceleration, or the creep of a block that sticks.
+
+    Example:
+        >>> block = SlidingBlock(slope=30, friction=0.3)
+        >>> round(block.normal_force), round(block.driving_force)  # [N]
+        (5097, 2943)
     """
 
     summary = "elastic block on a base, driven until it slides; exact solution"

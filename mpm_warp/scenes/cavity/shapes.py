@@ -65,6 +65,10 @@ class CavityCylinder(Cavity):
     The pressure is in excess of the initial horizontal stress. The vertical stress does not affect
     Tresca soil while it is the intermediate principal stress; the limits of the stress anisotropy
     ensure this.
+
+    Example:
+        >>> round(CavityCylinder(rigidity_index=50).plastic_radius, 1)  # [m]
+        28.3
     """
 
     summary = "pressure of an expanding cylindrical cavity in undrained clay"
@@ -124,6 +128,10 @@ class CavitySphere(Cavity):
 
     Where the clay softens, soil is guided along the rays, as the exact pressure assumes. Softening
     Tresca soil that is free to flow leaves them and resists less.
+
+    Example:
+        >>> round(CavitySphere(rigidity_index=50).plastic_radius, 1)  # [m]
+        14.7
     """
 
     summary = "pressure of an expanding spherical cavity in clay under equal stress"

@@ -33,6 +33,13 @@ class ConePenetration(ConeTest):
 
     The strength of the clay may fall with plastic strain, and rise with the strain rate of the real
     speed.
+
+    Example:
+        >>> test = ConePenetration(rigidity_index=150, adhesion_factor=0.5)
+        >>> test.soil.shear_modulus, test.run_size().cell_count  # [Pa], cells
+        (3000000.0, 2093)
+        >>> test
+        ConePenetration(rigidity_index=150.0, adhesion_factor=0.5)
     """
 
     summary = "cone penetration test in undrained clay, to steady state"

@@ -59,6 +59,10 @@ class GravityColumn(CatalogueScene):
 
     The vertical stress is sigma = -rho g (H - z), and the displacement u = -rho g (H z - z^2/2) / M
     with the height H and the constrained modulus M.
+
+    Example:
+        >>> GravityColumn(cell_count=20).build().find(Gravity)
+        Gravity(acceleration=9.81)
     """
 
     summary = "column under its own weight, stress and settlement"

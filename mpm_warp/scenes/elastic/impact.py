@@ -186,7 +186,12 @@ class Impact(CatalogueScene):
 
 @dataclass(frozen=True, kw_only=True)
 class StruckBar(Impact):
-    """A bar of Poisson's ratio 0, one cell thick, that strikes a rigid body."""
+    """A bar of Poisson's ratio 0, one cell thick, that strikes a rigid body.
+
+    Example:
+        >>> round(StruckBar(speed_ratio=0.1).wave_speed, 1)  # [m/s]
+        44.7
+    """
 
     summary = "bar that strikes a wall at half its wave speed; shock relations"
     version = 2
@@ -231,7 +236,12 @@ class StruckBar(Impact):
 
 @dataclass(frozen=True, kw_only=True)
 class StruckColumn(Impact):
-    """A column of soil that strikes its base; as its top comes down, cells above it are empty."""
+    """A column of soil that strikes its base; as its top comes down, cells above it are empty.
+
+    Example:
+        >>> round(StruckColumn(speed_ratio=0.1).wave_speed, 1)  # [m/s]
+        76.7
+    """
 
     summary = "column that strikes its base at half its wave speed; shock relations"
     version = 3

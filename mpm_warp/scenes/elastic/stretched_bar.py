@@ -46,6 +46,10 @@ class StretchedBar(CatalogueScene):
     The test must be slow because of the elastic law. Beyond the tension 2 G, where l = e, a stress
     by the Jaumann rate has no stiffness against shear along the bar. A disturbance then grows by
     the factor e in the time tau / (ln l - 1) or longer.
+
+    Example:
+        >>> round(StretchedBar(stretch=2.0).duration, 2)  # [s]
+        0.38
     """
 
     summary = "viscoelastic bar drawn out many times its length; closed form"

@@ -39,6 +39,10 @@ class ThickCylinder(CatalogueScene):
     The solution of Lame for the pressure p on the inner radius a, with the outer radius b and
     q = p a^2 / (b^2 - a^2), is sigma_r = q (1 - b^2/r^2), sigma_t = q (1 + b^2/r^2),
     sigma_z = 2 nu q and u(a) = p a / (2 G) ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2).
+
+    Example:
+        >>> ThickCylinder(cell_count=10).build().grid.cell_count
+        10
     """
 
     summary = "elastic thick-walled cylinder, stresses and wall displacement"

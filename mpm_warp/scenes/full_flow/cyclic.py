@@ -191,6 +191,10 @@ class CyclicBall(CyclicPenetration):
 
     A shaft would move the ground around the window, which here rests between two passages. The
     first passage is that of `ball_penetration` without a shaft.
+
+    Example:
+        >>> CyclicBall(cycle_count=3).last_cycle
+        2.75
     """
 
     summary = "ball without a shaft, pushed down and pulled up in undrained clay"
@@ -201,7 +205,12 @@ class CyclicBall(CyclicPenetration):
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class CyclicTBar(CyclicPenetration):
-    """A T-bar that goes down and up again; its first passage is that of `t_bar_penetration`."""
+    """A T-bar that goes down and up again; its first passage is that of `t_bar_penetration`.
+
+    Example:
+        >>> CyclicTBar(cycle_count=3).last_cycle
+        2.75
+    """
 
     summary = "T-bar pushed down and pulled up in undrained clay, plane strain"
     version = 6

@@ -88,6 +88,10 @@ class FullFlowCylinder(FullFlow):
 
     The limit load is the force over (diameter times su), with D = asin(adhesion factor):
     pi + 2 D + 2 cos D + 4 (cos(D/2) + sin(D/2)); see `LIMIT_LOAD_SOURCE`.
+
+    Example:
+        >>> round(FullFlowCylinder(adhesion_factor=1.0).exact[0], 2)
+        11.94
     """
 
     summary = "force on a cylinder that soil flows around (T-bar), plane strain"
@@ -113,6 +117,10 @@ class FullFlowSphere(FullFlow):
     The limit load over (pi R^2 su) is known for a rough sphere in von Mises soil. For Tresca soil
     there are bounds for a smooth and a rough sphere, commonly quoted from Randolph, Martin & Hu
     (2000, GeoEng2000, Melbourne).
+
+    Example:
+        >>> round(FullFlowSphere(material="von_mises", adhesion_factor=1.0).exact[0], 2)
+        13.99
     """
 
     summary = "force on a sphere that soil flows around (ball penetrometer)"

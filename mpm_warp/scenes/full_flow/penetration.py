@@ -255,7 +255,12 @@ def _empty_cells(simulation: Simulation, height: float) -> int:
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class BallPenetration(FullFlowPenetration):
-    """A ball below a smooth shaft, pushed through uniform clay to steady flow."""
+    """A ball below a smooth shaft, pushed through uniform clay to steady flow.
+
+    Example:
+        >>> round(BallPenetration(rigidity_index=200).end_time, 2)  # simulated time [s]
+        0.49
+    """
 
     summary = "ball penetrometer pushed through undrained clay to steady flow"
     version = 7
@@ -268,6 +273,10 @@ class TBarPenetration(FullFlowPenetration):
     """A T-bar in plane strain, pushed through uniform clay to steady flow.
 
     In perfectly plastic clay its resistance is the limit load of `full_flow_cylinder`.
+
+    Example:
+        >>> round(TBarPenetration(rigidity_index=200).end_time, 2)  # simulated time [s]
+        0.17
     """
 
     summary = "T-bar pushed through undrained clay to steady flow, plane strain"

@@ -60,7 +60,13 @@ STRESS_PATH = Drawn(
 
 @dataclass(frozen=True, kw_only=True, init=False)
 class ElementTest(PointScene):
-    """A strain-controlled laboratory test of one material point of any law."""
+    """A strain-controlled laboratory test of one material point of any law.
+
+    Example:
+        >>> test = ElementTest(test="triaxial_extension", material="von_mises")
+        >>> round(test.soil.undrained_strength(test.test))  # [Pa]
+        17321
+    """
 
     summary = "undrained element test: strength and stiffness of a law, by mode"
     method = ("step_count",)

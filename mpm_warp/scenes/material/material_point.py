@@ -65,6 +65,10 @@ class MaterialPoint(PointScene):
     Simple shear far beyond yield of perfectly plastic clay has a steady state: the stress is turned
     by asin(su / G), where rotation by the spin and by the strain (Jaumann rate) balance. In clay
     that softens the angle follows the strength.
+
+    Example:
+        >>> MaterialPoint(material="von_mises").soil.strength
+        20000.0
     """
 
     summary = "one material point on strain paths, against exact stresses"

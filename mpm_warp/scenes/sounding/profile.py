@@ -65,6 +65,15 @@ class Profile:
     Raises:
         ParameterError: a column is unknown, or a value is not allowed; the message names column,
             row and value.
+
+    Example:
+        >>> ground = Profile(depth=np.array([0.0, 5.0]), strength=np.array([10e3, 30e3]))
+        >>> float(ground.strength_at(2.5))  # [Pa]
+        20000.0
+        >>> ground.shear_modulus
+        array([1000000., 3000000.])
+        >>> Profile.read(ground.text).strength
+        array([10000., 30000.])
     """
 
     depth: Floats

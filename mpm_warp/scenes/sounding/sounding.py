@@ -50,6 +50,12 @@ class Sounding(SoundingTest):
     The ground is a `profile`, or has a strength that is linear in depth, with one layer in it. The
     penetrometer starts in place above the first depth, or with its tip at the surface of the
     ground. Simulated stresses exclude the vertical in-situ stress, which is in equilibrium.
+
+    Example:
+        >>> ground = Profile(depth=np.array([0.0, 5.0]), strength=np.array([10e3, 30e3]))
+        >>> test = Sounding(profile=ground.text)
+        >>> float(test.ground.strength_at(2.5))  # [Pa]
+        20000.0
     """
 
     summary = "cone penetration through ground that changes with depth"

@@ -1,5 +1,7 @@
 """Standard streams: what a file holds is safe to print; a stream that is full is no traceback."""
 
+import errno
+import io
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,6 +37,16 @@ def test_output_cannot_control_a_terminal(
 ) -> None:
     say("a\x1b[2Jb\u202e\tc", "ä 中 \x1b[31m")
     assert capsys.readouterr().out == "a\\x1b[2Jb\\u202e\tc\nä 中 \\x1b[31m\n"
+
+
+def test_a_closed_pipe_of_windows_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Closed(io.StringIO):
+        def flush(self) -> None:
+            raise OSError(errno.EINVAL, "Invalid argument")
+
+    monkeypatch.setattr(sys, "stdout", Closed())
+    with pytest.raises(BrokenPipeError):
+        say("a line")
 
 
 @pytest.mark.parametrize("words", ["schema", "--help"])
