@@ -134,6 +134,11 @@ def labelled(
 ) -> dict[str, xr.Variable]:
     """Variables by name, of the same dims and role; ``x_exact`` is the exact value of ``x``.
 
+    Args:
+        dims: names of the dimensions; none for scalars.
+        role: one of `mpm_warp.results.ROLES`; None for an ordinary result.
+        quantities: value or values, unit and meaning; then a description, a `Drawn`, or both.
+
     Example:
         >>> labelled(role="headline", error=(0.02, "1", "error of the settlement"))["error"].attrs
         {'units': '1', 'long_name': 'error of the settlement', 'role': 'headline'}
@@ -154,7 +159,12 @@ def labelled(
 
 
 def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
-    """Curves over an axis with this name and these places.
+    """Curves over an axis with this name and these places, shape [place_count] each.
+
+    Args:
+        axis: name of the dimension.
+        places: values on the axis, rising, with unit and meaning.
+        quantities: values, unit and meaning; then a description, a `Drawn`, or both.
 
     Example:
         >>> settled = curves(

@@ -102,6 +102,16 @@ def clock(time_step: real, load_time: wp.array[real]):
 class Body(Checked):
     """A linear elastic body, or a rigid one, as a square lattice of particles.
 
+    Attributes:
+        position: positions of the particles [m], shape [particle_count, 2].
+        material: elastic constants and density.
+        held: whether each particle is at rest, shape [particle_count]; the body is fixed at every
+            node that one of them reaches. None: no particle is.
+        loads: forces on the particles.
+
+    Raises:
+        SceneError: a value is not allowed.
+
     Example:
         >>> soil = LinearElastic(shear_modulus=4e6, poissons_ratio=0.3, density=2000.0)
         >>> frame = InterfaceFrame(angle=0.0)
@@ -110,14 +120,12 @@ class Body(Checked):
         ((120, 2), 600)
     """
 
-    position: Floats  # positions of the particles [m], shape [particle_count, 2]
+    position: Floats
     volume: Floats = parameter(
         meaning="volumes of the particles per radian or thickness", shape=(None,), above=0
     )
     spacing: float = parameter(meaning="side of a particle's square", unit="m", above=0)
-    material: LinearElastic  # elastic constants and density
-    # particles at rest, shape [particle_count]; the body is fixed at every node that one of them
-    # reaches. None: there are none
+    material: LinearElastic
     held: NDArray[np.bool_] | None = None
     # the stress is that of the strain plus tau times its rate, which damps a frequency omega by
     # omega tau / 2 of the critical damping
@@ -168,15 +176,23 @@ low, high = wp.constant(real(0.75)), wp.constant(real(1.5))
 class UniformGrid(Checked):
     """A grid of square cells.
 
+    Attributes:
+        lower: corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0.
+        cell_counts: cells along both axes, >= 3 each.
+        axisymmetric: whether the axes are (r, z); else (x, y) in plane strain.
+
+    Raises:
+        SceneError: a value is not allowed.
+
     Example:
         >>> UniformGrid(lower=(0.0, 0.0), cell_size=0.1, cell_counts=(10, 5)).node_count
         66
     """
 
-    lower: tuple[float, float]  # corner of the lowest coordinates, (x, y) or (r, z) [m]; r >= 0
+    lower: tuple[float, float]
     cell_size: float = parameter(meaning="side of a cell", unit="m", above=0)
-    cell_counts: tuple[int, int]  # cells along both axes, >= 3 each
-    axisymmetric: bool = False  # axes (r, z); else (x, y) in plane strain
+    cell_counts: tuple[int, int]
+    axisymmetric: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -250,6 +266,11 @@ MARGIN = 2
 class InterfaceFrame:
     """Coordinates along an interface and normal to it.
 
+    Attributes:
+        angle: from the first axis of the grid to the interface in plane strain [rad].
+        interface_radius: radius of a cylindrical interface around the axis [m], > 0; it runs along
+            z, its outward side is the inner one. None: plane strain.
+
     Example:
         >>> soil = LinearElastic(shear_modulus=4e6, poissons_ratio=0.3, density=2000.0)
         >>> frame = InterfaceFrame(angle=0.0)
@@ -258,9 +279,7 @@ class InterfaceFrame:
         120
     """
 
-    angle: float  # from the first axis of the grid to the interface in plane strain [rad]
-    # radius of a cylindrical interface around the axis [m], > 0; it runs along z, its outward side
-    # is the inner one. None: plane strain
+    angle: float
     interface_radius: float | None = None
 
     @property

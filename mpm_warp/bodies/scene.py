@@ -26,6 +26,11 @@ TOUCHING = 0.9
 class BodyScene(Checked):
     """Bodies on a grid, and contact between them.
 
+    Attributes:
+        grid: the background grid.
+        bodies: one or more.
+        contact: between two bodies; None: bodies pass through each other.
+
     Raises:
         SceneError: a value is not allowed, a body is not within the grid, or two overlap.
 
@@ -36,11 +41,11 @@ class BodyScene(Checked):
     """
 
     grid: UniformGrid
-    bodies: tuple[Body, ...]  # one or more
+    bodies: tuple[Body, ...]
     time_step_fraction: float = parameter(
         0.6, "time step over the critical one, the least of all bodies", above=0
     )
-    contact: BodyContact | None = None  # between two bodies; None: bodies pass through each other
+    contact: BodyContact | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()

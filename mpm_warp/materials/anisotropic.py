@@ -213,7 +213,10 @@ class Anisotropic(PerfectlyPlastic):
     """Clay in total stress with a strength by direction.
 
     The fields are su_C, su_E, su_S, su_H [Pa], > 0. su_S must be more than half the difference of
-    su_C and su_E. `strength`, elsewhere su, is su_C.
+    su_C and su_E.
+
+    Attributes:
+        strength: elsewhere su, here su_C [Pa].
 
     Raises:
         SceneError: a strength is not allowed, or is not possible with the others.

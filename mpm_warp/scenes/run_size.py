@@ -25,6 +25,13 @@ POINT_BYTES, NUMBER_BYTES = 104.0, 8.0
 class RunSize:
     """Approximate cells, material points and steps of a run, and their memory.
 
+    Attributes:
+        cell_count: cells of the grid.
+        particle_count: slots of material points, those for points that enter included.
+        step_count: time steps; 0 where it is not known beforehand.
+        bytes_per_cell, bytes_per_particle: memory of a cell and of a slot [byte].
+        curve_bytes: memory of samples, curves and their comparison [byte].
+
     Raises:
         SceneError: the steps are more than can be counted.
 
@@ -35,11 +42,11 @@ class RunSize:
     """
 
     cell_count: int
-    particle_count: int  # slots for points that enter included
-    step_count: float = 0.0  # 0 where it is not known beforehand
+    particle_count: int
+    step_count: float = 0.0
     bytes_per_cell: float = CELL_BYTES
     bytes_per_particle: float = POINT_BYTES
-    curve_bytes: float = 0.0  # memory of samples, curves and their comparison
+    curve_bytes: float = 0.0
 
     def __post_init__(self) -> None:
         if not STEP_COUNTS.holds(self.step_count, self.step_count):
