@@ -95,7 +95,8 @@ def with_laboratory(
     """
     depth = np.array([test.depth for test in tests])
     strength = 1e3 * np.array([test.strength for test in tests])
-    resistance = found.net_resistance.dropna("depth")
+    has_draws = found.ground_strength.notnull()  # a sample in a seam has the clay around it
+    resistance = found.net_resistance.where(has_draws).dropna("depth")
     net = np.interp(depth, resistance.depth.values, resistance.values)
     told: dict[str, Any] = {
         "laboratory_depth": (depth, "m", "depth of the sample"),
@@ -225,7 +226,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
             f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}, by {measures} "
             f"with Nkt {factor[1]}, {factor[0]} to {factor[2]}, on average over "
             f"{int(here.sum())} depths{near}; "
-            f"error from {largest}{assumed}.{misfits(own, told)}{warning}"
+            f"error from {largest}{assumed}.{misfits(found.isel(depth=inside), told)}{warning}"
             f"{cautions(layer, own)}"
         )
     return sentences
@@ -243,8 +244,12 @@ def of_ground(layer: Layer, tests: int) -> str:
 
 
 def misfits(own: xr.Dataset, title: str) -> str:
-    """What fs and Bq are in a layer beside what its inputs allow, in words after a blank, or ""."""
-    net, words = float(own.net_resistance.mean()), []
+    """What fs and Bq are in a layer beside what its inputs allow, in words after a blank, or "".
+
+    Bq is the mean of u2 - u0 over that of qnet at the same depths.
+    """
+    has_pressure = own.measure_at_depth.sel(measure="pore_pressure", bound="measured").notnull()
+    net, words = float(own.net_resistance.where(has_pressure).mean()), []
     for measure, name, size, unit in (
         ("sleeve", "fs", 1e3, " kPa"),
         ("pore_pressure", "Bq", net, ""),

@@ -61,7 +61,7 @@ def compared(site: Site, number: int, test: xr.Dataset, here: np.ndarray) -> Com
     tests = tuple(
         one
         for one in site.laboratory
-        if layer.top <= one.depth <= layer.bottom
+        if site.layer_at(np.array([one.depth]))[0] == number
         and len(depth)
         and np.min(np.abs(depth - one.depth)) <= APART
     )

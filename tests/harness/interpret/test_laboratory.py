@@ -196,20 +196,31 @@ def test_a_test_between_two_rows_has_the_resistance_between_them(folder: Path) -
     assert np.median(beside.factor) == pytest.approx(math.log(2.0), abs=1e-3)
 
 
-def test_tests_in_one_layer_count_less_in_another(folder: Path) -> None:
-    path = with_laboratory(folder, laboratory(0.5, (3.0, 4.0, 5.0)))
+def two_layers(folder: Path, depths: tuple[float, ...]) -> Path:
+    """The layer parted at 6 m, the upper part with a wide range, and tests at depths."""
+    path = with_laboratory(folder, laboratory(0.5, depths))
     text = path.read_text()
     layer = text[text.index("[[layer]]") : text.index("[[laboratory]]")]
     second = layer.replace("from = 2", "from = 6")
     text = text.replace("to = 10", "to = 6", 1).replace("= 120", "= { low = 50, high = 300 }", 1)
     path.write_text(text.replace("[[laboratory]]", f"{second}\n[[laboratory]]", 1))
-    found = interpret(load_site(path))
+    return path
+
+
+def test_tests_in_one_layer_count_less_in_another(folder: Path) -> None:
+    found = interpret(load_site(two_layers(folder, (3.0, 4.0, 5.0))))
     assert found.laboratory_tests.values.tolist() == [3.0, 3.0]
     before, after = (
         found[f"input_{time}"].sel(cause="site_factor").values for time in ("before", "after")
     )
     widths = [np.log(it[:, 2] / it[:, 0]) for it in (before, after)]
     assert widths[1][0] < widths[1][1] < 0.7 * widths[0][1]
+
+
+def test_a_test_on_a_border_counts_once_in_the_lower_layer(folder: Path) -> None:
+    site = load_site(two_layers(folder, (6.0,)))
+    assert [len(it.tests) for it in laboratory_beside(site)] == [0, 1]
+    assert interpret(site).laboratory_tests.values.tolist() == [1.0, 1.0]
 
 
 def test_soundings_of_a_site_share_its_tests(here: Path, command: Command) -> None:

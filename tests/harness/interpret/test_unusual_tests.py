@@ -98,6 +98,28 @@ def test_a_row_on_a_border_is_of_the_lower_layer_alone(folder: Path) -> None:
     assert float(row.strength[1] / found.sel(depth=5.9, method="nearest").strength[1]) < 0.9
 
 
+def test_nkt_of_a_sample_in_a_seam_of_sand_is_that_of_the_clay_around_it(folder: Path) -> None:
+    tables = '[[laboratory]]\ndepth = 6.0\nstrength = 20\ntest = "CAUC"\n'
+    path = changed(folder, ('"isotropic"', '"mobilised"'))
+    path.write_text(path.read_text() + tables)
+    plain = interpret(load_site(path))
+    rewritten(folder, "qc", 10.0, slice(ROW - 1, ROW + 2))
+    rewritten(folder, "u2", "49.05", slice(ROW - 1, ROW + 2))
+    seam = interpret(load_site(path))
+    assert "used" not in reasons(seam)[ROW - 1 : ROW + 2]
+    np.testing.assert_allclose(seam.laboratory_factor, plain.laboratory_factor, rtol=1e-6)
+
+
+def test_the_mean_bq_is_that_of_the_depths_with_a_pore_pressure(folder: Path) -> None:
+    """Where qc is corrected, a depth without u2 has a strength."""
+    rewritten(folder, "u2", "", slice(ROW, None))
+    site = load_site(changed(folder, ("area_ratio = 0.8", "area_ratio = 1")))
+    found = interpret(site)
+    own = found.isel(depth=(found.reason.values == 0) & found.pore_pressure.notnull().values)
+    ratio = float((own.pore_pressure - own.water_pressure).mean() / own.net_resistance.mean())
+    assert f"Bq is {ratio:.2f}, " in in_words(site, found)[0]
+
+
 @pytest.mark.parametrize("friction", ["0.3", "0"])
 def test_high_pore_pressure_is_clay_whatever_the_sleeve_says(folder: Path, friction: str) -> None:
     """Sensitive clay has an Ic below that of clay; with the pore pressure of sand it is none."""
