@@ -203,7 +203,7 @@ def test_no_time_passes_while_all_are_stopped(
     worker = begun(RunOptions(time_limit=10.0))
     worker.began, clock = 1000.0, [1005.0]
     with monkeypatch.context() as patched:
-        patched.setattr(worker.connection, "poll", lambda: False)
+        patched.setattr(WorkerProcess, "_can_read", False)
         patched.setattr(time, "monotonic", lambda: clock[-1])
         patched.setattr(pool, "wait", lambda _, left: clock.append(clock[-1] + left + 3600.0))
         assert pool._wait_for_messages([worker]) == []
