@@ -86,9 +86,9 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 EXPECTED = "must be CSV with columns as depth [m], su [kPa], test, and error if it is known"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class LaboratoryTest:
-    """One test."""
+    """One test; two with the same values are the same test, which counts once."""
 
     depth: float = parameter(meaning="depth of the sample", unit="m", minimum=0, maximum=1000)
     strength: float = parameter(
@@ -110,6 +110,11 @@ class LaboratoryTest:
     def kind(self) -> Kind:
         """Its kind."""
         return KINDS[self.test]
+
+    @property
+    def words(self) -> str:
+        """The test in words."""
+        return f"the test {self.test} of {self.strength:g} kPa at {self.depth:g} m"
 
 
 def tests_in(site: Table) -> tuple[LaboratoryTest, ...]:
@@ -170,4 +175,22 @@ def _tests_of(tables: Sequence[Table]) -> tuple[LaboratoryTest, ...]:
         raise StudyError(f"{tables[MOST_TESTS].where} a site has at most {MOST_TESTS} tests")
     for table in tables:
         table.allow(*keys_of(LaboratoryTest))
-    return tuple(table.made(LaboratoryTest) for table in tables)
+    tests = tuple(table.made(LaboratoryTest) for table in tables)
+    for place, test in enumerate(tests):
+        if test in tests[:place]:
+            raise StudyError(
+                f"{tables[place].where} {test.words} is there before, and would count twice; a "
+                "test of another sample has its own depth, if only by 0.01 m"
+            )
+    return tests
+
+
+def refuse_shared(tests: Mapping[str, Sequence[LaboratoryTest]]) -> None:
+    """Refuse a test that two site files have, given the tests of each by its name."""
+    first: dict[LaboratoryTest, str] = {}
+    for name, test in ((name, test) for name, own in tests.items() for test in own):
+        if (other := first.setdefault(test, name)) != name:
+            raise StudyError(
+                f"{name}.toml: [[laboratory]]: {test.words} is in {other}.toml too, and would "
+                "count twice; it belongs to the sounding beside it, and counts for all"
+            )

@@ -14,6 +14,7 @@ from harness.archive.own_files import check_replaceable, not_own, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.check import checked, misfit_in_words, sounding_of
+from harness.interpret.laboratory import refuse_shared
 from harness.interpret.lines import TITLES, line_table, lines_in_words
 from harness.interpret.measured import REASONS
 from harness.interpret.result import (
@@ -72,6 +73,7 @@ def interpret_site(options: argparse.Namespace) -> int:
         twice := [name for name in names if names.count(name) > 1 or name == TOGETHER]
     ):
         raise HarnessError(f"{twice[0]}.toml: another result has this name; rename the site file")
+    refuse_shared({site.name: site.laboratory for site in sites})
     laboratory = [laboratory_beside(site, sharpen=options.sharpen) for site in sites]
     tests = []
     for place, (path, site) in enumerate(zip(options.site, sites, strict=True)):

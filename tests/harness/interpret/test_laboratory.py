@@ -232,6 +232,14 @@ def test_soundings_of_a_site_share_its_tests(here: Path, command: Command) -> No
     assert "without a laboratory test of this site" in command("interpret", "other.toml").out
 
 
+def test_a_test_in_two_site_files_is_refused(here: Path, refusal: Refusal) -> None:
+    site = with_laboratory(here, laboratory(0.5, (5.0,)))
+    (here / "other.toml").write_text(site.read_text())
+    line = refusal(["interpret", "site.toml", "other.toml"])
+    assert line.startswith("harness: other.toml: [[laboratory]]: the test mobilised of 7.75 kPa")
+    assert "is in site.toml too, and would count twice" in line
+
+
 def test_a_test_without_a_strength_beside_it_is_told(folder: Path) -> None:
     """Outside all layers, or further than allowed from a depth with a strength."""
     text = laboratory(0.5, (5.0, 11.0))
@@ -293,6 +301,10 @@ HEAD = "depth [m],strength [kPa],test\n"
         (f"{HEAD}5,15,CUAC", "line 2: test = 'CUAC' is not allowed: must be one of 'CAUC'"),
         (f"{HEAD}5,15,UU,3", "line 2: has more values than the header"),
         (f"{HEAD}{'5' * 200_000},1,UU", "is no table: field larger"),
+        (
+            f"{HEAD}5,15,UU\n6,15,UU\n5,15,UU",
+            "line 4: the test UU of 15 kPa at 5 m is there before, and would count twice",
+        ),
         (HEAD + "5,15,UU\n" * 101, "line 102: a site has at most 100 tests"),
     ],
     ids=[
@@ -306,6 +318,7 @@ HEAD = "depth [m],strength [kPa],test\n"
         "kind",
         "more",
         "long",
+        "same",
         "many",
     ],
 )
