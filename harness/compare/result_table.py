@@ -239,20 +239,22 @@ def _resolution_notes(dataset: xr.Dataset) -> list[str]:
 
 
 def _notes(dataset: xr.Dataset, references: Sequence[Reference]) -> list[str]:
-    notes = [
-        f"cone factor: +- {HALF_WIDTH}; without +- the error is not known",
-        f"computed: {which_strength(dataset)}",
-    ]
+    notes = [f"cone factor: +- {HALF_WIDTH}; without +- the error is not known"]
+    if "cone_factor_simulated" in dataset:
+        notes.append("as simulated: before the correction for mesh, speed and window")
+    if {"cone_factor_normal", "cone_factor_shear"} <= {*dataset.data_vars}:
+        notes.append("normal part, shear part: of the tractions on the face; their sum is Nc")
+    notes.append(f"computed: {which_strength(dataset)}")
+    members, conditions = ", ".join(it.id for it in ENVELOPE), conditions_of(dataset)
+    if bool(envelope(conditions)[0].notnull().any()):
+        of_them = f"least to greatest of those of {members} that have the criterion of the case"
+        notes.append(f"envelope: {of_them}; it is no confidence interval")
     if not references:
         return notes
-    members, conditions = ", ".join(it.id for it in ENVELOPE), conditions_of(dataset)
     known = dict.fromkeys(reference.how_known for reference in references)
-    has_envelope = bool(envelope(conditions)[0].notnull().any())
-    of_envelope = f"least to greatest of those of {members} that have the criterion of the case"
     outside = "[outside the validity of the reference, or of another criterion, which is named]"
     return [
         *notes,
-        *([f"envelope: {of_envelope}; it is no confidence interval"] if has_envelope else []),
         f"literature: over su of the case, computed / literature - 1; {outside}",
         *(
             f"  {reference.id}: {reference.source}; {reference.definition}"

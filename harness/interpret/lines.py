@@ -25,15 +25,15 @@ def lines_in_words(found: xr.Dataset) -> list[str]:
         own = found.sel(layer=title)
         figures = _figures(own)
         (a, of_a), (b, of_b), (top, of_top), (bottom, of_bottom) = map(_spoken, figures)
-        along = "kPa from {:g} to {:g} m".format(*own.line_depth.values)
+        along = "kPa from z = {:g} to {:g} m".format(*own.line_depth.values)
         if np.isnan(figures).any():
             words = "no line; no depth with a strength is free of other layers"
         elif figures[1].any():
             sign = "-" if figures[1, 1] < 0.0 else "+"
             words = (
-                f"line su = {a} {sign} {b.lstrip('-')} z {along}: {top}, {of_top} kPa at the top "
-                f"and {bottom}, {of_bottom} kPa at the bottom; with 90 % a is {of_a} kPa, "
-                f"b {of_b} kPa/m"
+                f"line su = a + b z = {a} {sign} {b.lstrip('-')} z {along}. It has {top} kPa, "
+                f"{of_top} with 90 %, at the top and {bottom} kPa, {of_bottom} with 90 %, at the "
+                f"bottom. With 90 % a is {of_a} kPa and b {of_b} kPa/m"
             )
         else:
             words = f"line su = {a} {along}, {of_a} with 90 %; no significant slope"

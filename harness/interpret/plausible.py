@@ -82,7 +82,7 @@ def check_units(
             raise StudyError(
                 f"{test.file}: {name} / qc is {ratio:.2g} (median), in soil it is {of_soil}; qc is "
                 f"read in {units['qc']}, {name} in {units[name]}: look at these units; "
-                f'the site file may state others, as units = {{ {name} = "kPa" }}'
+                f'the site file may state others, as units = {{ qc = "MPa", {name} = "kPa" }}'
             )
     largest = float(np.max(np.abs(np.nan_to_num(values["u2"]))))
     deepest = max(water.value) if isinstance(water, ByDepth) else WATER * (depth[-1] - water)

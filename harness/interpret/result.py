@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from harness.archive.conventions import known_digits
+from harness.archive.conventions import known_digits, spoken
 from harness.interpret.cautions import cautions
 from harness.interpret.forms import MEASURES
 from harness.interpret.laboratory import LaboratoryTest
 from harness.interpret.measured import REASONS
 from harness.interpret.site import Layer, Site
-from harness.interpret.tables.model_factor import MEASURED, OF_PRACTICE, SIMULATED, SITE
+from harness.interpret.tables.model_factor import DEPTH, MEASURED, OF_PRACTICE, SIMULATED, SITE
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.results import labelled
 
@@ -58,7 +58,8 @@ FOUND: Mapping[tuple[str, ...], Mapping[str, tuple[str | None, str]]] = {
 """Results by their dims, each with unit and meaning."""
 NO_TEST = "without a laboratory test of this site"
 LABORATORY = "laboratory_strength"
-UNCHECKED = ", of which the sleeve is not checked on real ground,"
+UNCHECKED = " The sleeve is not checked on real ground."
+REAL_CLAY = "; site and depth factor are how far real clay departs from simulated clay"
 FEWEST_DRAWS = 50
 """With fewer effective draws after weighting, the measured values contradict the inputs."""
 
@@ -160,8 +161,9 @@ def laboratory_in_words(site: Site, found: xr.Dataset) -> list[str]:
     lines = []
     for kind in dict.fromkeys(found.laboratory_test.values if LABORATORY in found else ()):
         own = found.laboratory_factor.values[found.laboratory_test.values == kind]
-        deviation = f", deviation {own.std(ddof=1):.1f}" if len(own) > 1 else ""
-        lines.append(f"site Nkt, {kind}: mean {own.mean():.1f}{deviation}, number {len(own)}.")
+        deviation = f", standard deviation {own.std(ddof=1):.1f}" if len(own) > 1 else ""
+        mean = f"mean {own.mean():.1f}{deviation}"
+        lines.append(f"Nkt of the site by {kind}: {mean}, {counted(len(own))}.")
     for layer in site.layers:
         count = int(np.nan_to_num(found.laboratory_tests.sel(layer=layer.title)))
         if count:
@@ -169,10 +171,10 @@ def laboratory_in_words(site: Site, found: xr.Dataset) -> list[str]:
                 in_digits(*found[f"input_{time}"].sel(layer=layer.title, cause=SITE).values)
                 for time in ("before", "after")
             )
-            before, after = (f"{middle}, {low} to {high}" for low, middle, high in both)
+            before, after = (f"{middle}, {low} to {high} with 90 %" for low, middle, high in both)
             lines.append(
-                f"{layer.title}: model factor of the site {after} with 90 %, by {counted(count)}; "
-                f"before {before}."
+                f"{layer.title}: the model factor of the site, real over computed, is {after}, by "
+                f"{counted(count)}; without them {before}."
             )
     return lines
 
@@ -180,7 +182,7 @@ def laboratory_in_words(site: Site, found: xr.Dataset) -> list[str]:
 def tests_in_words(found: xr.Dataset) -> list[str]:
     """A line for each test of a laboratory, beside what the others let expect."""
     return [
-        f"{kind} at {depth} m: su {strength} kPa, by the others {expected}: {is_it}."
+        f"{kind} at {depth} m: su is {strength} kPa, by the other tests {expected}: {is_it}."
         for kind, depth, strength, _, expected, is_it, _ in laboratory_rows(found)[1:]
     ]
 
@@ -207,14 +209,14 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         tests = int(np.nan_to_num(found.laboratory_tests.sel(layer=told)))
         by_sleeve = [] if "adhesion_factor" in layer.inputs else ["adhesion by the sleeve"]
         measures = ", ".join([*told_by, *by_sleeve]).replace("_", " ")
-        if layer.strength != SIMULATED and "sleeve" in measures:
-            measures += UNCHECKED
+        is_unchecked = layer.strength != SIMULATED and "sleeve" in measures
         low, middle, high = in_digits(*own.strength.mean("depth").values / 1e3)
         factor = in_digits(*own.resistance_factor.mean("depth").values)
         shares = own.error_share.mean("depth").to_series().dropna().sort_values(ascending=False)
-        largest = ", ".join(f"{name} {value:.0%}" for name, value in shares.head(4).items())
+        causes = [f"{spoken(name)} {value:.0%}" for name, value in shares.head(4).items()]
+        real = REAL_CLAY if {SITE, DEPTH} & {*shares.head(4).index} else ""
         names = (*site.test.assumed, *layer.assumed)
-        assumed = f"; not given and assumed: {', '.join(names)}" if names else ""
+        assumed = f" Not given and assumed: {', '.join(names)}." if names else ""
         felt = int(own.near_border.sum())
         removed = ", and its effect is removed at borders of the site file"
         sharp = removed if "sharpened_resistance" in found else ""
@@ -222,12 +224,12 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
         warning = " The measured values contradict the inputs as given." if few else ""
         sentences.append(
-            f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) "
-            f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}, by {measures} "
-            f"with Nkt {factor[1]}, {factor[0]} to {factor[2]}, on average over "
-            f"{int(here.sum())} depths{near}; "
-            f"error from {largest}{assumed}.{misfits(found.isel(depth=inside), told)}{warning}"
-            f"{cautions(layer, own)}"
+            f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) is "
+            f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}. "
+            f"It is found by {measures} with Nkt {factor[1]}, {factor[0]} to {factor[2]}, "
+            f"on average over {int(here.sum())} depths{near}.{UNCHECKED if is_unchecked else ''} "
+            f"Largest causes of the error: {', '.join(causes)}{real}.{assumed}"
+            f"{misfits(found.isel(depth=inside), told)}{warning}{cautions(layer, own)}"
         )
     return sentences
 
@@ -259,9 +261,10 @@ def misfits(own: xr.Dataset, title: str) -> str:
             side = "below" if mean < least else "above" if mean > largest else "within"
             low, middle, high = in_digits(least, mean, largest)
             words.append(
-                f"{name} is {middle}{unit}, {side} what the inputs allow, {low} to {high}{unit}"
+                f" The mean {name} is {middle}{unit}, {side} what the inputs allow, "
+                f"{low} to {high}{unit}."
             )
-    return f" On average {'; '.join(words)}." if words else ""
+    return "".join(words)
 
 
 def in_digits(low: float, middle: float, high: float) -> list[str]:

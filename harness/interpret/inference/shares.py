@@ -16,7 +16,7 @@ from scipy.special import expit
 
 from mpm_warp.grid.fitted import Floats, Integers
 
-TOGETHER = "together"
+TOGETHER = "causes_together"
 """The part of the variance that several causes have only jointly."""
 KNOTS = 24
 """Knots between the smallest and the largest draw. One cause alone then has 99 % or more."""

@@ -155,6 +155,16 @@ def test_another_criterion_is_named_in_brackets_and_another_su_is_told() -> None
     assert "no confidence interval" in text
 
 
+def test_a_column_is_explained_without_references_too() -> None:
+    """The place in the envelope, what was simulated, and the two parts of the factor."""
+    dataset = result(10.0, material=["von_mises"])
+    text = cone_factor_table(dataset.assign(cone_factor_simulated=dataset.cone_factor))
+    assert "envelope" in text.splitlines()[1]
+    notes = "envelope: least to", "as simulated: before the correction", "normal part, shear part: "
+    assert all(f"\n{note}" in text for note in notes)
+    assert "as simulated" not in cone_factor_table(dataset)
+
+
 def test_a_tolerance_holds_for_cases_of_the_criterion_by_every_reading() -> None:
     limits = {"lu_2004": 0.2, "yu_2000": 0.05}
     computed = result(10.0, material=["tresca", "von_mises"])

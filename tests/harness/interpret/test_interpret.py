@@ -228,7 +228,7 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     header, row, *_ = (here / "results/mine_interpretation.csv").read_text().splitlines()
     assert header.startswith("depth [m],qc [kPa],fs [kPa],u2 [kPa],qt [kPa],error of qt [kPa],")
     assert ",su 95% [kPa],share of rigidity_index [1]," in header
-    assert header.endswith(",share of together [1],reason")
+    assert header.endswith(",share of causes_together [1],reason")
     assert row.endswith(",no layer")
     said = read_attributes(here / "results/mine_interpretation.nc")
     assert [said[name] for name in ("commit", "mpm_warp_version")] == [

@@ -166,10 +166,15 @@ def test_tests_at_a_site_tell_its_strength(folder: Path) -> None:
     assert before[2] / before[0] > 3.0
     assert after[1] == pytest.approx(2.0, rel=0.05)
     assert after[2] / after[0] < 1.3
-    assert "by 10 laboratory tests of this site, by tip" in in_words(site, found)[0]
+    assert "by 10 laboratory tests of this site. It is found by tip" in in_words(site, found)[0]
     nkt, factor = laboratory_in_words(site, found)
-    assert nkt == "site Nkt, mobilised: mean 22.6, deviation 0.0, number 10."
-    assert re.match(r"2 to 10 m: model factor of the site (2\.0|1\.9)", factor)
+    assert (
+        nkt
+        == "Nkt of the site by mobilised: mean 22.6, standard deviation 0.0, 10 laboratory tests."
+    )
+    assert re.match(
+        r"2 to 10 m: the model factor of the site, real over computed, is (2\.0|1\.9)", factor
+    )
     assert {row[-2] for row in laboratory_rows(found)[1:]} == {"inside"}
 
 

@@ -104,8 +104,8 @@ def test_the_line_of_an_exact_site_is_that_of_the_ground(folder: Path) -> None:
         assert middle == pytest.approx(exact, rel=3e-4)
         assert (high - low) / middle == pytest.approx(2.0 * half, rel=0.02)
     (said,) = lines_in_words(found)
-    assert said.startswith("2 to 10 m: line su = 8.")
-    assert " z kPa from 2 to 10 m: 11." in said
+    assert said.startswith("2 to 10 m: line su = a + b z = 8.")
+    assert " z kPa from z = 2 to 10 m. It has 11." in said
     heading, row = line_table(site, found)
     assert dict(zip(heading, row, strict=True))["b 50% [kPa/m]"].startswith("1.5")
     assert len(line_rows(found)) == 2

@@ -119,10 +119,10 @@ def test_a_mode_without_evidence_has_the_widest_band() -> None:
 @pytest.mark.parametrize(
     ("mode", "told"),
     [
-        ("mobilised", "with 90 %, without a laboratory test of this site, by tip"),
-        ("simple_shear", "this site, with a model factor not measured in this mode, by tip"),
-        ("triaxial_compression", "of this site, with a model factor as in practice, by tip"),
-        ("isotropic", "for simulated clay, from which real clay departs, by tip"),
+        ("mobilised", "with 90 %, without a laboratory test of this site. It is found by tip"),
+        ("simple_shear", "this site, with a model factor not measured in this mode. It"),
+        ("triaxial_compression", "of this site, with a model factor as in practice. It is"),
+        ("isotropic", "for simulated clay, from which real clay departs. It is"),
     ],
 )
 def test_a_sentence_says_what_the_band_rests_on(folder: Path, mode: str, told: str) -> None:
@@ -187,8 +187,8 @@ def test_the_sleeve_does_not_tell_the_model_factor(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "mode", "told"),
     [
-        (("[test]", 'use = ["tip", "sleeve"]\n[test]'), "mobilised", "by tip, sleeve, of which"),
-        (("= 0.4", '= "sleeve"'), "mobilised", "by tip, adhesion by the sleeve, of which"),
+        (("[test]", 'use = ["tip", "sleeve"]\n[test]'), "mobilised", "by tip, sleeve with Nkt"),
+        (("= 0.4", '= "sleeve"'), "mobilised", "by tip, adhesion by the sleeve with Nkt"),
         (("= 0.4", '= "sleeve"'), "isotropic", ""),
         (("= 0.4", "= 0.4"), "mobilised", ""),
     ],
@@ -199,4 +199,4 @@ def test_a_sleeve_that_counts_is_said_to_be_unchecked(
     site = load_site(changed(folder, change, ("isotropic", mode)))
     (sentence,) = in_words(site, interpret(site))
     assert told in sentence
-    assert ("the sleeve is not checked on real ground, with" in sentence) == bool(told)
+    assert (". The sleeve is not checked on real ground. " in sentence) == bool(told)

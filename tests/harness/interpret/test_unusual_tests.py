@@ -267,7 +267,7 @@ def test_only_what_tells_something_is_named(folder: Path) -> None:
     path = changed(folder, ("[test]", 'use = ["tip", "sleeve", "pore_pressure"]\n[test]'))
     site = load_site(path)
     (told,) = in_words(site, interpret(site))
-    assert ", by tip, pore pressure with Nkt" in told
+    assert " by tip, pore pressure with Nkt" in told
 
 
 def test_no_digit_is_finer_than_a_tenth_of_the_band() -> None:
