@@ -84,21 +84,23 @@ def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Data
 
 
 def with_laboratory(
-    found: xr.Dataset, tests: Sequence[LaboratoryTest], expected: Floats, in_mode: Floats
+    found: xr.Dataset,
+    tests: Sequence[LaboratoryTest],
+    net: Floats,
+    expected: Floats,
+    in_mode: Floats,
 ) -> xr.Dataset:
     """A result with the tests of a laboratory.
 
     Args:
         found: the result.
         tests: those that are beside a depth with a strength.
+        net: net resistance of the clay of their layer at their depths [Pa], shape [tests].
         expected: percentiles of su by the other tests [Pa], shape [tests, percentiles].
         in_mode: su brought to the mode of the layer [Pa], shape [tests].
     """
     depth = np.array([test.depth for test in tests])
     strength = 1e3 * np.array([test.strength for test in tests])
-    has_draws = found.ground_strength.notnull()  # a sample in a seam has the clay around it
-    resistance = found.net_resistance.where(has_draws).dropna("depth")
-    net = np.interp(depth, resistance.depth.values, resistance.values)
     told: dict[str, Any] = {
         "laboratory_depth": (depth, "m", "depth of the sample"),
         "laboratory_strength": (strength, "Pa", "strength su of the test"),

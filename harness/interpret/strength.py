@@ -133,12 +133,7 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         if not len(here):
             arrays["draws"][number] = 0.0
             continue
-        if DRAW_BYTES * len(here) * site.samples > (most := memory_of_machine()):
-            raise StudyError(
-                f"{site.name}.toml: samples = {site.samples}: with {len(here)} depths in the layer "
-                f"{layer.title} at most {int(most / DRAW_BYTES / len(here))} fit into "
-                f"{most / 1e9:.3g} GB of memory"
-            )
+        _refuse_too_large(site, layer, len(here))
         notes += _unused(site, layer, measures_of(site.test, used, here, layer.strength))
         drawn = draw(site, number, used, here)
         mean, *depths = np.stack([drawn.beside[name] for name in MEASURES[1:]], axis=1)
@@ -147,7 +142,10 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         counting = calibrated(layer, drawn, tests[number], others)
         if counting is not None:
             arrays["laboratory_tests"][number] = len(counting.measurements)
-            beside_others.append(judged(layer, counting, tests[number], drawn, site.seed))
+            own_net = tests[number].at_tests(depth[here], used.net_resistance.values[here])
+            beside_others.append(
+                (own_net, *judged(layer, counting, tests[number], drawn, site.seed))
+            )
         clay = stated(layer, drawn, counting)
         chosen, arrays["draws"][number] = chosen_draws(clay.log_likelihood, site.seed)
         _fill(arrays, causes, number, here, drawn, clay, chosen)
@@ -200,6 +198,16 @@ def _fill(
             before = clay.before.get(cause, draws)
             arrays["input_before"][number, place] = np.percentile(before, PERCENTILES)
             arrays["input_after"][number, place] = np.percentile(draws[chosen], PERCENTILES)
+
+
+def _refuse_too_large(site: Site, layer: Layer, depths: int) -> None:
+    """Refuse draws of a layer that do not fit into the memory."""
+    if DRAW_BYTES * depths * site.samples > (most := memory_of_machine()):
+        raise StudyError(
+            f"{site.name}.toml: samples = {site.samples}: with {depths} depths in the layer "
+            f"{layer.title} at most {int(most / DRAW_BYTES / depths)} fit into "
+            f"{most / 1e9:.3g} GB of memory"
+        )
 
 
 def _refuse_without_values(site: Site, test: xr.Dataset) -> None:

@@ -32,6 +32,10 @@ class Compared:
     tests: tuple[LaboratoryTest, ...]
     factor: Floats  # ln(qnet / su) - ln Nkt, for the mode of each test, shape [tests, draws]
 
+    def at_tests(self, depth: Floats, values: Floats) -> Floats:
+        """Values of the layer by depth, at the depths of its tests, shape [tests]."""
+        return np.interp([test.depth for test in self.tests], depth, values)
+
     @property
     def variance(self) -> float:
         """Variance of the factors by the inputs of the layer, which its tests share."""

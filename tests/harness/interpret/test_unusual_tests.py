@@ -98,16 +98,26 @@ def test_a_row_on_a_border_is_of_the_lower_layer_alone(folder: Path) -> None:
     assert float(row.strength[1] / found.sel(depth=5.9, method="nearest").strength[1]) < 0.9
 
 
-def test_nkt_of_a_sample_in_a_seam_of_sand_is_that_of_the_clay_around_it(folder: Path) -> None:
-    tables = '[[laboratory]]\ndepth = 6.0\nstrength = 20\ntest = "CAUC"\n'
+@pytest.mark.parametrize("below", ["sand", "another layer"])
+def test_nkt_of_a_sample_is_by_the_clay_of_its_layer(folder: Path, below: str) -> None:
+    tables = '[[laboratory]]\ndepth = 5.95\nstrength = 20\ntest = "CAUC"\n'
     path = changed(folder, ('"isotropic"', '"mobilised"'))
     path.write_text(path.read_text() + tables)
     plain = interpret(load_site(path))
-    rewritten(folder, "qc", 10.0, slice(ROW - 1, ROW + 2))
-    rewritten(folder, "u2", "49.05", slice(ROW - 1, ROW + 2))
-    seam = interpret(load_site(path))
-    assert "used" not in reasons(seam)[ROW - 1 : ROW + 2]
-    np.testing.assert_allclose(seam.laboratory_factor, plain.laboratory_factor, rtol=1e-6)
+    if below == "sand":
+        rewritten(folder, "qc", 10.0, slice(ROW, ROW + 2))
+        rewritten(folder, "u2", "49.05", slice(ROW, ROW + 2))
+    else:
+        rewritten(folder, "qc", 0.5, slice(ROW, None))
+        layer = path.read_text().partition("[[layer]]")[2].partition("[[laboratory]]")[0]
+        changed(
+            folder,
+            (LAYER_ENDS, "from = 2\nto = 6"),
+            ("[[laboratory]]", f"[[layer]]{layer}{tables[:14]}"),
+        )
+        changed(folder, (LAYER_ENDS, "from = 6\nto = 10"))
+    other = interpret(load_site(path))
+    np.testing.assert_allclose(other.laboratory_factor, plain.laboratory_factor, rtol=0.02)
 
 
 def test_the_mean_bq_is_that_of_the_depths_with_a_pore_pressure(folder: Path) -> None:
