@@ -62,6 +62,10 @@ UNCHECKED = " The sleeve is not checked on real ground."
 REAL_CLAY = "; site and depth factor are how far real clay departs from simulated clay"
 FEWEST_DRAWS = 50
 """With fewer effective draws after weighting, the measured values contradict the inputs."""
+CONTRADICTED = (
+    " The measured values contradict the inputs as given: too few draws meet them for the band to "
+    "hold 90 %."
+)
 
 
 def without_strength(site: Site, test: xr.Dataset, causes: list[str]) -> xr.Dataset:
@@ -224,7 +228,7 @@ def in_words(site: Site, found: xr.Dataset) -> list[str]:
         sharp = removed if "sharpened_resistance" in found else ""
         near = f"; another layer is felt at {felt} of them{sharp}" if felt else ""
         few = float(found.draws.sel(layer=told)) < FEWEST_DRAWS
-        warning = " The measured values contradict the inputs as given." if few else ""
+        warning = CONTRADICTED if few else ""
         sentences.append(
             f"{told}: su ({layer.strength.replace('_', ' ')}, at {rate_in_words(layer)}) is "
             f"{middle} kPa, {low} to {high} with 90 %, {of_ground(layer, tests)}. "
