@@ -129,7 +129,11 @@ def sharpened(
 
 
 def _place(tip: Floats, logarithm: Floats, borders: Sequence[float], border: float) -> float:
-    """Depth of a border by the resistance; the given depth if another border is within `SMOOTH`."""
+    """Depth of a border by the resistance.
+
+    It is the given depth if another border is within `SMOOTH`, and if the resistance shows none:
+    the misfit then has its least value at an end of the search.
+    """
     near = np.abs(tip - border) < LOOK + REACH
     ends = tip[near][[0, -1]]
     others = [other for other in borders if other != border and ends[0] < other < ends[1]]
@@ -139,7 +143,8 @@ def _place(tip: Floats, logarithm: Floats, borders: Sequence[float], border: flo
     misfits = [
         _own_over_mean(tip[near], logarithm[near], sorted([*others, place]))[1] for place in places
     ]
-    return float(places[int(np.argmin(misfits))])
+    best = int(np.argmin(misfits))
+    return border if best in (0, len(places) - 1) else float(places[best])
 
 
 def _own_over_mean(tip: Floats, logarithm: Floats, inside: Sequence[float]) -> tuple[Floats, float]:

@@ -69,6 +69,8 @@ def test_uniform_ground_and_what_is_missing_stay() -> None:
     sharp, placed = sharpened(DEPTH, net, [2.0, 8.0], RADIUS)
     np.testing.assert_array_equal(sharp, net)
     assert placed == [2.0, 8.0]
+    growing = NET["above"] * (DEPTH + 2.0)
+    assert sharpened(DEPTH, growing, [BORDER], RADIUS)[1] == [BORDER]
 
 
 @pytest.mark.parametrize(("ratio", "before", "behind"), [(2.0, 3.0, 9.0), (0.5, 7.0, 4.0)])
