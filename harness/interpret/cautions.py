@@ -1,7 +1,7 @@
 """Cautions: what a sounding shows of clay that is not like that of the measured sites.
 
 The model factor is that of sites with a certain range of OCR and Bq (`studies/field_sites.csv`).
-A layer is judged by the medians of Bq, of Ic and of
+A layer is judged by the medians of Bq, of Ic, of Nkt and of
 
     OCR = 0.33 qnet / sigma'_v0     (Mayne 1995; Demers & Leroueil 2002)
     St = 7.5 / Fr [%]               (Rad & Lunne 1986; Fr of 0.5 to 2.2 %)
@@ -9,6 +9,7 @@ A layer is judged by the medians of Bq, of Ic and of
 all as commonly quoted. At the measured sites the first gives 0.9 to 2.0 times the measured OCR.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -23,6 +24,9 @@ SILT = 2.95
 """Greatest Ic of mixtures of silt (Robertson 2009, zone 4, as commonly quoted)."""
 MOST_SENSITIVE = 15.0
 """Sensitivity at the least Fr of its formula."""
+BEYOND = 2.0
+"""No clay is taken to have so many times the largest Nkt of the measured sites, nor that part of
+the smallest."""
 ISOTROPIC = 1.0
 """K0 above which clay is overconsolidated."""
 
@@ -40,6 +44,7 @@ def cautions(layer: Layer, own: xr.Dataset) -> str:
         "Bq": float(own.pore_pressure_ratio.median()),
         "sensitivity by Fr": SENSITIVITY / float(100.0 * own.friction_ratio.median()),
         "Ic": float(own.soil_index.median()),
+        "Nkt": float(own.resistance_factor.sel(percentile=50.0).median()),
     }
     said = ""
     if layer.strength != SIMULATED and (unlike := [*_unlike(*shown.values())]):
@@ -51,8 +56,10 @@ def cautions(layer: Layer, own: xr.Dataset) -> str:
     return said
 
 
-def _unlike(ocr: float, ratio: float, sensitivity: float, index: float) -> Iterator[str]:
-    """What a layer may be, by the four values that a sounding shows; NaN where not measured."""
+def _unlike(
+    ocr: float, ratio: float, sensitivity: float, index: float, factor: float
+) -> Iterator[str]:
+    """What a layer may be, by the five values that a sounding shows; NaN where not measured."""
     sites = measured_sites()
     most_ocr = float(np.nanmax([site.OCR for site in sites]))
     least, most = (float(end([site.Bq for site in sites])) for end in (np.min, np.max))
@@ -64,3 +71,7 @@ def _unlike(ocr: float, ratio: float, sensitivity: float, index: float) -> Itera
         yield "sensitive beyond the measured sites; quick clay is outside of the table"
     if index < SILT and ratio < least:
         yield "silt that drains in part"
+    low, high = (math.exp(end(site.measured for site in sites)) for end in (min, max))
+    if not low / BEYOND <= factor <= high * BEYOND:
+        sites_have = f"Nkt of the sites is {low:.0f} to {high:.0f}"
+        yield f"read in wrong units, or beside wrong laboratory tests; {sites_have}"

@@ -337,6 +337,10 @@ def test_a_filter_set_to_zero_on_the_sea_bed_may_read_far_below(folder: Path) ->
     assert float(below.pore_pressure[ROW]) == -998e3
 
 
+TOO_HIGH = "".join(
+    f'\n[[laboratory]]\ndepth = {depth}\nstrength = 300\ntest = "mobilised"'
+    for depth in (4, 5, 6, 7)
+)
 CAUTIONS = {
     "as the measured sites": ({}, "", ""),
     "sensitive by Bq": ({"share": 0.9}, "", "it may be sensitive beyond the measured sites"),
@@ -344,6 +348,11 @@ CAUTIONS = {
     "overconsolidated": ({"times": 6.0, "friction": 0.9}, "", "it may be overconsolidated beyond"),
     "silt": ({"share": 0.2, "times": 2.8, "friction": 0.22}, "", "it may be silt that drains"),
     "a filter with air": ({"share": -0.05}, "", "it may be soft with u2 below u0, so that"),
+    "laboratory tests ten times too high": (
+        {},
+        'strength = "mobilised"' + TOO_HIGH,
+        "it may be read in wrong units, or beside wrong laboratory tests",
+    ),
     "K0": (
         {"times": 2.0},
         'K0 = 1.2\nstrength = "simple_shear"',
