@@ -338,7 +338,7 @@ def test_a_filter_set_to_zero_on_the_sea_bed_may_read_far_below(folder: Path) ->
 
 
 TOO_HIGH = "".join(
-    f'\n[[laboratory]]\ndepth = {depth}\nstrength = 300\ntest = "mobilised"'
+    f'\n[[laboratory]]\ntest = "mobilised"\ndepth = {depth}\nstrength = 300'
     for depth in (4, 5, 6, 7)
 )
 CAUTIONS = {
