@@ -19,6 +19,7 @@ jump at a border. The measured q is then multiplied by the soil's own q over the
 """
 
 import itertools
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -43,6 +44,8 @@ far, so that its effect is not taken for one of su."""
 STIFFNESS = 0.1
 """Weight of squared jumps of ln Nkt, relative to squared errors of ln q times their length in
 radii: an error of 0.03 over 5 radii counts like a jump of 0.2 (Ir by a factor of 3)."""
+BY_CHANCE = 0.01
+"""Probability with which noise alone moves a border."""
 LOOK, STEP = 8.0, 0.5
 """A border is searched within so many radii of its given depth, in such steps. If the given depth
 is 2 radii off, nothing is gained. Borders of a thin layer are not searched, because its thickness
@@ -132,7 +135,9 @@ def _place(tip: Floats, logarithm: Floats, borders: Sequence[float], border: flo
     """Depth of a border by the resistance.
 
     It is the given depth if another border is within `SMOOTH`, and if the resistance shows none:
-    the misfit then has its least value at an end of the search.
+    the misfit then is least at an end of the search, or lower elsewhere by no more than noise
+    explains. Its variance times chi-square with two degrees of freedom, the two jumps of a border,
+    is exceeded with the probability `BY_CHANCE` at any of the places.
     """
     near = np.abs(tip - border) < LOOK + REACH
     ends = tip[near][[0, -1]]
@@ -140,11 +145,17 @@ def _place(tip: Floats, logarithm: Floats, borders: Sequence[float], border: flo
     if min(np.abs([*ends, *others] - np.array(border))) < SMOOTH:
         return border
     places = border + np.arange(-LOOK, LOOK + STEP, STEP)
-    misfits = [
-        _own_over_mean(tip[near], logarithm[near], sorted([*others, place]))[1] for place in places
-    ]
-    best = int(np.argmin(misfits))
-    return border if best in (0, len(places) - 1) else float(places[best])
+    misfits = np.array(
+        [
+            _own_over_mean(tip[near], logarithm[near], sorted([*others, place]))[1]
+            for place in places
+        ]
+    )
+    best, given = int(np.argmin(misfits)), len(places) // 2
+    noise = misfits[best] / np.count_nonzero(near)
+    most = -2.0 * math.log(BY_CHANCE / len(places)) * noise
+    is_shown = misfits[given] - misfits[best] > most
+    return float(places[best]) if is_shown and 0 < best < len(places) - 1 else border
 
 
 def _own_over_mean(tip: Floats, logarithm: Floats, inside: Sequence[float]) -> tuple[Floats, float]:

@@ -69,8 +69,14 @@ def test_uniform_ground_and_what_is_missing_stay() -> None:
     sharp, placed = sharpened(DEPTH, net, [2.0, 8.0], RADIUS)
     np.testing.assert_array_equal(sharp, net)
     assert placed == [2.0, 8.0]
-    growing = NET["above"] * (DEPTH + 2.0)
-    assert sharpened(DEPTH, growing, [BORDER], RADIUS)[1] == [BORDER]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.03])
+def test_a_border_that_the_resistance_does_not_show_stays_where_it_is_told(noise: float) -> None:
+    for seed in range(10):
+        scatter = np.random.default_rng(seed).normal(0.0, noise, DEPTH.size)
+        growing = NET["above"] * (DEPTH + 2.0) * np.exp(scatter)
+        assert sharpened(DEPTH, growing, [BORDER], RADIUS)[1] == [BORDER]
 
 
 @pytest.mark.parametrize(("ratio", "before", "behind"), [(2.0, 3.0, 9.0), (0.5, 7.0, 4.0)])
