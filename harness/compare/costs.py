@@ -167,6 +167,8 @@ def _setting(value: Any, definition: Parameter) -> Value:
 
 SMALL = 0.01
 """Stages with a smaller share of the step are listed together as "all others"."""
+BOUND_BY_MEMORY = 0.8
+"""Share of the bandwidth of a copy from which on memory is the limit of a step (roofline model)."""
 
 
 RATES = ("update_rate", "update_rate_lowest", "update_rate_highest")
@@ -209,20 +211,33 @@ def _by_size(title: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> li
 
 
 def _stage_rows(cases: xr.Dataset) -> list[str]:
+    """The stages of a step, and how much of the bandwidth of a copy each reaches."""
     stage_count = cases.stage_time.notnull().sum("stage").values
     largest = np.lexsort((cases.particle_count.values, stage_count))[-1]
     case = cases.isel(it=int(largest)).dropna("stage", subset=["stage_time"])
     case = case.sortby("stage_time", ascending=False)
-    times = case.stage_time.values
-    is_small = times < SMALL * times.sum()
+    times, moved = case.stage_time.values, case.stage_bytes.values
+    step, most = times.sum(), case.copy_rate.item() / 1e9  # bytes a nanosecond
+    is_small = times < SMALL * step
+    groups = [(f"`{case.stage.values[k]}`", np.array([k])) for k in np.flatnonzero(~is_small)]
+    if is_small.any():
+        groups.append(("all others", is_small))
     table = [
-        [f"`{case.stage.values[k]}`", f"{times[k]:.2f}", f"{times[k] / times.sum():.1%}"]
-        for k in np.flatnonzero(~is_small)
+        [
+            name,
+            f"{times[own].sum():.2f}",
+            f"{times[own].sum() / step:.1%}",
+            f"{moved[own].sum():.0f}",
+            f"{moved[own].sum() / times[own].sum() / most:.0%}",
+        ]
+        for name, own in groups
     ]
-    small = times[is_small].sum()
-    others = ["all others", f"{small:.2f}", f"{small / times.sum():.1%}"]
-    return [
-        f"A step of {case.particle_count.item():,.0f} points on one thread",
-        "",
-        *markdown_lines(["stage", "ns a point", "share of the step"], [*table, others]),
-    ]
+    reached = moved.sum() / step / most
+    limit = "memory" if reached > BOUND_BY_MEMORY else "the arithmetic of a core, not memory"
+    says = (
+        f"The step moves {moved.sum() / step:.1f} GB/s, {reached:.0%} of what a copy moves here "
+        f"({most:.1f} GB/s): its limit is {limit}."
+    )
+    title = f"A step of {case.particle_count.item():,.0f} points on one thread"
+    heading = ["stage", "ns a point", "share of the step", "bytes a point", "of a copy's bandwidth"]
+    return [title, "", *markdown_lines(heading, table), "", says]

@@ -16,6 +16,8 @@ from mpm_warp.fields.declaration import parameter
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.parts.boundaries import Fixed
 from mpm_warp.parts.window import Window
+from mpm_warp.plan.launch import Launch
+from mpm_warp.plan.plan import Plan
 from mpm_warp.results import labelled
 from mpm_warp.sampling import cost, soil_scene
 from mpm_warp.scene import Scene
@@ -30,6 +32,8 @@ LEAST_STEPS = 16
 """Least number of steps of a sample."""
 CLOCKED_STEPS = 51
 """Steps whose stages are timed."""
+REACH = 16
+"""Most items of an array that one thread of a launch looks at: nodes, or points of its cell."""
 WARM_FRACTION = 0.5
 """Least duration of the warm-up over that of a sample."""
 
@@ -71,6 +75,37 @@ def stage_times(simulation: Simulation, step_count: int) -> dict[str, float]:
     return {launch.name: taken for launch, taken in zip(step, medians, strict=True)}
 
 
+def stage_bytes(plan: Plan) -> dict[str, float]:
+    """Bytes of the arrays that each launch of a step reads or writes, by the name of its kernel.
+
+    Each item counts once, as if a cache held all that is used again: the least traffic there is.
+    """
+
+    def touched(name: str, launch: Launch) -> float:
+        array = plan.arrays[name]
+        return array.byte_count * min(1.0, REACH * launch.item_count / math.prod(array.shape))
+
+    return {
+        launch.name: sum(touched(name, launch) for name in set(launch.arrays))
+        for launch in plan.step
+    }
+
+
+def copy_rate(byte_count: int, device: wp.Device) -> float:
+    """Bytes read and written per second where a device copies half of `byte_count` to the other.
+
+    On a processor one thread copies. It is the most that memory, or a cache of that size, gives.
+    """
+    source, target = (wp.zeros(byte_count // 2, dtype=wp.uint8, device=device) for _ in range(2))
+    seconds = []
+    for _ in range(CLOCKED_STEPS):
+        start = time.perf_counter()
+        wp.copy(target, source)
+        wp.synchronize()
+        seconds.append(time.perf_counter() - start)
+    return byte_count / float(np.median(seconds))
+
+
 @dataclass(frozen=True, kw_only=True)
 class StepCost(CatalogueScene):
     """Timed steps of a cone penetration of any size, or of its soil only.
@@ -84,7 +119,7 @@ class StepCost(CatalogueScene):
     """
 
     summary = "speed of the simulator: particle updates per second, by stage"
-    version = 10
+    version = 11
     runs_alone = True
 
     size: int = parameter(5000, "material points, about", minimum=500, maximum=10_000_000)
@@ -170,9 +205,24 @@ class StepCost(CatalogueScene):
         else:
             times = stage_times(simulation, CLOCKED_STEPS)
             result["stage"] = xr.Variable("stage", list(times))
-            taken = 1e9 * np.array(list(times.values())) / simulation.particle_count
-            shown = (taken, "ns", "time of a stage per material point")
-            result |= labelled(dims=("stage",), stage_time=shown)
+            moved = stage_bytes(simulation.plan)
+            count = simulation.particle_count
+            result |= labelled(
+                dims=("stage",),
+                stage_time=(
+                    1e9 * np.array(list(times.values())) / count,
+                    "ns",
+                    "time of a stage per material point",
+                ),
+                stage_bytes=(
+                    np.array([moved[name] for name in times]) / count,
+                    "byte",
+                    "arrays of a stage per material point",
+                ),
+            )
+            rate = copy_rate(byte_count, simulation.arrays["particle.stress"].device)
+            copied = "bytes read and written per second by a copy of that size"
+            result |= labelled(role="measured", copy_rate=(rate, "byte s-1", copied))
         return xr.Dataset(result)
 
     def _with_random_stress(self, execution: Execution) -> Simulation:

@@ -291,9 +291,15 @@ def test_bench_measures_every_case_and_shows_the_stages_of_the_fullest_and_can_b
     stages = {row.split("`")[1]: row.split("|")[2:-1] for row in rows if row.startswith("| `")}
     assert stages
     times = case.stage_time.dropna("stage")
-    for name, (time, share) in stages.items():
+    rates = 1e9 * case.stage_bytes / times
+    for name, (time, share, size, bandwidth) in stages.items():
         assert time.strip() == f"{times.sel(stage=name):.2f}"
         assert share.strip() == f"{times.sel(stage=name) / times.sum():.1%}"
+        assert size.strip() == f"{case.stage_bytes.sel(stage=name):.0f}"
+        assert bandwidth.strip() == f"{(rates.sel(stage=name) / case.copy_rate).item():.0%}"
+    reached = (1e9 * case.stage_bytes.sum() / times.sum() / case.copy_rate).item()
+    assert f" {reached:.0%} of what a copy moves here " in rows[-1]
+    assert rows[-1].endswith("not memory.") == (reached <= 0.8)
     assert list(table(rows, MEMORY).values()) == [
         f"{case:.0f}" for case in dataset.array_bytes.values.flat
     ]
