@@ -55,6 +55,8 @@ DRAW_BYTES = 160
 class Readings:
     """A measured test, and which of its depths have a strength."""
 
+    site: Site
+    sharpen: bool  # whether the effect of borders on the resistance is removed
     test: xr.Dataset  # as measured
     used: xr.Dataset  # without the effect of borders, if that is asked
     placed: Sequence[float]  # depths of the borders as they are found [m]
@@ -78,18 +80,21 @@ class Readings:
             if is_by_sleeve(layer):
                 lacking = ~(test.sleeve_friction.values > 0.0) & (reason == 0)
                 reason[lacking & (in_layer == number)] = REASONS.index("value missing")
-        return cls(test, used, placed, in_layer, reason, notes)
+        return cls(site, sharpen, test, used, placed, in_layer, reason, notes)
 
     def here(self, number: int) -> np.ndarray:
         """Indices of the depths of a layer that have a strength."""
         return np.flatnonzero((self.in_layer == number) & (self.reason == 0))
 
+    def laboratory(self) -> list[Compared]:
+        """The tests of a laboratory beside the cone, by layer."""
+        layers = range(len(self.site.layers))
+        return [compared(self.site, number, self.used, self.here(number)) for number in layers]
+
 
 def laboratory_beside(site: Site, *, sharpen: bool = False) -> list[Compared]:
     """The tests of a laboratory of a site beside its cone, by layer."""
-    readings = Readings.of(site, sharpen)
-    layers = range(len(site.layers))
-    return [compared(site, number, readings.used, readings.here(number)) for number in layers]
+    return Readings.of(site, sharpen).laboratory()
 
 
 def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] = ()) -> xr.Dataset:
@@ -111,65 +116,107 @@ def interpret(site: Site, *, sharpen: bool = False, beside: Sequence[Compared] =
         StudyError: the file of the test is wrong, or an input of a layer leaves the table.
     """
     readings = Readings.of(site, sharpen)
-    test, used, notes = readings.test, readings.used, readings.notes
-    depth, radius = test.depth.values, test.attrs["cone_radius"]
-    names = dict.fromkeys(name for layer in site.layers for name in inputs_of(site, layer))
-    by_sleeve = [FRICTION] if any(map(is_by_sleeve, site.layers)) else []
-    of_model = [SITE, DEPTH] if any(layer.strength != SIMULATED for layer in site.layers) else []
-    of_test = [WEIGHT, MEASUREMENT, *([UNMEASURED] if test.attrs["drawn_share"] else [])]
-    causes = [*names, *of_test, *by_sleeve, TABLE_ERROR, *of_model, TOGETHER]
-    found = without_strength(site, test, causes)
-    arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
-    reason, strength, share = (arrays[name] for name in ("reason", "strength", "error_share"))
-    reason[:] = readings.reason
-    tests = [
-        compared(site, number, used, readings.here(number)) for number in range(len(site.layers))
-    ]
+    found = without_strength(site, readings.test, _causes(site, readings.test))
+    tests, work = readings.laboratory(), _Work.of(readings, found)
     beside_others = []
-    sand = edges_of_runs(depth, np.isin(reason, SAND))
-    near = near_border(depth, test.net_resistance.values, [*readings.placed, *sand], radius)
-    for number, layer in enumerate(site.layers):
-        here = readings.here(number)
-        if not len(here):
-            arrays["draws"][number] = 0.0
-            continue
-        _refuse_too_large(site, layer, len(here))
-        notes += _unused(site, layer, measures_of(site.test, used, here, layer.strength))
-        drawn = draw(site, number, used, here)
-        mean, *depths = np.stack([drawn.beside[name] for name in MEASURES[1:]], axis=1)
-        arrays["measure_mean"][number], arrays["measure_at_depth"][here] = mean, depths
+    for number in range(len(site.layers)):
         others = [*tests[:number], *tests[number + 1 :], *beside]
-        counting = calibrated(layer, drawn, tests[number], others)
-        if counting is not None:
-            arrays["laboratory_tests"][number] = len(counting.measurements)
-            own_net = tests[number].at_tests(depth[here], used.net_resistance.values[here])
-            beside_others.append(
-                (own_net, *judged(layer, counting, tests[number], drawn, site.seed))
-            )
-        clay = stated(layer, drawn, counting)
-        chosen, arrays["draws"][number] = chosen_draws(clay.log_likelihood, site.seed)
-        _fill(arrays, causes, number, here, drawn, clay, chosen)
-        outside = drawn.outside > MOST_OF_ANISOTROPY
-        left, own_only = here[outside], ~near[here] | sharpen
-        line = line_figures(depth[here], ~outside, own_only, drawn, clay, chosen, site.seed)
-        for name, values in line.items():
-            arrays[name][number] = values
-        reason[left] = REASONS.index("Delta beyond the table")
-        strength[left] = arrays["resistance_factor"][left] = share[left] = np.nan
+        if (judgement := work.interpret(number, tests[number], others)) is not None:
+            beside_others.append(judgement)
     meaning = "1 where the resistance feels another layer"
-    own: dict[str, Any] = {"near_border": (near.astype(np.int8), "1", meaning)}
+    own: dict[str, Any] = {"near_border": (work.near.astype(np.int8), "1", meaning)}
     if sharpen:
         told = "net resistance without the effect of borders"
-        own["sharpened_resistance"] = (used.net_resistance.values, "Pa", told)
+        own["sharpened_resistance"] = (readings.used.net_resistance.values, "Pa", told)
     kept = [test for group in tests for test in group.tests]
     if kept:
         found = with_laboratory(found, kept, *map(np.concatenate, zip(*beside_others, strict=True)))
-    notes += [
+    notes = work.notes + [
         f"the laboratory test at {test.depth:g} m is not used: no strength of real clay beside it"
         for test in site.laboratory
         if test not in kept
     ]
     return found.assign(labelled(dims=("depth",), **own)).assign_attrs(notes="; ".join(notes))
+
+
+def _causes(site: Site, test: xr.Dataset) -> list[str]:
+    """Causes of the error of the strength: inputs, errors of the test, the table and the model."""
+    names = dict.fromkeys(name for layer in site.layers for name in inputs_of(site, layer))
+    of_test = [WEIGHT, MEASUREMENT, *([UNMEASURED] if test.attrs["drawn_share"] else [])]
+    by_sleeve = [FRICTION] if any(map(is_by_sleeve, site.layers)) else []
+    of_model = [SITE, DEPTH] if any(layer.strength != SIMULATED for layer in site.layers) else []
+    return [*names, *of_test, *by_sleeve, TABLE_ERROR, *of_model, TOGETHER]
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """A site whose layers are interpreted one after the other, into the arrays of its result."""
+
+    readings: Readings
+    causes: Sequence[str]
+    arrays: Mapping[str, np.ndarray]  # of the result, by name; a layer writes its part of each
+    near: np.ndarray  # whether a depth feels another layer
+    notes: list[str]
+
+    @classmethod
+    def of(cls, readings: Readings, found: xr.Dataset) -> "_Work":
+        """With a result in which nothing is interpreted yet."""
+        arrays = {str(name): variable.values for name, variable in found.data_vars.items()}
+        arrays["reason"][:] = readings.reason
+        test = readings.test
+        sand = edges_of_runs(test.depth.values, np.isin(readings.reason, SAND))
+        near = near_border(
+            test.depth.values,
+            test.net_resistance.values,
+            [*readings.placed, *sand],
+            test.attrs["cone_radius"],
+        )
+        causes = [str(name) for name in found.cause.values]
+        return cls(readings, causes, arrays, near, [*readings.notes])
+
+    def interpret(
+        self, number: int, tests: Compared, others: Sequence[Compared]
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Interpret a layer.
+
+        Args:
+            number: of the layer.
+            tests: those of a laboratory in the layer.
+            others: those in the other layers, and beside other soundings of the site.
+
+        Returns:
+            Net resistance beside each test of the layer, and what `judged` says of it; None where
+            no test of a laboratory counts.
+        """
+        site, arrays, used = self.readings.site, self.arrays, self.readings.used
+        layer, here = site.layers[number], self.readings.here(number)
+        if not len(here):
+            arrays["draws"][number] = 0.0
+            return None
+        _refuse_too_large(site, layer, len(here))
+        self.notes.extend(_unused(site, layer, measures_of(site.test, used, here, layer.strength)))
+        drawn = draw(site, number, used, here)
+        mean, *depths = np.stack([drawn.beside[name] for name in MEASURES[1:]], axis=1)
+        arrays["measure_mean"][number], arrays["measure_at_depth"][here] = mean, depths
+        counting = calibrated(layer, drawn, tests, others)
+        clay = stated(layer, drawn, counting)
+        chosen, arrays["draws"][number] = chosen_draws(clay.log_likelihood, site.seed)
+        _fill(arrays, self.causes, number, here, drawn, clay, chosen)
+        outside = drawn.outside > MOST_OF_ANISOTROPY
+        depth = used.depth.values[here]
+        own_only = ~self.near[here] | self.readings.sharpen
+        line = line_figures(depth, ~outside, own_only, drawn, clay, chosen, site.seed)
+        for name, values in line.items():
+            arrays[name][number] = values
+        left = here[outside]
+        arrays["reason"][left] = REASONS.index("Delta beyond the table")
+        for name in ("strength", "resistance_factor", "error_share"):
+            arrays[name][left] = np.nan
+        if counting is None:
+            return None
+        arrays["laboratory_tests"][number] = len(counting.measurements)
+        net = tests.at_tests(depth, used.net_resistance.values[here])
+        return net, *judged(layer, counting, tests, drawn, site.seed)
 
 
 def _fill(
