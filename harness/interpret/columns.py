@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy  # loads integrators where they are first used: a run waits for none
 
 from harness.interpret.forms import AXES
 from harness.interpret.plausible import check_units, without_lost
@@ -234,5 +234,5 @@ def _corrected(length: Floats, angles: Sequence[Floats]) -> Floats:
         if known.any():
             slope += np.tan(np.interp(length, length[known], angle[known])) ** 2
     cosine = 1.0 / np.sqrt(1.0 + slope)
-    depth: Floats = length[0] + cumulative_trapezoid(cosine, length, initial=0.0)
+    depth: Floats = length[0] + scipy.integrate.cumulative_trapezoid(cosine, length, initial=0.0)
     return depth

@@ -8,8 +8,8 @@ stress exponent 1, as in clay), all as commonly quoted.
 """
 
 import numpy as np
+import scipy  # loads integrators where they are first used: a run waits for none
 import xarray as xr
-from scipy.integrate import cumulative_trapezoid
 
 from harness.interpret.columns import read_columns
 from harness.interpret.forms import COLUMNS, WATER, ByDepth
@@ -170,7 +170,7 @@ def vertical_stress(test: MeasuredTest, depth: Floats) -> Floats:
     # The weight is linear between the given depths, so fine steps integrate it well enough.
     fine = np.linspace(0.0, depth[-1], 4001)
     values = np.interp(fine, weight.depth, weight.value)
-    total = cumulative_trapezoid(values, fine, initial=0.0)
+    total = scipy.integrate.cumulative_trapezoid(values, fine, initial=0.0)
     stress: Floats = above + np.interp(depth, fine, total)
     return stress
 

@@ -4,7 +4,7 @@ They stand in site files and under [vary] of a study; harness/interpret/README.m
 write them. Given percentiles are joined by straight lines. The first and the last line are extended
 to 0 and 100 %.
 
-SciPy is imported inside functions because it takes half a second to load.
+The quantiles are written out: `scipy.stats` takes a second to load.
 """
 
 import functools
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy  # loads special functions where they are first used: no other study waits for them
 
 from harness.study.tables import is_number, table_schema
 from mpm_warp.fields.declaration import Form, Parameter, Refused, Schema, bounds_schema, parameter
@@ -62,9 +63,7 @@ def normal(deviation: float) -> Input:
     """A normally distributed error with mean 0 and this standard deviation, in its unit."""
     if deviation == 0.0:
         return known(0.0)
-    from scipy.stats import norm
-
-    return Input(f"0 +- {deviation:g}", lambda share: norm.ppf(share, scale=deviation))
+    return Input(f"0 +- {deviation:g}", lambda share: deviation * scipy.special.ndtri(share))
 
 
 def is_distribution(value: Mapping[str, Any]) -> bool:
@@ -108,35 +107,43 @@ def _read(value: Any, field: Parameter) -> "Input | str":
 
 def _distribution(value: dict[str, float | str]) -> Quantiles:
     """The quantiles of a distribution that is given as a table of the file."""
-    from scipy import stats
-
     if len(value) > 1 and all(re.fullmatch(PERCENTILE, name) for name in value):
         return _of_percentiles(value)
     if not any(value.keys() == set(form) for form in FORMS):
         raise Refused(f"must be {HOW}")
     shape = value.get("shape", "normal")
-    chosen: Any
     match {name: float(entry) for name, entry in value.items() if name != "shape"}:
         case {"low": low, "high": high} if not low < high:
             raise Refused("low must be below high")
         case {"low": low, "mode": mode, "high": high}:
             if not low <= mode <= high:
                 raise Refused("mode must be from low to high")
-            chosen = stats.triang((mode - low) / (high - low), low, high - low)
+            return _triangular(low, mode, high)
         case {"low": low, "high": high} if low > 0.0 and high / low > WIDE_RANGE:
-            chosen = stats.loguniform(low, high)
+            start, factor = np.log(low), np.log(high) - np.log(low)
+            return lambda share: np.exp(start + share * factor)
         case {"low": low, "high": high}:
-            chosen = stats.uniform(low, high - low)
+            return lambda share: low + share * (high - low)
         case {"deviation": deviation} if not deviation > 0.0:
             raise Refused("deviation must be > 0; give an exact value as a number")
         case {"mean": mean, "deviation": deviation} if shape == "lognormal" and mean > 0.0:
             width = np.sqrt(np.log1p((deviation / mean) ** 2))
-            chosen = stats.lognorm(width, scale=mean * np.exp(-0.5 * width**2))
+            median = mean * np.exp(-0.5 * width**2)
+            return lambda share: median * np.exp(width * scipy.special.ndtri(share))
         case {"mean": mean, "deviation": deviation} if shape == "normal":
-            chosen = stats.norm(mean, deviation)
+            return lambda share: mean + deviation * scipy.special.ndtri(share)
         case _:
             raise Refused("shape must be normal, or lognormal with a mean > 0")
-    quantiles: Quantiles = chosen.ppf
+
+
+def _triangular(low: float, mode: float, high: float) -> Quantiles:
+    rising = (mode - low) / (high - low)
+
+    def quantiles(share: Floats) -> Floats:
+        before = np.sqrt(rising * share)
+        after = 1.0 - np.sqrt((1.0 - rising) * (1.0 - share))
+        return low + (high - low) * np.where(share < rising, before, after)
+
     return quantiles
 
 

@@ -43,7 +43,7 @@ def wave_factor(scene: Scene, angular_frequency: float, time_step: float) -> com
     return complex(factor)
 
 
-def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
+def step_matrix(scene: Scene, time_step: float) -> "scipy.sparse.csc_array":
     """The matrix of a step, of the unknowns (v_p, v_i, sigma_zz, sigma_rz)."""
     diagonal, identity = scipy.sparse.diags_array, scipy.sparse.eye_array
     grid, material, fixed = scene.grid, scene.material, scene.find(Fixed)
@@ -90,7 +90,7 @@ def step_matrix(scene: Scene, time_step: float) -> scipy.sparse.csc_array:
     return scipy.sparse.csc_array(scipy.sparse.block_array(rows) + unchanged, dtype=complex)
 
 
-def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_array:
+def _shares(grid: Grid, position: Floats, cell: Integers) -> "scipy.sparse.csc_array":
     """Shape functions of the nodes at particles, shape [node_count, particle_count]."""
     column, row = cell.T
     along = position[:, 0] / grid.fitted_radius - grid.columns[column]
@@ -100,7 +100,7 @@ def _shares(grid: Grid, position: Floats, cell: Integers) -> scipy.sparse.csc_ar
     return _from_nodes(grid, nodes, bilinear(xi, eta)[0].T).T.tocsc()
 
 
-def _from_nodes(grid: Grid, nodes: Integers, values: Floats) -> scipy.sparse.csc_array:
+def _from_nodes(grid: Grid, nodes: Integers, values: Floats) -> "scipy.sparse.csc_array":
     """Matrix [n, node_count] of sums over four nodes with the weights `values` [n, 4]."""
     row = np.repeat(np.arange(len(nodes)), 4)
     shape = (len(nodes), grid.node_count)
