@@ -50,7 +50,7 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     """Write a netCDF file with its digest, whole or not at all."""
     # The file is made in memory. On a full disk the netCDF library only says "HDF error" and keeps
     # the broken file open, so that its space is not freed until the process ends.
-    image = _image(dataset.assign_attrs(format_version=FORMAT_VERSION))
+    image = netcdf_image(dataset.assign_attrs(format_version=FORMAT_VERSION))
     write_whole(b"".join((image, _digest(image))), path)
 
 
@@ -131,8 +131,12 @@ def _digest(content: bytes | memoryview) -> bytes:
     return _MARK + hashlib.sha256(content).hexdigest().encode()
 
 
-def _image(dataset: xr.Dataset) -> memoryview:
-    image: memoryview = dataset.to_netcdf(engine="netcdf4", encoding=_encoding(dataset))
+def netcdf_image(dataset: xr.Dataset) -> memoryview:
+    """The content of a netCDF file, without its digest."""
+    # Not `to_netcdf`, which first loads Dask where it is installed: as long as all else here takes.
+    file = netCDF4.Dataset("in memory", "w", memory=0)
+    dataset.dump_to_store(NetCDF4DataStore(file, mode="w"), encoding=_encoding(dataset))
+    image: memoryview = file.close()
     return image[: _end(image)]  # HDF5 enlarges a file in memory in steps of 64 KiB
 
 

@@ -26,6 +26,7 @@ from harness.archive.conventions import (
     stated,
     with_role,
 )
+from harness.archive.netcdf_files import netcdf_image
 from harness.compare.differences import differing
 from harness.errors import in_one_line
 from harness.run.resources import (
@@ -123,7 +124,7 @@ def _curves_of(error: Exception) -> xr.Dataset:
 def load_libraries() -> None:
     """Load the libraries of results now, so that all cases have the same memory left."""
     nothing = xr.Dataset({"nothing": ((), 0.0)})
-    xr.merge([nothing, nothing]).to_netcdf(engine="netcdf4")
+    netcdf_image(xr.merge([nothing, nothing]))
 
 
 def run_case(
