@@ -31,12 +31,11 @@ class Check:
 
     @property
     def runs(self) -> list[CatalogueScene]:
-        """The scene at each resolution; of several the coarsest comes twice, to compile kernels."""
+        """The scene at each resolution."""
         verification, scene = self.verification, scene_class(self.scene)
-        first = verification.resolutions[:1] if len(verification.resolutions) > 1 else ()
         return [
             scene(**verification.settings, **{verification.resolution: resolution})
-            for resolution in (*first, *verification.resolutions)
+            for resolution in verification.resolutions
         ]
 
     @property
@@ -151,7 +150,7 @@ def verify(check: Check) -> Verified:
             outcomes.append((scene.run(), ""))
         except Exception as error:
             outcomes.append((None, in_one_line(error)))
-    results, messages = zip(*outcomes[-len(check.verification.resolutions) :], strict=True)
+    results, messages = zip(*outcomes, strict=True)
     return Verified(check=check, results=results, messages=messages)
 
 
