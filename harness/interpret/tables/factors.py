@@ -111,11 +111,11 @@ class Along:
     ) -> dict[str, Floats]:
         """The first of QUANTITIES by name, shape [..., soils]."""
         x, y = scaled(MOVING[0], stress_anisotropy), scaled(MOVING[1], adhesion_factor)
-        values = {}
-        for place, name in enumerate(QUANTITIES[:quantities]):
-            values[name] = sum(
-                weight[place] * x**a * y**b for (a, b), weight in self.weights.items()
-            )
+        weights, powers = self.weights.values(), [x**a * y**b for a, b in self.weights]
+        values = {
+            name: sum(it[place] * power for it, power in zip(weights, powers, strict=True))
+            for place, name in enumerate(QUANTITIES[:quantities])
+        }
         return _whole(
             values,
             rigidity_index=self.rigidity_index,

@@ -65,6 +65,7 @@ def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
     return content.getvalue()
 
 
+@functools.cache
 def _is_valid_math(words: str) -> bool:
     """Whether matplotlib can set the mathematics in a text; texts from files may be invalid."""
     lines = filter(is_math_text, words.splitlines())  # each is set by itself
