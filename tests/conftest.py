@@ -13,6 +13,9 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+"""Threads of NumPy that wait for one another would take the cores from the processes of `-n`."""
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """The option that makes the hostile tests try thousands of cases, and compares all figures."""

@@ -103,7 +103,8 @@ def harness(
         if file_size:
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
 
-    command = [*(before or []), sys.executable, "-m", "harness", *arguments]
+    # -B: bytecode of the program would be cut as well, and stay so.
+    command = [*(before or []), sys.executable, "-B", "-m", "harness", *arguments]
     result = finished(command, preexec_fn=bound)
     assert "Traceback" not in result.stderr
     return result.returncode, result.stderr.splitlines()
