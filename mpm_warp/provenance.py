@@ -74,7 +74,7 @@ def sources_digest(package: str) -> str:
         for place in places or ()
         for file in Path(place).rglob("*.py")
     }
-    if not places and single is not None:
+    if not places and single is not None and Path(single).is_file():  # no file: typed in
         files = {Path(single).name: Path(single)}
     digest = hashlib.sha256()
     for name in sorted(files):

@@ -38,7 +38,7 @@ from mpm_warp.parts.moving_wall import MovingWall
 from mpm_warp.parts.surrounding_ground import SurroundingGround, TravellingSource
 from mpm_warp.parts.window import Approach, Window
 from mpm_warp.results import Drawn, curves, labelled
-from mpm_warp.sampling import Samples, follow
+from mpm_warp.sampling import ContactForces, Samples, follow
 from mpm_warp.scene import Part, Scene
 from mpm_warp.scenes.bearing.on_ground import CircularFooting, ConeBearing, StripFooting
 from mpm_warp.scenes.blocks.flying_block import FlyingBlock

@@ -163,11 +163,23 @@ def cost(simulation: Simulation) -> dict[str, xr.Variable]:
 
 
 class ContactForces:
-    """Mean forces of the soil at the nodes of a contact since they were last taken."""
+    """Mean forces of the soil at the nodes of a contact since they were last taken, or made.
+
+    Example:
+        >>> simulation = Simulation(StripFooting(cells_per_radius=2).build())
+        >>> forces = ContactForces(simulation)
+        >>> simulation.advance(10)
+        >>> forces.take().shape  # of the normal and the tangential force [N]
+        (3, 2)
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._taken_at = simulation.time
+        self._begin()
+
+    def _begin(self) -> None:
+        self._simulation.assign("contact.impulse", 0.0)
+        self._taken_at = self._simulation.time
 
     def take(self) -> Floats:
         """Normal and tangential force per radian [N], shape [contact node_count, 2].
@@ -181,8 +193,7 @@ class ContactForces:
                 f"contact forces: taken at t = {self._taken_at:.4g} s already; take steps before"
             )
         forces: Floats = simulation.array("contact.impulse") / (simulation.time - self._taken_at)
-        simulation.assign("contact.impulse", 0.0)
-        self._taken_at = simulation.time
+        self._begin()
         return forces
 
 

@@ -110,7 +110,7 @@ class Scene(Checked):
     """Soil in a grid and the parts that act on it. SI units; stress is in excess of in-situ stress.
 
     Attributes:
-        grid: the background grid; all cells below its ground level are full of soil.
+        grid: the background grid, full of soil up to its ground level and its soil radius.
         material: the law of the soil.
         parts: all that acts on the soil, moves the grid or is recorded.
 

@@ -57,6 +57,7 @@ class Grid(Checked):
         planar: whether strain is plane; r is then a Cartesian coordinate.
         ground_level: height of the initial surface of the soil, above the lowest row [m];
             default: the grid is full.
+        soil_radius: radius of its initial side [m], > 0; default: as wide as the grid.
 
     Raises:
         SceneError: a value is not allowed.
@@ -87,6 +88,7 @@ class Grid(Checked):
     )
     planar: bool = False
     ground_level: float = math.inf
+    soil_radius: float = math.inf
     polar = False
     """Whether cells are in distance and angle, see `mpm_warp.grid.polar`."""
 
@@ -104,6 +106,8 @@ class Grid(Checked):
         if self.ground_level != math.inf:
             above_bottom = Range(above=float(self.rows[0]))
             check_number("Grid: ground_level", self.ground_level, above_bottom, unit="m")
+        if self.soil_radius != math.inf:
+            check_number("Grid: soil_radius", self.soil_radius, POSITIVE, unit="m")
 
     def weight(self, radius: Floats) -> Floats:
         """Volume per area of the half plane (r, z) at radii [m]: r, or 1 in plane strain, [...]."""

@@ -43,7 +43,7 @@ a whole cell.
 
 import functools
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import warp as wp
@@ -51,7 +51,7 @@ import warp as wp
 from mpm_warp.errors import SceneError
 from mpm_warp.fields.checks import FROM_ONE, check_nodes, check_whole
 from mpm_warp.fields.declaration import parameter
-from mpm_warp.grid.fitted import Floats, Integers
+from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.strength_beside import add_strength_beside, strength_changes
@@ -62,6 +62,8 @@ PRESSURE_ROUNDING = 1e-3
 """Mean pressure over the in-situ stress that counts as rounding, not as contact."""
 UNIT_ROUNDING = 1e-6
 """Allowed difference of the length of a unit normal from 1."""
+AXIS_ROUNDING = 1e-12
+"""Distance from the axis, over the radius of the grid, that counts as rounding."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,6 +128,43 @@ class SurfaceContact(Part):
                 "SurfaceContact: normal_areas are all 0, must be > 0 at one node at least"
             )
 
+    @classmethod
+    def on(
+        cls,
+        grid: Grid,
+        rows: Integers,
+        *,
+        adhesion: float = 0.0,
+        in_situ_stress: float,
+        speed: float = 0.0,
+    ) -> Self:
+        """Contact of the surface that a grid is fitted to, on some of its rows of nodes.
+
+        Normals are those of the consistent area vectors, the integrals of N n over the surface, so
+        that no net flow passes through it. Soil on the axis moves along it alone: there they are
+        vertical.
+
+        Args:
+            grid: its first column of nodes is on the surface.
+            rows: the rows in contact, shape [node_count].
+            adhesion: largest adhesion [Pa], >= 0.
+            in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0.
+            speed: speed at which the body sinks into a grid that rests [m/s].
+        """
+        nodes = grid.node(0, rows)
+        vectors = -grid.wall_vectors[rows]
+        from_axis = np.abs(grid.node_positions[nodes, 0])
+        vectors[from_axis <= AXIS_ROUNDING * grid.outer_radius, 0] = 0.0
+        areas = np.linalg.norm(vectors, axis=1)
+        return cls(
+            nodes=nodes,
+            normals=vectors / areas[:, None],
+            normal_areas=areas,
+            adhesion_forces=adhesion * areas,
+            in_situ_stress=in_situ_stress,
+            speed=speed,
+        )
+
     def check(self, scene: Scene) -> None:
         """Check that the grid has the nodes, in its first column if the strength changes."""
         check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
@@ -179,6 +218,14 @@ class SurfaceContact(Part):
     def bound_of_friction(self) -> Floats | None:
         """Greatest shear forces with friction [N], shape [node_count]; None: no bound."""
         return self.strength_forces if self.friction > 0.0 else None
+
+    def upward_force(self, forces: Floats) -> float:
+        """Upward part [N] of normal and tangential `forces` of the soil [N], [node_count, 2].
+
+        It acts on a radian of a round body, or on half of a symmetric one in plane strain.
+        """
+        normals = self.normals
+        return float(np.sum(forces[:, 0] * normals[:, 1] - forces[:, 1] * normals[:, 0]))
 
     def share_in_touch(self, forces: Floats) -> float:
         """Share of the area in contact, from mean normal `forces` [N], shape [node_count]."""

@@ -178,9 +178,6 @@ def cone(fitted: Grid) -> Scene:
     """Clay in a window that travels with a cone and its shaft: a scene with most of the parts."""
     clay = Tresca(shear_modulus=2e6, poissons_ratio=0.3, density=1700.0, strength=20e3)
     row = np.flatnonzero(fitted.rows >= 0.0)  # from the tip upward
-    vectors = -fitted.wall_vectors[row]
-    vectors[0, 0] = 0.0  # on the axis nothing moves sideways
-    areas = np.linalg.norm(vectors, axis=1)
     return Scene(
         grid=fitted,
         material=clay,
@@ -190,13 +187,7 @@ def cone(fitted: Grid) -> Scene:
         parts=(
             axis_and_ends(fitted),
             FarField.around(fitted, clay),
-            SurfaceContact(
-                nodes=fitted.node(0, row),
-                normals=vectors / areas[:, None],
-                normal_areas=areas,
-                adhesion_forces=0.5 * clay.strength * areas,
-                in_situ_stress=400e3,
-            ),
+            SurfaceContact.on(fitted, row, adhesion=0.5 * clay.strength, in_situ_stress=400e3),
             Window(speed=1.0, ramp_travel=0.5, spare_fraction=0.15),
             ConservativeInterpolation(),
             EnergyAudit(),

@@ -96,10 +96,11 @@ def test_what_points_carry_has_a_place_for_each_slot(floating: Scene, cone: Scen
 
 
 def test_a_grid_without_a_point_is_refused(floating: Scene) -> None:
-    level = 0.01 * floating.grid.rows[1]
-    empty = dataclasses.replace(floating.grid, ground_level=level)
-    with pytest.raises(SceneError, match="no material point is in the grid"):
-        make_plan(dataclasses.replace(floating, grid=empty))
+    level = 0.01 * float(floating.grid.rows[1])
+    for border in ("ground_level", "soil_radius"):
+        empty = dataclasses.replace(floating.grid, **{border: level})
+        with pytest.raises(SceneError, match="no material point is in the grid"):
+            make_plan(dataclasses.replace(floating, grid=empty))
 
 
 def test_what_nobody_can_plan_is_a_type_error() -> None:

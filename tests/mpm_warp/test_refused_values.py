@@ -153,6 +153,7 @@ MADE = [
         surface_radius=[np.zeros(3), np.full(4, 2.0), np.full(4, -0.1), np.full(4, NAN)],
         planar=["no"],
         ground_level=[NAN, -1.0],
+        soil_radius=[NAN, 0.0],
     ),
     made(
         PolarGrid,

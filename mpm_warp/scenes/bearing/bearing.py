@@ -85,7 +85,7 @@ class Bearing(CatalogueScene):
         """Load over area and su, from normal and tangential forces at the contact nodes [n, 2]."""
         # Forces act on half a body in plane strain, or on a radian of a round one.
         area = RADIUS if scene.grid.planar else 0.5 * RADIUS**2
-        return upward_force(scene[SurfaceContact], nodal) / (area * STRENGTH)
+        return scene[SurfaceContact].upward_force(nodal) / (area * STRENGTH)
 
     @property
     def cell_size(self) -> float:
@@ -192,15 +192,6 @@ class Bearing(CatalogueScene):
                 results,
             )
         return results
-
-
-def upward_force(contact: SurfaceContact, nodal: Floats) -> float:
-    """Force of the soil on half a body of unit length or on a radian of one, upward positive [N].
-
-    `nodal` has the normal and tangential forces at the nodes [N], shape [node_count, 2].
-    """
-    normals = contact.normals
-    return float(np.sum(nodal[:, 0] * normals[:, 1] - nodal[:, 1] * normals[:, 0]))
 
 
 def plateau(displacement: Floats, load: Floats) -> float:

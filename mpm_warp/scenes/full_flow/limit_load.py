@@ -68,15 +68,10 @@ class FullFlow(Bearing):
 
     def contact(self, grid: Grid) -> SurfaceContact:
         """Contact all around the body."""
-        vectors = -grid.wall_vectors
-        vectors[[0, -1], 0] = 0.0  # soil on the line of travel stays there
-        areas = np.linalg.norm(vectors, axis=1)
-        rows = np.arange(grid.row_count + 1)
-        return SurfaceContact(
-            nodes=grid.node(np.zeros_like(rows), rows),
-            normals=vectors / areas[:, None],
-            normal_areas=areas,
-            adhesion_forces=self.adhesion_factor * STRENGTH * areas,
+        return SurfaceContact.on(
+            grid,
+            np.arange(grid.row_count + 1),
+            adhesion=self.adhesion_factor * STRENGTH,
             in_situ_stress=NO_PARTING,
             speed=self.speed,
         )

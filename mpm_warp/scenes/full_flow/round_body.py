@@ -1,7 +1,7 @@
 """A ball below a thin shaft, or a cylinder: its outline, grid, contact and resistance."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,6 @@ from mpm_warp.grid.fitted import Floats, Grid, nodal_areas
 from mpm_warp.parts.contact import SurfaceContact
 from mpm_warp.results import curves
 from mpm_warp.sampling import ContactForces, soil_scene
-from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.cone.penetration import RESISTANCE_OVER_STRENGTH, penetration_axis
 from mpm_warp.simulation import Simulation
 from mpm_warp.uncertainty.steadiness import SAMPLE_SPACING
@@ -62,28 +61,19 @@ class RoundBody:
     def contact(self, grid: Grid, *, adhesion: float, in_situ_stress: float) -> SurfaceContact:
         """Contact at all nodes of the surface of a fitted grid, from the lower pole upward.
 
-        Normals are those of the consistent area vectors, so that no net flow passes through the
-        surface. The nodes of the poles are on the axis too: both hold the soil there, of which the
-        flow leaves few material points. The adhesion of ball or bar and the in-situ stress are in
-        Pa, >= 0; the shaft is smooth.
+        The nodes of the poles are on the axis too: both hold the soil there, of which the flow
+        leaves few material points. The adhesion of ball or bar and the in-situ stress are in Pa,
+        >= 0; the shaft is smooth.
         """
         off_axis = np.flatnonzero(grid.surface_radius > 0.0)
         upper_end = min(off_axis[-1] + 1, grid.row_count)
         rows = np.arange(off_axis[0] - 1, upper_end + 1, dtype=np.int32)
         radius, height = grid.surface_radius[rows], grid.rows[rows]
-        weight = grid.weight(radius)
         rise, lean = np.diff(height), np.diff(radius)
-        vectors = -grid.wall_vectors[rows]
-        vectors[radius == 0.0, 0] = 0.0
-        normal_areas = np.linalg.norm(vectors, axis=1)
         of_body = np.where(lean != 0.0, np.hypot(lean, rise), 0.0)
-        return SurfaceContact(
-            nodes=grid.node(0, rows),
-            normals=vectors / normal_areas[:, None],
-            normal_areas=normal_areas,
-            adhesion_forces=adhesion * nodal_areas(weight, of_body),
-            in_situ_stress=in_situ_stress,
-        )
+        areas = nodal_areas(grid.weight(radius), of_body)
+        contact = SurfaceContact.on(grid, rows, in_situ_stress=in_situ_stress)
+        return replace(contact, adhesion_forces=adhesion * areas)
 
 
 class ResistanceSamples:
@@ -102,7 +92,7 @@ class ResistanceSamples:
 
     def sample(self) -> None:
         """Append the mean force since the sample before."""
-        self.forces.append(upward_force(self._contact, self._contact_forces.take()))
+        self.forces.append(self._contact.upward_force(self._contact_forces.take()))
 
     @property
     def resistance(self) -> Floats:

@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 import xarray as xr
@@ -34,6 +35,14 @@ def cases(small: Study, tmp_path: Path) -> list[Case]:
     now = {SOURCES: f"mpm_warp {sources_digest('mpm_warp')}"}
     keep(small, tmp_path, *[DONE.assign_attrs(EARLIER | now)] * 3)
     return list(small.cases)
+
+
+def test_a_scene_that_is_typed_in_has_no_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where Python reads a script from its input, `__main__` has the file "<stdin>"."""
+    typed = ModuleType("typed_in")
+    typed.__file__ = "<stdin>"
+    monkeypatch.setitem(sys.modules, "typed_in", typed)
+    assert sources_digest("typed_in") == "none"
 
 
 @pytest.mark.usefixtures("cases")

@@ -85,14 +85,17 @@ def test_particles_give_nodes_their_exact_share(rectilinear: Grid) -> None:
     np.testing.assert_allclose(moment, exact, rtol=ROUNDING)
 
 
-def test_there_is_no_particle_above_the_ground(rectilinear: Grid) -> None:
-    """A level between the two layers of a row: what is below it is as in a grid that is full."""
+def test_there_is_no_particle_above_the_ground_or_beside_it(rectilinear: Grid) -> None:
+    """A border between two points of a cell: what is inside is as in a grid that is full."""
     level = 0.5 * (rectilinear.rows[1] + rectilinear.rows[2])
-    ground = dataclasses.replace(rectilinear, ground_level=level)
-    full, seed = (seed_rows(it, it.row_count, 2) for it in (rectilinear, ground))
-    below = full.position[:, 1] < level
-    for found, expected in zip(seed, full, strict=True):
-        np.testing.assert_array_equal(found, expected[below])
+    side = 0.5 * rectilinear.fitted_radius * (rectilinear.columns[1] + rectilinear.columns[2])
+    for border, axis, at in (("ground_level", 1, level), ("soil_radius", 0, side)):
+        ground = dataclasses.replace(rectilinear, **{border: at})
+        full, seed = (seed_rows(it, it.row_count, 2) for it in (rectilinear, ground))
+        inside = full.position[:, axis] < at
+        assert 0 < inside.sum() < len(inside)
+        for found, expected in zip(seed, full, strict=True):
+            np.testing.assert_array_equal(found, expected[inside])
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,19 @@ import dataclasses
 import numpy as np
 import pytest
 
-from mpm_warp import ConservativeInterpolation, PassingSurface, Scene, Simulation, Window
+from mpm_warp import (
+    ConservativeInterpolation,
+    ContactForces,
+    Fixed,
+    FreeSurface,
+    Grid,
+    PassingSurface,
+    Scene,
+    Simulation,
+    SurfaceContact,
+    Tresca,
+    Window,
+)
 
 LEVEL_ROW = 5
 """Number of the row of nodes at the surface."""
@@ -75,3 +87,48 @@ def test_a_point_near_the_surface_takes_its_share_of_the_velocity_of_the_grid(
     np.testing.assert_allclose(part, 0.75 * own + 0.25 * whole, rtol=0.0, atol=1e-15)
     np.testing.assert_array_equal(part[is_deep], own[is_deep])
     assert np.abs(own - whole)[is_near].max() > 1e-4
+
+
+@pytest.mark.parametrize(
+    ("cells", "beyond", "told"),  # cells a metre; of them the last; what `own_scene.md` says
+    [(4, 0.0, "2.00"), (8, 0.0, "1.99"), (4, 0.5, "1.92"), (8, 0.5, "1.96")],
+)
+def test_clay_in_a_wider_grid_bears_twice_its_strength(
+    cells: int, beyond: float, told: str
+) -> None:
+    """Half a block 1 m wide between smooth plates, which shorten it by 0.2 %.
+
+    The load is known to half a cell where its side is within one. On a column it is known to that
+    strain, by which the block is wider and the share of it beyond the column is not supported.
+    """
+    strength, height, strain, width = 1e3, 2.0, 2e-3, 1.0 + beyond / cells
+    edges = np.linspace(0.0, height, 2 * cells + 1)
+    grid = Grid(
+        columns=edges / height,
+        rows=edges,
+        surface_radius=0.0 * edges,
+        fitted_radius=height,
+        planar=True,
+        soil_radius=width,
+    )
+    clay = Tresca(shear_modulus=1e6, poissons_ratio=0.3, density=1700.0, strength=strength)
+    nodes = grid.node(np.arange(len(edges)), np.full(len(edges), grid.row_count))
+    plate = SurfaceContact(
+        nodes=nodes,
+        normals=np.tile([0.0, 1.0], (len(nodes), 1)),
+        normal_areas=np.full(len(nodes), 1.0 / cells),
+        adhesion_forces=np.zeros(len(nodes)),
+        in_situ_stress=0.0,
+        speed=2e-5 * clay.shear_wave_speed,
+    )
+    base = Fixed.on(grid, radial=["axis"], vertical=["bottom"])
+    parts = (base, plate, FreeSurface())
+    simulation = Simulation(Scene(grid=grid, material=clay, bulk_viscosity=0.2, parts=parts))
+    end = strain * height / plate.speed
+    simulation.advance_to(0.75 * end)
+    forces = ContactForces(simulation)
+    simulation.advance_to(end)
+    load = plate.upward_force(forces.take()) / (strength * width)
+    known_to = 2.0 * strain + beyond / cells / width
+    assert load == pytest.approx(2.0, rel=known_to)
+    assert f"{load:.2f}" == told

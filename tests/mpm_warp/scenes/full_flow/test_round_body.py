@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from mpm_warp import Grid, SurfaceContact
-from mpm_warp.scenes.bearing.bearing import upward_force
 from mpm_warp.scenes.full_flow.cyclic import CyclicTBar
 from mpm_warp.scenes.full_flow.round_body import RoundBody
 
@@ -61,7 +60,7 @@ def test_uniform_pressure_acts_on_the_area_of_the_shaft_alone(body: RoundBody, a
     """On the whole it pushes by its value times the area where no soil is, pi rs^2 over 2 pi."""
     _, contact = around(body)
     pressure = np.stack([7.0 * contact.normal_areas, 0.0 * contact.normal_areas], axis=-1)
-    assert upward_force(contact, pressure) == pytest.approx(7.0 * area, abs=1e-11)
+    assert contact.upward_force(pressure) == pytest.approx(7.0 * area, abs=1e-11)
     np.testing.assert_allclose(np.linalg.norm(contact.normals, axis=1), 1.0, rtol=ROUNDING)
 
 
@@ -85,7 +84,7 @@ def test_the_shaft_is_smooth_and_shear_of_soil_that_flows_up_lifts_the_body() ->
     nodal = np.zeros((len(contact.nodes), 2))
     # Soil that flows up past the body, d = (0, 1), drags it up: J = +1 along (n_z, -n_r) = (0, 1).
     nodal[widest, 1] = 1.0
-    assert upward_force(contact, nodal) == pytest.approx(1.0, abs=0.1)
+    assert contact.upward_force(nodal) == pytest.approx(1.0, abs=0.1)
 
 
 def test_normals_at_the_poles_are_vertical() -> None:
