@@ -55,11 +55,10 @@ def test_the_front_door_has_the_test_command_that_the_gate_runs() -> None:
 
 
 @pytest.mark.slow
-def test_the_front_doors_python_runs(folder: Path) -> None:
-    from_python, from_file = (run(block, folder) for block in blocks(README.read_text()))
-    assert f"`{from_python.strip()}`" in README.read_text()
-    assert (folder / "resistance.png").stat().st_size > 0
-    assert from_file.count("completed") == 15
+def test_the_front_doors_python_runs(tmp_path: Path) -> None:
+    (block,) = blocks(README.read_text())
+    assert f"`{run(block, tmp_path).strip()}`" in README.read_text()
+    assert (tmp_path / "resistance.png").stat().st_size > 0
 
 
 @pytest.mark.slow

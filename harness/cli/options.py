@@ -137,6 +137,7 @@ def make_parser() -> Parser:
         epilog="first steps:\n"
         "  harness run adhesion_factor    the main job, in a minute\n"
         "  harness new my_study           a study of your own, to be edited and run\n"
+        "  harness tour                   a notebook: all of it from Python\n"
         "  harness help COMMAND           options and examples of a command",
     )
     parser.add_argument("--version", action="version", version=_version())

@@ -89,7 +89,7 @@ def _texts(given: Any, field: Parameter) -> dict[str, str]:
 
 def _measures(given: Any, field: Parameter) -> tuple[str, ...]:
     listed = isinstance(given, list | tuple) and all(measure in MEASURES for measure in given)
-    if not listed or given[:1] != [MEASURES[0]]:
+    if not listed or [*given[:1]] != [MEASURES[0]]:
         raise Refused(f"must be a list of {', '.join(MEASURES)}, the tip first")
     return tuple(given)
 

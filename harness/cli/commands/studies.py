@@ -1,4 +1,4 @@
-"""The commands before a run: new, list, describe, schema, references and plan."""
+"""The commands before a run: new, tour, list, describe, schema, references and plan."""
 
 import argparse
 import json
@@ -40,7 +40,7 @@ from harness.study.description import (
     study_text,
     warn_of_unusual_values,
 )
-from harness.study.files import NAME_RULE, STUDY_NAME, find_study, study_names
+from harness.study.files import NAME_RULE, STUDY_NAME, find_study, studies_folder, study_names
 from harness.study.schema import study_schema
 from harness.study.study import is_scene, load_study, study_of_scene
 from mpm_warp.errors import ParameterError, SceneError, UnknownSceneError
@@ -96,6 +96,17 @@ def _site_text(test: Path) -> str:
         if keys[key].bounds.holds(it, it) and not (key == "water_level" and it < 0.0)
     }
     return site_text(test.as_posix(), allowed, soundings)
+
+
+def tour(options: argparse.Namespace) -> int:
+    """Write a copy of the notebook that ships."""
+    path = Path("tour.ipynb")
+    if path.exists() or path.is_symlink():
+        raise HarnessError(f"{path}: exists already; open it, or go to another folder")
+    write_whole((studies_folder() / path).read_bytes(), path)
+    tell("open it in Jupyter; pip install 'mpm-warp[notebook]' installs what runs it")
+    say(path)
+    return DONE
 
 
 def list_names(options: argparse.Namespace) -> int:

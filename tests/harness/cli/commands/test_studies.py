@@ -9,7 +9,7 @@ import pytest
 
 from harness.cli.main import main
 from harness.run.verify import checks_of
-from harness.study.files import read_toml, study_names
+from harness.study.files import read_toml, studies_folder, study_names
 from harness.study.study import Study, load_study
 from mpm_warp.fields.declaration import own_parameters_of
 from mpm_warp.fields.flat import parameters_of
@@ -60,6 +60,12 @@ def test_defaults_that_are_uncommented_are_the_scenes_own() -> None:
     assert fixed.keys() == with_default - {"rigidity_index"}  # which varies
     edited, mine = (load_study(f"{name}.toml") for name in ("edited", "mine"))
     assert [case.key for case in edited.cases] == [case.key for case in mine.cases]
+
+
+def test_the_notebook_that_ships_is_written_once(command: Command) -> None:
+    assert command("tour").out == "tour.ipynb\n"
+    assert Path("tour.ipynb").read_bytes() == (studies_folder() / "tour.ipynb").read_bytes()
+    assert "tour.ipynb: exists already" in command("tour", code=2).err
 
 
 @pytest.mark.slow
