@@ -1,6 +1,5 @@
 """The independent method: its exact solutions, on coarse meshes, and one cone."""
 
-import os
 import sys
 
 import numpy as np
@@ -15,28 +14,17 @@ from tests.independent.flow import Boundary, Flow
 from tests.independent.verify import CHECKS
 
 
-def said(code: str) -> list[str]:
-    """What Python prints in a process of its own, whose LAPACK has one thread."""
-    done = finished([sys.executable, "-c", code], env=os.environ | {"OMP_NUM_THREADS": "1"})
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CHECKS)
 def test_the_error_of_an_exact_solution_has_its_order(name: str) -> None:
-    values = said(f"from tests.independent.verify import *; print(*CHECKS[{name!r}].pair())")
-    coarse, fine = (float(it) - CHECKS[name].exact for it in values)
+    coarse, fine = (it - CHECKS[name].exact for it in CHECKS[name].pair())
     assert np.log2(coarse / fine) == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.slow
 def test_normals_at_the_shoulder_bracket_the_cone_factor_of_the_simulation() -> None:
-    found = [
-        said(f"from tests.independent.cone import *; print(*Cone(shoulder={it!r}).factors())")
-        for it in ("face", "mean", "shaft")
-    ]
-    (face, _), (mean, before), (shaft, _) = ([*map(float, it)] for it in found)
+    found = [Cone(shoulder=it).factors() for it in ("face", "mean", "shaft")]
+    (face, _), (mean, before), (shaft, _) = found
     result = ConePenetration(rigidity_index=100, adhesion_factor=0, poissons_ratio=0.49).run()
     factor, error = float(result.cone_factor), float(result.cone_factor_uncertainty)
     assert shaft < factor - error < factor + error < face
@@ -75,6 +63,6 @@ def test_stress_turns_with_the_soil() -> None:
 
 def test_it_shares_no_code_with_the_simulator() -> None:
     code = "import sys, tests.independent.cone, tests.independent.verify; print(*sys.modules)"
-    loaded = said(code)
+    loaded = finished([sys.executable, "-c", code]).stdout.split()
     assert "tests.independent.flow" in loaded
     assert not [it for it in loaded if it.partition(".")[0] in {"mpm_warp", "harness", "warp"}]

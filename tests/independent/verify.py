@@ -109,8 +109,8 @@ def footing(rough: bool, element: float) -> float:
     flow = Flow(
         mesh, CLAY, boundary, boundary.velocity, None, lambda it: np.zeros((*it.shape[:-1], 4))
     )
-    for _ in range(40):
-        flow.advance(0.005)
+    for _ in range(20):
+        flow.advance(0.01)
     return float(-2.0 * flow.reaction[base, 1].sum())
 
 

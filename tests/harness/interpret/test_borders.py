@@ -213,13 +213,14 @@ def test_the_loop_is_closed_from_the_command_line(folder: Path, command: Command
     Away from the border within the numerical errors of the table and of the simulation, 3 % and
     1.5 %.
     """
-    out = folder / "out"
+    out, rows = folder / "out", (folder / "test.csv").read_text().splitlines()
+    (folder / "test.csv").write_text("\n".join([rows[0], *rows[36:-35]]))  # what is simulated
     told = command("interpret", folder / "site.toml", "--sharpen", "--check", "--out", out)
     assert told.out.count("simulated net resistance differs from the expected one") == 2
     assert "simulating the sounding, quick: about " in told.err
     found = xr.open_dataset(out / "site_check.nc")
-    away = (np.abs(WAY) > 15.0) & np.isfinite(found.misfit.values)
+    away = (np.abs(found.depth - BORDER) > 15.0 * RADIUS) & np.isfinite(found.misfit)
     assert away.sum() > 100
-    assert np.abs(found.misfit.values[away]).mean() < np.hypot(0.03, 0.015)
+    assert np.abs(found.misfit[away]).mean() < np.hypot(0.03, 0.015)
     assert (out / "site_check.png").exists()
     assert (out / "site_check.svg").exists()

@@ -113,7 +113,7 @@ def test_a_scheduler_that_dies_leaves_an_archive_from_which_the_study_goes_on(
     cluster: Cluster, twenty: Study, tmp_path: Path
 ) -> None:
     out = tmp_path / "out"
-    cluster.add_workers(2)
+    cluster.add_workers(1)
     run = cluster.run(twenty, out)
     wait_until(lambda: len(written(twenty, out)) >= 5)
     cluster.scheduler.kill()

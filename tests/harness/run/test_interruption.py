@@ -18,6 +18,7 @@ import xarray as xr
 
 from harness.archive import case_files, study_files
 from harness.archive.conventions import COMPLETED
+from harness.cli.main import main
 from harness.compare.differences import differing
 from harness.study.study import Study
 from tests.conftest import LIMIT, wait_until
@@ -86,6 +87,15 @@ def statuses_left(out: Path) -> list[str]:
     return [xr.load_dataset(path).attrs["status"] for path in files]
 
 
+def assert_born_deaf_to_ctrl_c(worker: psutil.Process) -> None:
+    """Held signals are inherited: at no instant of its start would a worker be interrupted."""
+    status = Path(f"/proc/{worker.pid}/status")
+    lines = status.read_text(encoding="utf-8").splitlines() if status.exists() else []
+    for line in lines:
+        if line.startswith(("SigBlk:", "SigIgn:")):  # where none can be held, it is ignored soon
+            assert int(line.split()[1], 16) & 1 << (signal.SIGINT - 1)
+
+
 @pytest.mark.parametrize(
     ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)]
 )
@@ -94,6 +104,9 @@ def test_an_interrupted_run_keeps_what_is_finished_and_nothing_else(
 ) -> None:
     out = tmp_path / "out"
     with running(stub, out, until="[1/2]") as process:
+        children = psutil.Process(process.pid).children()
+        (worker,) = (it for it in children if "spawn_main" in " ".join(it.cmdline()))
+        assert_born_deaf_to_ctrl_c(worker)
         # A terminal sends Ctrl-C, and that it is closed, to the whole group, workers included.
         send = os.kill if number is signal.SIGTERM else os.killpg
         send(process.pid, number)
@@ -134,26 +147,12 @@ def test_a_run_whose_reader_has_gone_ends_quietly(stub: Study, tmp_path: Path) -
     assert statuses_left(out) == [COMPLETED]
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads Linux's /proc")
-def test_a_worker_is_born_deaf_to_ctrl_c(stub: Study, tmp_path: Path) -> None:
-    """Held signals are inherited: at no instant of its start would a worker be interrupted."""
-    with running(stub, tmp_path / "out", until="[1/2]") as process:
-        children = psutil.Process(process.pid).children()
-        (worker,) = (it for it in children if "spawn_main" in " ".join(it.cmdline()))
-        status = Path(f"/proc/{worker.pid}/status").read_text(encoding="utf-8")
-        process.terminate()
-    lines = status.splitlines()
-    for kind in ("SigBlk:", "SigIgn:"):  # where no signal can be held, it is ignored soon after
-        (numbers,) = (line.split()[1] for line in lines if line.startswith(kind))
-        assert int(numbers, 16) & 1 << (signal.SIGINT - 1)
-
-
+@pytest.mark.usefixtures("in_this_process")
 def test_a_study_killed_at_random_goes_on(stub_offered: None, tmp_path: Path, depth: Depth) -> None:
     case_count, kills = depth(60, 200), depth(4, 10)
     text = f"[fixed]\nseconds = 0.02\n[vary]\nnumber = {list(range(case_count))}\n"
     study = study_in(tmp_path, f'title = "t"\nscene = "stub"\n{text}', name="many")
-    undisturbed = run_of(study.source, tmp_path / "whole", 2)
-    subprocess.run(undisturbed, check=True, capture_output=True, timeout=5 * LIMIT)
+    assert main(["run", str(study.source), "--out", str(tmp_path / "whole")]) == 0
 
     out = tmp_path / "killed"
     folder = case_files.case_folder(out, study)
@@ -172,8 +171,7 @@ def test_a_study_killed_at_random_goes_on(stub_offered: None, tmp_path: Path, de
         assert seen.items() <= now.items()
         seen = now
     assert 0 < len(seen) < case_count
-    goes_on = run_of(study.source, out, 2)
-    subprocess.run(goes_on, check=True, capture_output=True, timeout=5 * LIMIT)
+    assert main(["run", str(study.source), "--out", str(out)]) == 0
 
     assert seen.items() <= written(study, out).items()
     assert {path.name for path in folder.iterdir()} == {f"{case.key}.nc" for case in study.cases}
@@ -185,7 +183,7 @@ def test_a_study_killed_at_random_goes_on(stub_offered: None, tmp_path: Path, de
     assert differing(killed, whole) == []
 
 
-LATEST = 3.0
+LATEST = 2.0
 """Seconds after the birth of the workers at which the parent is killed at the latest."""
 LONG_STEPS = ["--set=seconds=1000", "--set=interval=1"]
 

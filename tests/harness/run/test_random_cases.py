@@ -26,7 +26,7 @@ from .conftest import Record
 
 pytestmark = pytest.mark.slow
 
-SECONDS, BYTES = 2.0, 1.5e9
+SECONDS, BYTES = 1.0, 1.5e9
 """What a case may take of time and of memory."""
 
 

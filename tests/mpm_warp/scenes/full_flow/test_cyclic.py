@@ -24,7 +24,7 @@ COARSE = CyclicTBar(
     cells_per_radius=2, domain_extent=4, adhesion_factor=0.5, stroke=6.0, cycle_count=2
 )
 SENSITIVE = dataclasses.replace(
-    COARSE, cells_per_radius=3, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.015
+    COARSE, cells_per_radius=3, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.03
 )
 BALL = CyclicBall(
     cells_per_radius=3,
