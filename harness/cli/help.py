@@ -17,6 +17,7 @@ SHARED_TEXT = """\
   --set KEY=VALUE: set a parameter; a list, 'KEY=[1, 2]', varies it; may be repeated
   --threads N: threads of a case, 1, 2 or 4; results do not depend on it; default: idle cores help
   --device NAME: cpu, the default, or a GPU: cuda:0, ...
+  --format FORMAT...: of the pictures: png, the default, pdf or svg; several are allowed
 """
 TEXT = """\
 [new = studies.new] write a study of your own, to edit and run
@@ -64,7 +65,7 @@ $ harness run adhesion_factor
 $ harness run my_study.toml --workers 2 --out runs
 $ harness run adhesion_factor --set rigidity_index=50 --set 'adhesion_factor=[0, 1]' --out soft
 $ harness run adhesion_factor --set material=von_mises --uncertainty --out von_mises
-  study, --out, --set, --threads, --device
+  study, --out, --set, --threads, --device, --format
   --workers N: cases that run at a time, each in its own process; default: number of cores divided
     by --threads
   --dask ADDRESS: run on the Dask cluster whose scheduler has this address
@@ -105,6 +106,7 @@ $ harness verify --extreme --out checks
   --quick: run only the cheapest check of each scene, and only if it is short; takes a minute
   --scene NAME...: scenes to check; default: all
   --extreme: run the extreme cases instead
+  --format
   --out DIR: write dataset, table and picture there
 [bench = run.bench] measure what a step costs on this machine
 Measure the speed of the simulator on this machine and print tables.
@@ -120,7 +122,7 @@ $ harness references lu_2004
 $ harness references --field
   id [ID]: name of one reference or band; default: all
   --field: Nkt of measured sites, before and after the model factor of `harness interpret`
-  --out
+  --out, --format
 [compare = results.compare] compare a result with references, or with another result
 Print a result beside references or exact solutions. With OTHER compare two results and print the
 largest difference of each scalar and curve; 0 is the same bits.
@@ -133,10 +135,10 @@ $ harness compare runs/a.nc runs/b.nc --tolerance 1e-6
   --format FORM: form of the table: text, the default, markdown, latex, or csv, which has no notes
 [plot = results.plot] draw the pictures of a result
 Draw the pictures of a result again.
-$ harness plot results/adhesion_factor.nc
+$ harness plot results/adhesion_factor.nc --format pdf
   file FILE: result of a study, netCDF
   --out DIR: folder of the pictures; default: the folder of FILE
-  --format FORMAT...: png, the default, pdf or svg; several are allowed
+  --format
 [view = results.view] draw the soil of a case around its penetrometer
 Draw the soil around the penetrometer of a case that was run with --snapshots: sections, traction
 and a film.
@@ -145,6 +147,7 @@ $ harness view results/adhesion_factor.nc --vtk --out seen
   file FILE: file of a case, or result of a study
   case [CASE]: key of the case, if FILE has several
   --out DIR: folder of the pictures; default: the folder of FILE
+  --format
   --vtk: also write points, grid and surface for ParaView
 [report = results.report] write one HTML page of results
 Write one HTML page of results, with their tables and pictures.
@@ -166,7 +169,7 @@ $ harness interpret site.toml
 $ harness interpret site.toml --laboratory triaxial.csv --out site
 $ harness interpret cpt1.toml cpt2.toml cpt3.toml
 $ harness interpret site.toml --sharpen --check
-  --out
+  --out, --format
   site SITE...: TOML file of a test and its ground
   --laboratory CSV: laboratory tests of the site; columns depth [m], strength [kPa], test, and error
   --sharpen: remove the effect of layer borders from the resistance first
@@ -179,7 +182,7 @@ studies/benchmark/README.md defines the cases.
 $ harness benchmark score
 $ harness benchmark score my_submissions --against mpm_warp_standard
 $ harness benchmark run my_submissions/here --accuracy quick
-  --out
+  --out, --format
   action run|score:
   folder [DIR]: a submission, or a folder of them
   --accuracy: accuracy of a run; default: standard

@@ -77,6 +77,8 @@ def positive_count(text: str) -> int:
 RESULTS = Path("results")
 PATHS = ("DIR", "FILE", "OTHER", "TEST", "CSV", "SITE")
 """Placeholders in the help for values that are paths."""
+FORMS = ["png", "pdf", "svg"]
+"""Formats of pictures, the default first."""
 VALUES: dict[str, dict[str, Any]] = {
     "--out": {"default": RESULTS},
     "--set": {"action": "append", "default": []},
@@ -93,7 +95,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "benchmark --accuracy": {"choices": ("quick", "standard", "fine")},
     "compare --tolerance": {"type": number("a number >= 0", least=0.0)},
     "compare --format": {"choices": ("text", "markdown", "latex", "csv"), "default": "text"},
-    "plot --format": {"choices": ("png", "pdf", "svg"), "default": ["png"]},
+    "--format": {"choices": FORMS, "default": FORMS[:1]},
     "report --out": {"type": html_file, "default": Path("report.html")},
     "recommend --error": {"type": share, "required": True},
     "recommend --results": {"default": RESULTS},

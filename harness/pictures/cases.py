@@ -17,7 +17,7 @@ from harness.archive.conventions import (
     varied_within,
 )
 from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths
-from harness.pictures.drawing.plot_parts import INK, STYLED, draw_values, series
+from harness.pictures.drawing.plot_parts import draw_values, series
 from harness.pictures.drawing.quantities import (
     assigned,
     axis_label,
@@ -26,6 +26,7 @@ from harness.pictures.drawing.quantities import (
     unit_of,
 )
 from harness.pictures.drawing.rows import labelled_rows
+from harness.pictures.drawing.style import INK, STYLED
 from harness.pictures.effects import has_few_cases, much_varied
 from harness.pictures.studied import BARS
 
@@ -46,8 +47,7 @@ def cases_figure(dataset: xr.Dataset) -> Figure | None:
         for case in range(count)
     ]
     figure, axes = labelled_rows([label or "as most" for label in labels], CASE_HEIGHT)
-    style = {"fmt": "o", "color": INK, "ms": 4, "capsize": 3}
-    rows = np.arange(float(count))
+    rows, style = np.arange(float(count)), {"fmt": "o", "color": INK}
     draw_values(axes, rows, studied.computed, studied.half_width, of_rows=True, **style)
     axes.set_xlabel(axis_label(dataset, studied.headline))
     most = [assigned(dataset, name, varied[name].value(usual[name])) for name in varied]
@@ -92,11 +92,8 @@ def scenes_figure(dataset: xr.Dataset) -> Figure | None:
     beside = np.linspace(-0.25, 0.25, len(soils))  # of the height of a row
     for (kind, cases), line in series(soils.items(), None):
         rows = np.arange(len(cases)) + beside[line.place]
-        style = {"fmt": line.marker, "color": line.colour, "ms": 4, "capsize": 3}
-        label = in_words(kind)
-        draw_values(
-            axes, rows, values[cases], half_width[cases], of_rows=True, label=label, **style
-        )
+        style = {"fmt": line.marker, "color": line.colour, "label": in_words(kind)}
+        draw_values(axes, rows, values[cases], half_width[cases], of_rows=True, **style)
     unit = units.pop() or "-"
     axes.set_xlabel(f"{', '.join(named(dataset, name) for name in headlines)} [{unit}]")
     bars = of_half_widths(dataset, BARS, are_shown=bool(np.isfinite(half_width).any()))

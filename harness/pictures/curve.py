@@ -13,7 +13,6 @@ from harness.pictures.declared import pieces_of
 from harness.pictures.drawing.caption import captioned, left_out
 from harness.pictures.drawing.plot_parts import (
     MOST_LABELS,
-    STYLED,
     end_of,
     label_ends,
     once,
@@ -21,6 +20,7 @@ from harness.pictures.drawing.plot_parts import (
     series,
 )
 from harness.pictures.drawing.quantities import Floats, Values, axis_label
+from harness.pictures.drawing.style import BAR, GREY, PAPER, STYLED
 from harness.pictures.literature import (
     draw_experience,
     draw_literature,
@@ -90,7 +90,7 @@ def draw_over(
         _draw_by_strength_of_bands(axes, studied, cases, x, line.colour)
     along.dress(axes, room)
     axes.set(xlabel=axis_label(dataset, along.name), ylabel=axis_label(dataset, studied.headline))
-    label_ends(axes, ends, size=7)
+    label_ends(axes, ends)
     return len(groups) - len(shown)
 
 
@@ -99,12 +99,12 @@ def _draw_exact(
 ) -> None:
     """Draw exact values: a line over numbers, single marks over texts."""
     dataset = studied.dataset
-    style: dict[str, Any] = {"ls": "", "marker": "_", "ms": 20} if are_texts else {"ls": "--"}
+    style: dict[str, Any] = {"ls": "", "marker": "_", "ms": BAR} if are_texts else {"ls": "--"}
     for name in with_role(dataset, Role.EXACT):
         belongs = dataset[name].attrs.get("exact_of") == studied.headline
         if belongs and set(dataset[name].dims) <= set(dataset["status"].dims):
             exact = over_cases(dataset, name)[cases]
-            axes.plot(x, exact, **style, lw=1, color="0.4", label=once(axes, "exact"))
+            axes.plot(x, exact, **style, color=GREY, label=once(axes, "exact"))
 
 
 def _draw_by_strength_of_bands(
@@ -119,4 +119,4 @@ def _draw_by_strength_of_bands(
     factors = over_cases(studied.dataset, BY_COMPRESSION)
     if not np.allclose(factors, studied.computed, equal_nan=True):
         label = once(axes, "by su in triaxial compression")
-        axes.plot(x, factors[cases], ls=":", marker="o", mfc="white", color=colour, label=label)
+        axes.plot(x, factors[cases], ls=":", marker="o", mfc=PAPER, color=colour, label=label)

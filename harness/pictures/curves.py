@@ -1,19 +1,20 @@
-"""The pictures of curves that a result declares: a line for each case, in the panels that it names.
+"""The pictures of curves that a result declares: a line per case, in the panels that it names.
 
-Up to eight cases have a colour and a label each. Of more, the colour shows the varied number that
-the ends of the curves follow most, or the scene if there are several. In a one-at-a-time study the
-first case and those that differ most from it have a colour and a label.
+Up to eight cases have a colour and a label each. Of more, if two parameters with few values are
+combined, colour shows one and dashes the other; else colour shows the varied number that the ends
+of the curves follow most, or the scene if there are several. In a one-at-a-time study the first
+case and those that differ most from it have a colour and a label.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, Normalize
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.figure import Figure
 
 from harness.archive.conventions import (
@@ -26,17 +27,14 @@ from harness.archive.conventions import (
 from harness.pictures.declared import HALF_WIDTH, Curve, Picture, picture_of, pieces_of
 from harness.pictures.drawing.caption import captioned, of_half_widths
 from harness.pictures.drawing.plot_parts import (
-    MARKERS,
     MOST_LABELS,
-    SHADES,
-    STYLED,
     CurveEnd,
     label_ends,
     panels,
-    series_colour,
-    shade,
+    series,
 )
 from harness.pictures.drawing.quantities import (
+    SYMLOG_SHARE,
     Floats,
     Values,
     assigned,
@@ -45,18 +43,14 @@ from harness.pictures.drawing.quantities import (
     named,
     wrapped,
 )
+from harness.pictures.drawing.style import DASHES, GREY, INK, SHADES, STYLED, THIN, shade
 from harness.pictures.studied import Studied
 
 JOINED = "Pieces run side by side are joined; where two overlap the curve is their mean."
-BY_DEPTH = 5.0
-"""Height of a picture all of whose panels go down the page [inch]."""
-BESIDE, UPRIGHT = 78, 44
-"""Number of letters of the labels of panels beside each other, all together, and of an upright one.
-"""
-STYLES = {"solid": "-", "dashed": "--", "dotted": ":", "dash-dotted": "-."}
-"""Styles of the lines of several curves in one panel, by their names in the caption."""
-OTHERS = "0.6"
-"""Colour of cases that are not told apart."""
+BESIDE = 96
+"""Number of letters of the labels of panels beside each other, all together."""
+STYLES = dict(zip(("solid", "dashed", "dash-dotted", "dotted"), DASHES, strict=True))
+"""Dashes of several curves in one panel, by their names in the caption."""
 FURTHEST = 5
 """Number of cases of a one-at-a-time study that have a label beside the first."""
 
@@ -69,10 +63,12 @@ class _Lines:
     labels: Mapping[int, str]
     along: Values | None = None  # the parameter that the colours show
     of_scenes: bool = False  # whether labels are of scenes
+    dashes: Mapping[int, str] = field(default_factory=dict)  # of cases whose line is not solid
+    key: Mapping[str, dict[str, Any]] = field(default_factory=dict)  # looks of values, by label
 
     def marker(self, line: int) -> str:
         """The marker of a case, by its rank."""
-        return MARKERS[[*self.colours].index(line) % len(MARKERS)]
+        return dict(series(self.colours, None))[line].marker
 
 
 @STYLED
@@ -85,7 +81,7 @@ def curves_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure | None:
     lines = _lines(dataset, picture, ends)
     is_by_depth = all(curve.place.downward for curve in picture.curves)
     count = len(picture.panels)
-    figure, all_axes = panels(count, BY_DEPTH if is_by_depth else None, sharey=is_by_depth)
+    figure, all_axes = panels(count, by_depth=is_by_depth, sharey=is_by_depth)
     if lines.along is not None:
         _scale_above(figure, all_axes, dataset, lines.along)
     told = []
@@ -134,25 +130,59 @@ def _lines(dataset: xr.Dataset, picture: Picture, ends: Mapping[int, float]) -> 
         return studied.label(of_cases[line], names) if studied and names else ""
 
     if len(ends) <= MOST_LABELS:
-        colours = {line: series_colour(rank, len(ends)) for rank, line in enumerate(ends)}
-        return _Lines(colours, {line: label(line) for line in ends}, of_scenes=len(kinds) > 1)
+        looks = dict(series(ends))
+        return _Lines(
+            {line: look.colour for line, look in looks.items()},
+            {line: label(line) for line in ends},
+            of_scenes=len(kinds) > 1,
+            dashes={line: look.dashes for line, look in looks.items()},
+        )
     if len(kinds) > 1:
         first = {scenes[case]: line for line, case in reversed(of_cases.items())}
-        of_kinds = {kind: series_colour(rank, len(kinds)) for rank, kind in enumerate(kinds)}
-        colours = {line: of_kinds[scenes[case]] for line, case in of_cases.items()}
+        of_kinds = dict(series(kinds, None))
+        colours = {line: of_kinds[scenes[case]].colour for line, case in of_cases.items()}
         return _Lines(colours, {first[kind]: in_words(kind) for kind in kinds}, of_scenes=True)
     if studied is not None and studied.is_one_at_a_time:
         told_apart = _furthest(ends)
-        colours = dict.fromkeys(ends, OTHERS)
-        for rank, line in enumerate(told_apart):
-            colours[line] = series_colour(rank, len(told_apart))
+        colours = dict.fromkeys(ends, GREY)
+        colours |= {line: look.colour for line, look in series(told_apart)}
         return _Lines(colours, {line: label(line) for line in told_apart})
+    if studied is not None and all(len(panel) == 1 for panel in picture.panels):
+        varied = [studied.varied[name] for name in names]
+        if studied.is_combined and (lines := _by_colour_and_dashes(dataset, of_cases, varied)):
+            return lines
     along = _followed(studied, of_cases, ends)
     if along is None:
-        return _Lines(dict.fromkeys(ends, OTHERS), {})
+        return _Lines(dict.fromkeys(ends, GREY), {})
     norm = _norm(along)
     numbers = {line: along.numbers[case] for line, case in of_cases.items()}
     return _Lines({it: shade(float(norm(number))) for it, number in numbers.items()}, {}, along)
+
+
+def _by_colour_and_dashes(
+    dataset: xr.Dataset, of_cases: Mapping[int, int], varied: Sequence[Values]
+) -> _Lines | None:
+    """Lines whose colour shows one of two parameters, and whose dashes the other with fewer values.
+
+    None if not two vary, or if colours or dashes do not suffice.
+    """
+    sizes = [it.different.size for it in varied]
+    if len(sizes) != 2 or min(sizes) > len(DASHES) or max(sizes) > MOST_LABELS:
+        return None
+    by_dashes, by_colour = sorted(varied, key=lambda it: it.different.size)
+    colours = {it: {"color": line.colour} for it, line in series(by_colour.different.tolist())}
+    dashes = {it: {"color": INK, "ls": line.dashes} for it, line in series(by_dashes.different)}
+    key = {
+        assigned(dataset, shown.name, shown.value(value)): look
+        for shown, looks in ((by_colour, colours), (by_dashes, dashes))
+        for value, look in looks.items()
+    }
+    return _Lines(
+        {line: colours[by_colour.numbers[case]]["color"] for line, case in of_cases.items()},
+        {},
+        dashes={line: dashes[by_dashes.numbers[case]]["ls"] for line, case in of_cases.items()},
+        key=key,
+    )
 
 
 def _with_scene(dataset: xr.Dataset, case: int) -> str:
@@ -189,7 +219,11 @@ def _followed(
 
 
 def _norm(along: Values) -> Normalize:
-    return (LogNorm if along.scale == "log" else Normalize)(*along.different[[0, -1]])
+    """Colours are spaced as on the axis of the parameter."""
+    low, high = along.different[[0, -1]]
+    if along.scale == "symlog":
+        return SymLogNorm(along.different[1], SYMLOG_SHARE, low, high)
+    return (LogNorm if along.scale == "log" else Normalize)(low, high)
 
 
 def _scale_above(
@@ -200,7 +234,7 @@ def _scale_above(
     bar = figure.colorbar(scale, ax=all_axes, location="top", aspect=50, pad=0.02)
     along.dress(bar.ax, room=10)
     bar.ax.set_xlim(*along.different[[0, -1]])
-    bar.set_label(axis_label(dataset, along.name), fontsize=8)
+    bar.set_label(axis_label(dataset, along.name))
 
 
 def _draw(axes: Axes, curve: Curve, lines: _Lines, style: str, *, is_named: bool) -> list[str]:
@@ -212,20 +246,20 @@ def _draw(axes: Axes, curve: Curve, lines: _Lines, style: str, *, is_named: bool
     if curve.along:
         case = curve.changes_most
         rows = curve.lines(case)
-        for place, values in enumerate(rows):  # from light to dark: the last one is dark
-            colour = series_colour(len(rows) - 1 - place, max(2, len(rows)))
-            line(curve.x[case], values, color=colour, lw=0.9)
+        looks = reversed([look for _, look in series(range(max(2, len(rows))), None)])
+        for values, look in zip(rows, looks, strict=False):  # the last one is dark
+            line(curve.x[case], values, color=look.colour)
         whose = f" of {label}" if (label := lines.labels.get(case, "")) else ""
         return [f"Lines{whose} by {curve.along}, from light to dark."]
     for case, colour in lines.colours.items():
         own = np.isfinite(curve.x[case])
         x, values = curve.x[case][own], curve.values[case][own]
         if curve.place.as_marks:
-            marks = {"marker": lines.marker(case), "ms": 4, "clip_on": False}
-            line(x, values, color=colour, ls="", **marks)
+            line(x, values, color=colour, ls="", marker=lines.marker(case), clip_on=False)
         else:
-            width = 1.2 if case in lines.labels else 0.6
-            line(x, values, color=colour, ls=STYLES[style], lw=width)
+            width = None if case in lines.labels or lines.key else THIN
+            dashes = STYLES[style] if is_named else lines.dashes.get(case, "-")
+            line(x, values, color=colour, ls=dashes, lw=width)
     return [f"{style.capitalize()}: {curve.name}."] if is_named else []
 
 
@@ -234,7 +268,7 @@ def _dress(axes: Axes, curves: Sequence[Curve], letters: int) -> None:
     first = curves[0]
     of_values, of_other = ("x", "y") if first.place.downward else ("y", "x")
     labels = {of_values: first.label, of_other: first.over}
-    axes.set(xlabel=wrapped(labels["x"], letters), ylabel=wrapped(labels["y"], UPRIGHT))
+    axes.set(xlabel=wrapped(labels["x"], letters), ylabel=labels["y"])
     if not any((curve.values < 0.0).any() for curve in curves):
         axes.set(**{f"{of_values}lim": (0.0, None)})
     if first.place.downward:
@@ -260,7 +294,7 @@ def _draw_slope(axes: Axes, dataset: xr.Dataset, cases: np.ndarray, slope: str) 
     values = over_cases(dataset, slope)[cases].astype(float)
     high = axes.get_xlim()[1]
     for value in np.unique(values[np.isfinite(values)]):
-        axes.plot([0.0, high], [0.0, value * high], ls="--", lw=0.8, color="0.4", scaley=False)
+        axes.plot([0.0, high], [0.0, value * high], ls="--", color=GREY, scaley=False)
     axes.set_xlim(0.0, high)
     return [f"Dashed: {named(dataset, slope)}."]
 
@@ -268,7 +302,8 @@ def _draw_slope(axes: Axes, dataset: xr.Dataset, cases: np.ndarray, slope: str) 
 def _label(axes: Axes, picture: Picture, ends: Mapping[int, float], lines: _Lines) -> Axes | None:
     """Label the lines of a single panel at their ends, else in a legend; the axes that have it."""
     told = {case: label for case, label in lines.labels.items() if label}
-    if len(picture.panels) == 1 and not (lines.of_scenes or picture.curves[0].place.downward):
+    at_ends = not (lines.of_scenes or lines.key or picture.curves[0].place.downward)
+    if len(picture.panels) == 1 and at_ends:
         x = picture.curves[0].x
         label_ends(
             axes,
@@ -276,11 +311,13 @@ def _label(axes: Axes, picture: Picture, ends: Mapping[int, float], lines: _Line
                 CurveEnd(np.nanmax(x[case]), ends[case], label, lines.colours[case])
                 for case, label in told.items()
             ],
-            size=7,
         )
         return None
     marks = any(curve.place.as_marks for curve in picture.curves)
     for case, label in told.items():
-        marker, dashes = (lines.marker(case), "") if marks else ("", "-")
-        axes.plot([], [], color=lines.colours[case], label=label, marker=marker, ls=dashes)
+        dashes = lines.dashes.get(case, "-")
+        marker, ls = (lines.marker(case), "") if marks else ("", dashes)
+        axes.plot([], [], color=lines.colours[case], label=label, marker=marker, ls=ls)
+    for label, look in lines.key.items():
+        axes.plot([], [], label=label, **look)
     return axes

@@ -3,7 +3,9 @@
 The effect is found by a fit where parameters vary together, and seen where each changes alone.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,7 +16,7 @@ from harness.archive.conventions import MISSING, Role, over_cases
 from harness.compare.compared import stored_references, where_it_applies
 from harness.compare.effects import Effects, Input, effects_of
 from harness.pictures.drawing.caption import captioned, not_completed
-from harness.pictures.drawing.plot_parts import ACCENT, INK, STYLED, draw_values, once
+from harness.pictures.drawing.plot_parts import draw_values, once
 from harness.pictures.drawing.quantities import (
     MOST_LETTERS,
     Floats,
@@ -27,6 +29,7 @@ from harness.pictures.drawing.quantities import (
     wrapped,
 )
 from harness.pictures.drawing.rows import MOST_ROWS, height_in_row, label_of_row, labelled_rows
+from harness.pictures.drawing.style import ACCENT, BAND, DOT, GREY, INK, OTHER_DASHES, STYLED, THIN
 from harness.pictures.literature import colours_of
 from harness.pictures.studied import Studied, changing
 from harness.references.reference import COMPARED
@@ -35,7 +38,7 @@ LEAST_PARAMETERS = 3
 ROW_HEIGHT = 0.6
 """Height of the row of a parameter [inch]."""
 OF_HEIGHTS = "The height in a row is the parameter's value, the first at the bottom."
-OF_REFERENCES = "Coloured lines: the same fit of references, of the cases where they are valid."
+OF_REFERENCES = "Dashed, in colour: the same fit of references, of the cases where they are valid."
 
 
 def much_varied(dataset: xr.Dataset) -> Studied | None:
@@ -83,15 +86,15 @@ def effects_figure(dataset: xr.Dataset) -> Figure | None:
         if found.is_fitted:
             order, effect = np.argsort(heights, kind="stable"), found.mean + found.parts[name]
             low, high = (effect[order] + side * found.spread for side in (-1, 1))
-            axes.fill_betweenx(heights[order], low, high, color=ACCENT, alpha=0.3, lw=0)
-            _draw_effect(axes, place, values, found, INK, "computed")
-        for reference, label, colour in references:
+            axes.fill_betweenx(heights[order], low, high, color=ACCENT, **BAND)
+            _draw_effect(axes, place, values, found, label="computed", color=INK)
+        for reference, look in references:
             if name in reference.parts:
-                _draw_effect(axes, place, values, reference, colour, label)
+                _draw_effect(axes, place, values, reference, **look)
         alone = found.mean + found.parts[name] + found.residual
-        style = {"fmt": "o", "ms": max(1.5, 4.0 - 0.005 * alone.size), "color": "0.65"}
-        bars = {"elinewidth": 0.6, "capsize": 0, "zorder": 1}
-        draw_values(axes, heights, alone, studied.half_width, of_rows=True, **style, **bars)
+        style = {"fmt": "o", "ms": DOT, "color": GREY, "zorder": 1}
+        style |= {"elinewidth": THIN, "capsize": 0}
+        draw_values(axes, heights, alone, studied.half_width, of_rows=True, **style)
     failed = int((~used).sum())
     return captioned(
         figure,
@@ -138,17 +141,17 @@ def tornado_figure(dataset: xr.Dataset) -> Figure | None:
     names, more = _largest(reach)
     rows = [studied.varied[name].at(changed[name]) for name in names]
     figure, axes = _rows(studied, rows)
-    axes.axvline(start, color=INK, lw=0.8, label=f"start: {number(start)}")
+    axes.axvline(start, color=INK, label=f"start: {number(start)}")
     for place, values in enumerate(rows):
         heights = height_in_row(place, values, values.numbers)
         order = np.argsort(-heights, kind="stable")
         cases = changed[values.name][order]
-        style = {"fmt": "o-", "ms": 4, "color": ACCENT, "zorder": 3}
+        style = {"fmt": "o-", "color": ACCENT, "zorder": 3}
         half_widths = studied.widths(cases)
         draw_values(
             axes, heights[order], studied.computed[cases], half_widths, of_rows=True, **style
         )
-        axes.plot(start, heights[0], "o", ms=4, color=INK, zorder=4)
+        axes.plot(start, heights[0], "o", color=INK, zorder=4)
     return captioned(
         figure,
         dataset,
@@ -179,20 +182,22 @@ def _rows(studied: Studied, rows: Sequence[Values]) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _of_references(studied: Studied) -> list[tuple[Effects, str, str]]:
-    """The effects in the values of each reference with enough valid cases; label and colour."""
+def _of_references(studied: Studied) -> list[tuple[Effects, dict[str, Any]]]:
+    """The effects in the values of each reference with enough valid cases, and how it is drawn."""
     dataset, found = studied.dataset, []
     if studied.headline != COMPARED:
         return []
     references = stored_references(dataset)
-    for reference, colour in zip(references, colours_of(references), strict=True):
+    looks = zip(references, colours_of(references), itertools.cycle(OTHER_DASHES), strict=False)
+    for reference, colour, dashes in looks:
         values = over_cases(dataset, f"{Role.REFERENCE}_{reference.id}").astype(float)
         is_valid = over_cases(dataset, where_it_applies(dataset, reference.id)).astype(bool)
         is_valid &= np.isfinite(studied.computed)
         if is_valid.any():
             effects = _effects(studied, np.where(is_valid, values, np.nan))
+            label = plain(shortened(reference.label, MOST_LETTERS))
             found += [
-                (effects, plain(shortened(reference.label, MOST_LETTERS)), colour)
+                (effects, {"label": label, "color": colour, "ls": dashes})
             ] * effects.is_fitted
     return found
 
@@ -212,12 +217,12 @@ def _joined(joined: Mapping[str, Sequence[str]]) -> str:
 
 
 def _draw_effect(
-    axes: Axes, place: int, values: Values, found: Effects, colour: str, label: str
+    axes: Axes, place: int, values: Values, found: Effects, label: str, **look: Any
 ) -> None:
     """Draw the effect over the range of the cases that it was found from."""
     used = np.flatnonzero(np.isfinite(found.residual))
     order = used[np.argsort(values.numbers[used], kind="stable")]
-    line, marker = ("", "|") if values.categories else ("-", "")
+    look |= {"ls": "", "marker": "|"} if values.categories else {}
     effect = found.mean + found.parts[values.name][order]
     heights = height_in_row(place, values, values.numbers[order])
-    axes.plot(effect, heights, color=colour, ls=line, marker=marker, label=once(axes, label))
+    axes.plot(effect, heights, label=once(axes, label), **look)

@@ -12,6 +12,7 @@ from harness.archive.conventions import Role, parameter_of, with_role
 from harness.compare.compared import conditions_of, stored_experience, stored_references
 from harness.pictures.drawing.plot_parts import CurveEnd, end_of, once
 from harness.pictures.drawing.quantities import MOST_LETTERS, Floats, Values, plain, shortened
+from harness.pictures.drawing.style import BAND, COLOURS, FAINT, GREY, HATCHES, LARGE, OTHER_DASHES
 from harness.pictures.studied import Studied
 from harness.references import registry
 from harness.references.band import Factor
@@ -24,17 +25,6 @@ from harness.references.reference import (
 from harness.references.strength import Conditions, Quantity
 from mpm_warp.materials.clay_law import PARAMETER
 
-HATCHES = ("///", "\\\\\\", "...", "---")
-"""Hatches of bands, used in turn, so that overlapping bands can be told apart."""
-COLOURS = (
-    *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"),
-    *("#E69F00", "#8C564B", "#666666", "#332288", "#882255"),
-)
-"""Colours of references, after Okabe and Ito, which colour-blind readers can tell apart."""
-DASHES = ((0, (4, 3)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (10, 2)))
-"""Dashes of references beside several series, used in turn."""
-PALE = 0.35
-"""Opacity of references that are not valid, or of another criterion."""
 FINE = 400
 """Points of a curve of the literature."""
 
@@ -46,11 +36,10 @@ def draw_experience(axes: Axes, dataset: xr.Dataset) -> None:
         axes.axhspan(
             *entry.bounds,
             facecolor="none",
-            edgecolor="#8C8C8C",
+            edgecolor=GREY,
             hatch=hatch,
-            linewidth=0,
-            alpha=0.5,
             zorder=0.5,
+            **BAND,
             label=plain(
                 f"experience, {entry.label}: {entry.band}, su {entry.strength.partition(',')[0]}"
             ),
@@ -92,22 +81,22 @@ def draw_literature(
         for here, (_, colour) in zip(found, shown, strict=True):
             _draw_envelope(axes, here, colour)
             for style, (value, applies, _) in zip(_styles(references), here.values, strict=True):
-                for part, alpha in ((applies == 1.0, 1.0), (applies == 0.0, PALE)):
+                for part, alpha in ((applies == 1.0, 1.0), (applies == 0.0, FAINT)):
                     if np.isfinite(value[part]).any():
                         y = np.where(part, value, np.nan)
                         axes.plot(here.x, y, color=colour, alpha=alpha, **style)
         alike = np.any([here.values[:, 2].any(axis=-1) for here in found], axis=0)
         for style, *named in zip(_styles(references), references, alike, strict=True):
-            axes.plot([], [], color="0.3", **style, label=_named(*named))
+            axes.plot([], [], color=GREY, **style, label=_named(*named))
         return []
     ends: list[CurveEnd] = []
     for here in found[:1]:
-        _draw_envelope(axes, here, "0.6")
+        _draw_envelope(axes, here, GREY)
         drawn = zip(references, here.values, colours_of(references), strict=True)
         for reference, (value, applies, is_alike), own in drawn:
             axes.plot(here.x, np.where(applies, value, np.nan), color=own, **_marks(reference))
             if not applies[np.isfinite(value)].all():
-                style = {"lw": 0.9, "ls": DASHES[0], "alpha": 0.7, **_marks(reference)}
+                style = {"ls": OTHER_DASHES[0], **_marks(reference)}
                 label = once(axes, "outside its validity or criterion")
                 axes.plot(here.x, value, color=own, label=label, **style)
             ends += end_of(here.x, value, _named(reference, bool(is_alike.any())), own)
@@ -122,13 +111,13 @@ def _named(reference: Reference, has_criterion: bool) -> str:
 
 def _styles(references: Sequence[Reference]) -> list[dict[str, Any]]:
     """Dashes of references beside several series; points have marks instead."""
-    pairs = zip(references, itertools.cycle(DASHES), strict=False)
-    return [_marks(it) or {"lw": 0.9, "ls": dashes} for it, dashes in pairs]
+    pairs = zip(references, itertools.cycle(OTHER_DASHES), strict=False)
+    return [_marks(it) or {"ls": dashes} for it, dashes in pairs]
 
 
 def _marks(reference: Reference) -> dict[str, Any]:
     """The style of points, which have no line between them: wider than the marks of cases."""
-    return {"ls": "", "marker": "D", "ms": 7, "mfc": "none"} if reference.points else {}
+    return {"ls": "", "marker": "D", "ms": LARGE, "mfc": "none"} if reference.points else {}
 
 
 def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:
@@ -136,14 +125,14 @@ def _draw_envelope(axes: Axes, here: _OverAxis, colour: str) -> None:
     inside = holds.astype(bool)
     if not inside.any():
         return
-    band = axes.fill_between(here.x, lower, upper, inside, color=colour, alpha=0.2, lw=0)
+    band = axes.fill_between(here.x, lower, upper, inside, color=colour, **BAND)
     band.set_label(once(axes, "envelope of the literature (no confidence interval)"))
     # Where the references are valid at a single value, such as an apex angle of 60 degrees, the
     # band has no width.
     padded = np.pad(inside, 1)
     alone = inside & ~padded[:-2] & ~padded[2:]
     if alone.any():
-        axes.vlines(here.x[alone], lower[alone], upper[alone], color=colour, alpha=0.4, lw=5)
+        axes.vlines(here.x[alone], lower[alone], upper[alone], color=colour, alpha=FAINT, lw=LARGE)
 
 
 def _over_axis(

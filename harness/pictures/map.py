@@ -10,8 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from harness.pictures.curve import draw_over
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import FAILED, INK, SHADES, STYLED, panels
+from harness.pictures.drawing.plot_parts import panels
 from harness.pictures.drawing.quantities import Floats, Values, axis_label
+from harness.pictures.drawing.style import DOT, FAILED, INK, PAPER, SHADES, STYLED
 from harness.pictures.literature import has_literature, ranges_of_own
 from harness.pictures.method.convergence import refined
 from harness.pictures.studied import Studied
@@ -29,7 +30,7 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
     studied = Studied.of(dataset)
     if studied is None or refined(studied) or not studied.is_map:
         return None
-    figure, (left, right) = panels(2, height=3.6, width_ratios=(1.25, 1))
+    figure, (left, right) = panels(2, width_ratios=(1.25, 1))
     x, y, table = studied.table
     _draw_contours(left, studied, x, y, np.ma.masked_invalid(table))
     draw_over(right, studied, x, MOST_CURVES, room=5, at_ends=True)
@@ -48,20 +49,19 @@ def map_figure(dataset: xr.Dataset) -> Figure | None:
 def _draw_contours(axes: Axes, studied: Studied, x: Values, y: Values, table: Floats) -> None:
     levels: Sequence[float] = MaxNLocator(7).tick_values(table.min(), table.max())
     filled = axes.contourf(x.different, y.different, table, levels=levels, cmap=SHADES)
-    lines = axes.contour(filled, colors="white", linewidths=0.8)
+    lines = axes.contour(filled, colors=PAPER)
     # The axes need their scales before contour labels are placed.
     x.dress(axes, room=7)
     y.dress(axes, room=10, which="y")
-    for label in axes.clabel(lines, fontsize=7, fmt="%g"):  # at the edge it would be cut off
+    for label in axes.clabel(lines, fmt="%g"):  # at the edge it would be cut off
         place = (axes.transData - axes.transAxes).transform(label.get_position())
         label.set_visible(bool((np.abs(place - 0.5) < 0.45).all()))
     sound = np.isfinite(studied.computed)
-    axes.plot(x.numbers[sound], y.numbers[sound], ".", color=INK, ms=3, clip_on=False)
+    axes.plot(x.numbers[sound], y.numbers[sound], "o", color=INK, ms=DOT, clip_on=False)
     if not sound.all():
         axes.plot(x.numbers[~sound], y.numbers[~sound], "x", color=FAILED, clip_on=False)
     axes.grid(visible=False)
     axes.set(xlabel=axis_label(studied.dataset, x.name), ylabel=axis_label(studied.dataset, y.name))
     above = axes.inset_axes((0, 1.04, 1, 0.04))
     bar = axes.figure.colorbar(filled, cax=above, orientation="horizontal", ticklocation="top")
-    bar.set_label(axis_label(studied.dataset, studied.headline), fontsize=8)
-    bar.ax.tick_params(labelsize=7)
+    bar.set_label(axis_label(studied.dataset, studied.headline))

@@ -24,15 +24,17 @@ from matplotlib.ticker import MaxNLocator
 
 from harness.archive.atomic_files import write_whole
 from harness.archive.nodal_values import NodalValues
+from harness.pictures.drawing.caption import caption
 from harness.pictures.drawing.plot_parts import series
+from harness.pictures.drawing.style import BOLD, GREY, INK, PAGE, PALE, PAPER, STYLED, TALL
 from mpm_warp.grid.fitted import Floats, nodal_areas
 
 BESIDE, BELOW, ABOVE = 6.0, 6.0, 9.0
 """Extent of the soil that is shown beside the axis, below and above the tip, in cone radii."""
 MARGIN = 1.1
 """Ratio of the shown extent to that of a zone that is shown as a whole."""
-COLUMNS, WIDTH = 3, 6.5
-"""Number of sections side by side, and their total width, that of a page [inch]."""
+COLUMNS = 3
+"""Number of sections side by side."""
 YIELDS = 0.9999
 """Ratio of shear stress to strength above which soil is shown as yielding; single precision."""
 LEAST_PLASTIC_STRAIN = 0.01
@@ -116,8 +118,8 @@ class _Sections:
         beside = min(BESIDE, float(fields.node_r.max()) / radius)
         below = min(BELOW, -float(fields.node_z.min()) / radius)
         above = min(ABOVE, float(fields.node_z.max()) / radius)
-        height = 0.4 * (below + above) / beside * WIDTH / COLUMNS + 1.1
-        self.size = WIDTH, round(ROWS * height + 0.5, 1)  # of the figure [inch]
+        height = 0.4 * (below + above) / beside * PAGE / COLUMNS + 1.1
+        self.height = round(ROWS * height + 0.5, 1)  # of the figure [inch]
 
     def draw(self, figure: Figure, number: int) -> None:
         """Draw the sections of one snapshot into an empty figure."""
@@ -127,10 +129,9 @@ class _Sections:
         for place, axes in enumerate(panels.flat[: len(QUANTITIES)]):
             self._draw_one(axes, number, place)
         for axes in panels[:, 0]:
-            axes.set_ylabel("height above the tip / R [-]", fontsize=7)
-        note = "displacement and plastic strain since the soil entered the window"
-        title = f"{_caption(self._snapshots[number])}\n{note}"
-        figure.suptitle(title, x=0.01, ha="left", fontsize=8)
+            axes.set_ylabel("height above the tip / R [-]")
+        note = "Displacement and plastic strain are since the soil entered the window."
+        caption(figure, f"{_said(self._snapshots[number])}. {note}")
 
     def _draw_one(self, axes: Axes, number: int, place: int) -> None:
         quantity, (all_values, norm, scale) = QUANTITIES[place], self._shown[place]
@@ -140,24 +141,24 @@ class _Sections:
             image = axes.pcolormesh(
                 x, z, known, shading="gouraud", cmap=quantity.colours, norm=norm, rasterized=True
             )
-            lines = axes.contour(x, z, values, quantity.lines, colors="0.5", linewidths=0.5)
+            lines = axes.contour(x, z, values, quantity.lines, colors=GREY)
         axes.set(xlim=(-BESIDE * scale, BESIDE * scale), ylim=(-BELOW * scale, ABOVE * scale))
-        for label in axes.clabel(lines, fmt="%g", fontsize=6, colors="black"):
-            label.set_path_effects([withStroke(linewidth=1.5, foreground="white")])
+        for label in axes.clabel(lines, fmt="%g", colors=INK):
+            label.set_path_effects([withStroke(linewidth=BOLD, foreground=PAPER)])
         snapshot = self._snapshots[number]
         radius = snapshot.cone_radius.item()
         right, height = (snapshot[f"surface_{axis}"].values / radius for axis in "rz")
         outline = np.stack([[*-right[::-1], *right], [*height[::-1], *height]], axis=-1)
-        axes.add_patch(Polygon(outline, facecolor="0.85", edgecolor="black", lw=0.8, zorder=3))
+        axes.add_patch(Polygon(outline, facecolor=PALE, edgecolor=INK, zorder=3))
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, symmetric=True))
         axes.set_aspect("equal")
-        axes.tick_params(labelsize=6)
-        axes.set_xlabel("radius / R [-]", fontsize=7)
+        axes.grid(visible=False)
+        axes.set_xlabel("radius / R [-]")
         bar = axes.figure.colorbar(image, ax=axes, orientation="horizontal", pad=0.02)
-        bar.set_label(quantity.label, fontsize=7)
-        bar.ax.tick_params(labelsize=6)
+        bar.set_label(quantity.label)
 
 
+@STYLED
 def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Figure:
     """Sections of the snapshot nearest to a penetration in cone radii, by default of the last.
 
@@ -166,18 +167,18 @@ def sections_figure(fields: xr.Dataset, penetration: float | None = None) -> Fig
     sections, number = _Sections(fields), -1
     if penetration is not None:
         (number,) = fields.indexes["penetration"].get_indexer([penetration], method="nearest")
-    figure = Figure(figsize=sections.size, dpi=200, layout="constrained")
+    figure = Figure(figsize=(PAGE, sections.height))
     sections.draw(figure, number)
     return figure
 
 
-def _caption(snapshot: xr.Dataset) -> str:
+def _said(snapshot: xr.Dataset) -> str:
     """Penetration and resistance of a snapshot, and the main parameters of its case."""
     it = {name: snapshot[name].item() for name in snapshot.variables if not snapshot[name].ndim}
     strength = it["undrained_shear_strength"]
     return (
-        f"penetration {it['penetration']:g} R, net resistance {it['resistance'] / strength:.2f} su "
-        f"(R {1e3 * it['cone_radius']:.4g} mm, su {1e-3 * strength:.4g} kPa)\n"
+        f"Penetration {it['penetration']:g} R, net resistance {it['resistance'] / strength:.2f} su "
+        f"(R {1e3 * it['cone_radius']:.4g} mm, su {1e-3 * strength:.4g} kPa), "
         f"Ir = {it['rigidity_index']:g}, adhesion factor {it['adhesion_factor']:g}, "
         f"{it['material'].replace('_', ' ')}, apex {it['apex_angle']:g}°, "
         f"{it['cells_per_radius']:g} cells per radius"
@@ -186,18 +187,20 @@ def _caption(snapshot: xr.Dataset) -> str:
 
 AT_TIP = (
     "The first two nodes have their mean normal traction. The node of the tip also bears the soil "
-    "ahead of it,\nso that its force over its own small area would be too large."
+    "ahead of it, so that its force over its own small area would be too large."
 )
 MOST_CURVES = 6
 """Largest number of snapshots that are drawn; the last one is among them."""
 
 
+@STYLED
 def traction_figure(fields: xr.Dataset) -> Figure:
     """Normal and shear traction over the distance along the surface, a curve for each snapshot.
 
     The first two nodes have their mean normal traction; at the tip shear has no direction.
     """
-    figure = Figure(figsize=(7.2, 5.6), dpi=150, layout="constrained")
+    figure = Figure()
+    figure.set_figheight(TALL)
     normal, shear = figure.subplots(2, 1, sharex=True)
     radius = fields.cone_radius.item()
     steps = np.hypot(np.diff(fields.surface_r.values), np.diff(fields.surface_z.values))
@@ -213,29 +216,26 @@ def traction_figure(fields: xr.Dataset) -> Figure:
                 traction[0] = np.nan
             else:
                 traction[:2] = np.average(traction[:2], weights=around_tip)
-            width, label = 1.6 if number == last else 0.8, f"{snapshot.penetration.item():g} R"
+            label = f"{snapshot.penetration.item():g} R"
             for part, named in zip(parts, (label, None), strict=True):
-                axes.plot(distance[part], traction[part], color=line.colour, lw=width, label=named)
-        axes.axvline(shoulder, color="0.5", lw=0.8, ls="--")
-        axes.axhline(0.0, color="0.5", lw=0.5)
+                axes.plot(distance[part], traction[part], **line.line, label=named)
+        axes.axvline(shoulder, color=GREY)
+        axes.axhline(0.0, color=GREY)
         axes.set_ylabel(f"{kind} traction / su [-]")
-        axes.spines[["top", "right"]].set_visible(False)
     for x, text in ((0.5 * shoulder, "face"), (1.15 * shoulder, "shaft")):
         where = normal.get_xaxis_transform()
         normal.text(x, 1.0, text, transform=where, ha="left" if x > shoulder else "center")
     shear.set_xlabel("distance along the surface from the tip / R [-]")
     shear.set_xlim(0.0, float(distance.max()))
-    normal.legend(title="penetration", fontsize=8, title_fontsize=8, frameon=False)
-    figure.suptitle(_caption(fields.isel(penetration=-1)), x=0.01, ha="left", fontsize=8)
-    figure.supxlabel(AT_TIP, x=0.01, ha="left", fontsize=7)
+    normal.legend(title="penetration")
+    caption(figure, f"{_said(fields.isel(penetration=-1))}. {AT_TIP}")
     return figure
 
 
 FRAMES_PER_SECOND = 2
-RESOLUTION = 160
-"""Dots per inch of a frame; MP4 needs an even number of pixels per tenth of an inch."""
 
 
+@STYLED
 def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
     """Write the film as GIF, and as MP4 too if `ffmpeg` is installed; return the files."""
     writers: dict[Path, AbstractMovieWriter] = {path: PillowWriter(fps=FRAMES_PER_SECOND)}
@@ -244,12 +244,12 @@ def write_animation(fields: xr.Dataset, path: Path) -> list[Path]:
             fps=FRAMES_PER_SECOND, extra_args=["-pix_fmt", "yuv420p"]
         )
     sections = _Sections(fields)
-    figure = Figure(figsize=sections.size, dpi=RESOLUTION, layout="constrained")
+    figure = Figure(figsize=(PAGE, sections.height))
     for file, writer in writers.items():
         # Matplotlib and ffmpeg can only write to files.
         with tempfile.TemporaryDirectory(prefix="harness-film-") as folder:
             film = Path(folder) / f"film{file.suffix}"
-            with writer.saving(figure, str(film), RESOLUTION):
+            with writer.saving(figure, str(film), figure.dpi):
                 for number in range(fields.sizes["penetration"]):
                     figure.clear()
                     sections.draw(figure, number)

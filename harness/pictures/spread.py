@@ -9,8 +9,9 @@ from matplotlib.ticker import MaxNLocator
 from harness.archive.conventions import DISTRIBUTION, stated, varied_names
 from harness.compare.spread import DEVIATIONS, Spread, spreads_of
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED, panels
+from harness.pictures.drawing.plot_parts import panels
 from harness.pictures.drawing.quantities import axis_label, named
+from harness.pictures.drawing.style import ACCENT, BAND, INK, LIGHT, STYLED
 
 
 @STYLED
@@ -19,7 +20,7 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
     spread = next(iter(spreads_of(dataset)), None)
     if spread is None:
         return None
-    figure, (counts, shares) = panels(2, height=3.4, width_ratios=(3, 2))
+    figure, (counts, shares) = panels(2, width_ratios=(3, 2))
     _histogram(counts, spread)
     counts.set_xlabel(axis_label(dataset, spread.name))
     _bars(shares, dataset, spread)
@@ -41,13 +42,13 @@ def spread_figure(dataset: xr.Dataset) -> Figure | None:
 
 def _histogram(axes: Axes, spread: Spread) -> None:
     low, middle, high = spread.percentiles
-    axes.hist(spread.values, bins="auto", color=ACCENT, alpha=0.7)
-    axes.axvspan(low, high, color=LIGHT, alpha=0.25, lw=0, zorder=0)
-    axes.axvline(middle, color=INK, lw=1.0)
+    axes.hist(spread.values, bins="auto", color=ACCENT)
+    axes.axvspan(low, high, color=LIGHT, zorder=0, **BAND)
+    axes.axvline(middle, color=INK)
     top = axes.get_ylim()[1]
     for height, half in ((1.10, spread.combined), (1.03, DEVIATIONS * spread.numerical)):
         if half:
-            axes.errorbar(spread.mean, height * top, xerr=half, fmt="o", color=INK, ms=3, capsize=3)
+            axes.errorbar(spread.mean, height * top, xerr=half, fmt="o", color=INK)
     axes.set(ylim=(0.0, 1.17 * top), ylabel="samples")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
 
@@ -55,10 +56,8 @@ def _histogram(axes: Axes, spread: Spread) -> None:
 def _bars(axes: Axes, dataset: xr.Dataset, spread: Spread) -> None:
     shares = sorted(spread.shares.items(), key=lambda it: it[1])
     names = [named(dataset, cause) if cause in dataset else cause for cause, _ in shares]
-    axes.barh(
-        np.arange(len(shares)), [100.0 * share for _, share in shares], color=ACCENT, alpha=0.7
-    )
-    axes.set_yticks(np.arange(len(shares)), names, fontsize=8)
+    axes.barh(np.arange(len(shares)), [100.0 * share for _, share in shares], color=ACCENT)
+    axes.set_yticks(np.arange(len(shares)), names)
     axes.set_xlabel("share of the variance [%]")
     if not shares:
         words = f"{spread.needed} cases are needed"

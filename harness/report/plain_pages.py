@@ -28,8 +28,10 @@ from harness.interpret.result import (
 )
 from harness.interpret.site import BY_SLEEVE, Layer, Site
 from harness.interpret.tables.model_factor import DEPTH, SIMULATED, SITE
-from harness.pictures.drawing.plot_parts import STYLED, image, panels, runs, series
-from harness.report.report import PICTURE_DPI, TEMPLATES, embedded
+from harness.pictures.drawing.caption import caption
+from harness.pictures.drawing.plot_parts import image, legend_above, panels, runs, series
+from harness.pictures.drawing.style import PALE, PAPER, STYLED
+from harness.report.report import TEMPLATES, embedded
 from mpm_warp.provenance import provenance
 
 Rows = list[tuple[str, ...]]
@@ -50,7 +52,7 @@ class Interpreted:
 
 def interpretation_page(tests: Sequence[Interpreted], together: Figure | None) -> str:
     """The page on tests as text; `together` is a picture of all tests if there are several."""
-    overview = None if together is None else embedded("all tests", image(together, dpi=PICTURE_DPI))
+    overview = None if together is None else embedded("all tests", image(together))
     made = provenance()
     return TEMPLATES.get_template("interpretation.html").render(
         maker=MAKER,
@@ -69,7 +71,7 @@ def _section(test: Interpreted, place: int) -> dict[str, Any]:
         "sentences": in_words(site, found) + laboratory_in_words(site, found),
         "laboratory": laboratory_rows(found),
         "lines": line_rows(found),
-        "picture": embedded(site.name, image(test.figure, dpi=PICTURE_DPI)),
+        "picture": embedded(site.name, image(test.figure)),
         "inputs": [
             ("layer", "input", "as given", "before: median (90 %)", "by the test: median (90 %)"),
             *(row for layer in site.layers for row in _input_rows(layer, found)),
@@ -156,39 +158,35 @@ def benchmark_figure(found: Sequence[Score], against: str) -> Figure:
     judged = [scored for scored in found if math.isfinite(scored.error)]
     names = list(dict.fromkeys(scored.submission for scored in judged))
     untimed = np.geomspace(*NO_TIME, 2 * len(names) + 1)[1::2]
-    figure, all_axes = panels(len(PHASES), height=4.6, sharex=True, sharey=True)
+    figure, all_axes = panels(len(PHASES), sharex=True, sharey=True)
     for phase, (axes, title) in enumerate(zip(all_axes, PHASES, strict=True), start=1):
-        axes.axvspan(*NO_TIME, color="0.95")
+        axes.axvspan(*NO_TIME, color=PALE)
         for (name, without), line in series(zip(names, untimed, strict=True), None):
-            axes.plot([], [], **line.style, ls="", ms=4, label=name)
+            axes.plot([], [], **line.style, ls="", label=name)
             for scored in judged:
                 if scored.submission == name and scored.case.phase == phase:
                     result, error = scored.result, max(abs(scored.error), LEAST_ERROR)
                     seconds = result.seconds if math.isfinite(result.seconds) else without
-                    fill = line.colour if math.isfinite(result.uncertainty) else "white"
-                    axes.plot(seconds, error, **line.style, ls="", ms=4, mfc=fill)
+                    fill = line.colour if math.isfinite(result.uncertainty) else PAPER
+                    axes.plot(seconds, error, **line.style, ls="", mfc=fill)
         axes.set(title=title, xscale="log", yscale="log")
     all_axes[0].set_xlim(left=NO_TIME[0])  # of all, once all points are there
     all_axes[0].set_ylabel("|E| over the yardstick [-]")
     all_axes[1].set_xlabel("run time [s]")
-    handles, labels = all_axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=6)
-    figure.supxlabel(
+    legend_above(figure, all_axes[0])
+    caption(
+        figure,
         "E is the difference from the exact value, or if that is unknown from the value of "
-        f"{against}, which is not exact.\nFilled: the uncertainty U is stated. Hollow: it is not. "
+        f"{against}, which is not exact. Filled: the uncertainty U is stated. Hollow: it is not. "
         f"Grey: no run time is given. Errors below {LEAST_ERROR:g} are drawn there.",
-        x=0.01,
-        ha="left",
-        fontsize=7,
-        color="0.2",
     )
     return figure
 
 
 def benchmark_page(
-    submissions: Sequence[Submission], found: Sequence[Score], picture: bytes, against: str
+    submissions: Sequence[Submission], found: Sequence[Score], figure: Figure, against: str
 ) -> str:
-    """The page as text, with a PNG of errors over run time; `against` is the yardstick."""
+    """The page as text, with the figure of errors over run time; `against` is the yardstick."""
     cases = {scored.case.name: scored.case for scored in found}
     exact = {
         name: " to ".join(dict.fromkeys(f"{value:g}" for value in case.exact or ()))
@@ -197,7 +195,7 @@ def benchmark_page(
     return TEMPLATES.get_template("benchmark.html").render(
         maker=MAKER,
         against=against,
-        picture=embedded("errors over run time", picture),
+        picture=embedded("errors over run time", image(figure)),
         summary=summary_rows(found),
         meta=[
             ["submission", "key", "value"],

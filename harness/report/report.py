@@ -30,15 +30,13 @@ from harness.compare.spread import spread_rows, spreads_of
 from harness.errors import counted
 from harness.pictures.drawing.caption import SOIL_AND_CONE
 from harness.pictures.drawing.plot_parts import image
+from harness.pictures.drawing.style import SMALL_DPI
 from harness.pictures.method.stability import shows_stability, stability_rows
 from harness.pictures.pictures import Failures, rendered
 from harness.pictures.studied import Studied
 from harness.references.reference import COMPARED
 from harness.report import words
 from harness.report.tables import case_columns, case_parameters, comparisons
-
-PICTURE_DPI, SMALL_DPI = 150, 75
-"""Resolution of the pictures, and of the small ones in the summary [dots per inch]."""
 
 TEMPLATES = Environment(
     loader=FileSystemLoader(Path(__file__).parent),
@@ -90,7 +88,7 @@ def _drawn(
     def render(figure: Figure) -> bytes:
         if has_small and not small:
             small.append(image(figure, dpi=SMALL_DPI))
-        return image(figure, dpi=PICTURE_DPI)
+        return image(figure)
 
     drawn, failed = rendered(dataset, render)
     pictures = list(itertools.starmap(embedded, drawn.items()))

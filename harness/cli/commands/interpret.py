@@ -1,12 +1,11 @@
 """The command that interprets measured cone tests."""
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from harness.archive.atomic_files import ArchiveError, prepare, write_csv
 from harness.archive.netcdf_files import read_attributes, write_netcdf
@@ -25,7 +24,7 @@ from harness.interpret.result import (
 )
 from harness.interpret.site import load_site
 from harness.interpret.strength import interpret, laboratory_beside
-from harness.pictures.drawing.plot_parts import image
+from harness.pictures.drawing.plot_parts import write_figure
 from harness.pictures.measured.interpreted import (
     check_figure,
     interpretation_figure,
@@ -84,33 +83,34 @@ def interpret_site(options: argparse.Namespace) -> int:
         tests.append(Interpreted(path, site, found, picture))
     whole = f"{options.out}/{names[0] if len(names) == 1 else TOGETHER}{ENDING}"
     endings = (ENDING, CHECK_ENDING) if options.check else (ENDING,)
-    _check_targets(
-        {f"{options.out}/{it.name}{end}": it.title for it in sites for end in endings}, whole
-    )
+    titles = {f"{options.out}/{it.name}{end}": it.title for it in sites for end in endings}
+    _check_targets(titles, whole, options.format)
     prepare(options.out)
     for test in tests:
-        _write(test, f"{options.out}/{test.site.name}{ENDING}")
+        _write(test, f"{options.out}/{test.site.name}{ENDING}", options.format)
     together = None
     if len(names) > 1:
         found_of_all = [measured.found for measured in tests]
         together = soundings_figure(found_of_all, [laboratory_points(it) for it in found_of_all])
-        _write_figure(together, whole)
+        write_figure(together, whole, options.format)
     write_own(interpretation_page(tests, together).encode(), Path(f"{whole}.html"))
     tell(f"no design value, and no strength of drained soil; a page of all: {whole}.html")
     for test in tests if options.check else ():
-        _check(test, options.check, f"{options.out}/{test.site.name}{CHECK_ENDING}")
+        base = f"{options.out}/{test.site.name}{CHECK_ENDING}"
+        _check(test, options.check, base, options.format)
     return DONE
 
 
-def _check_targets(titles: Mapping[str, str], whole: str) -> None:
+def _check_targets(titles: Mapping[str, str], whole: str, forms: Sequence[str]) -> None:
     """Refuse to replace files that are not of the harness; name those of another site.
 
     Args:
         titles: title of the site, by the path of its results without ending.
         whole: path of the page and of the picture of several tests, without ending.
+        forms: formats of the pictures.
     """
     for base in dict.fromkeys([*titles, whole]):
-        for form in ("png", "svg"):
+        for form in forms:
             check_replaceable(Path(f"{base}.{form}"))
     check_replaceable(Path(f"{whole}.html"))
     others = {}
@@ -139,13 +139,13 @@ def _title_of(path: Path) -> str:
     return str(said["title"])
 
 
-def _write(test: Interpreted, base: str) -> None:
+def _write(test: Interpreted, base: str, forms: Sequence[str]) -> None:
     """Write the results of a test; print the sentences to quote and the depths left out."""
     found = test.found
     _write_data(found, base)
     write_csv(_table(found), Path(f"{base}.csv"))
     write_csv(line_table(test.site, found), Path(f"{base}{LINES}"))
-    _write_figure(test.figure, base)
+    write_figure(test.figure, base, forms)
     words = [*in_words(test.site, found), *laboratory_in_words(test.site, found)]
     say(*words, *tests_in_words(found), *lines_in_words(found))
     left = [
@@ -157,19 +157,14 @@ def _write(test: Interpreted, base: str) -> None:
         tell(f"depths without a strength, of {found.sizes['depth']}: {', '.join(left)}")
     if found.attrs["notes"]:
         tell(f"{test.site.test.file}: {found.attrs['notes']}")
-    tell(f"written: {base}.nc, .csv, .png, .svg, {LINES}")
+    tell(f"written: {base}.nc, .csv, .{', .'.join(forms)}, {LINES}")
 
 
 def _write_data(dataset: xr.Dataset, base: str) -> None:
     write_netcdf(dataset.assign_attrs(provenance()), Path(f"{base}.nc"))
 
 
-def _write_figure(figure: Figure, base: str) -> None:
-    for form in ("png", "svg"):
-        write_own(image(figure, form), Path(f"{base}.{form}"))
-
-
-def _check(test: Interpreted, accuracy: str, base: str) -> None:
+def _check(test: Interpreted, accuracy: str, base: str, forms: Sequence[str]) -> None:
     """Simulate the sounding through the interpreted ground; print and write the misfit."""
     site = test.site
     try:
@@ -181,9 +176,9 @@ def _check(test: Interpreted, accuracy: str, base: str) -> None:
         raise HarnessError(f"{site.name}: the simulated sounding {error.status}: {error}") from None
     both = checked(test.found, simulated)
     _write_data(both, base)
-    _write_figure(check_figure(both), base)
+    write_figure(check_figure(both), base, forms)
     say(*misfit_in_words(site, both))
-    tell(f"written: {base}.nc, .png, .svg")
+    tell(f"written: {base}.nc, .{', .'.join(forms)}")
 
 
 def _table(found: xr.Dataset) -> Iterator[list[str]]:

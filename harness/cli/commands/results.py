@@ -3,7 +3,7 @@
 import argparse
 import itertools
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,7 +12,7 @@ import xarray as xr
 from harness.archive.atomic_files import prepare
 from harness.archive.case_files import ENDING, find_fields, read_fields
 from harness.archive.conventions import TOLERANCES
-from harness.archive.own_files import NotOwnFileError, check_replaceable, write_own
+from harness.archive.own_files import NotOwnFileError, check_replaceable
 from harness.archive.provenance import tell_of_other_version
 from harness.archive.study_files import read_study
 from harness.archive.vtk_files import write_vtk
@@ -22,7 +22,7 @@ from harness.compare.costs import recommend, results_in
 from harness.compare.differences import difference_rows, differences, unshared
 from harness.compare.result_table import result_table
 from harness.errors import HarnessError, defect, say, tell
-from harness.pictures.drawing.plot_parts import image
+from harness.pictures.drawing.plot_parts import write_figure
 from harness.pictures.pictures import Failures, NothingToDrawError, draw
 from harness.pictures.soil import sections_figure, traction_figure, write_animation
 from harness.references.registry import UnknownReferenceError
@@ -88,14 +88,14 @@ def list_misses(dataset: xr.Dataset) -> int:
     return INCOMPLETE if missed else DONE
 
 
-def show(dataset: xr.Dataset, folder: Path, *, debug: bool) -> int:
+def show(dataset: xr.Dataset, folder: Path, forms: Sequence[str], *, debug: bool) -> int:
     """Print the table and draw the pictures that fit the result; return the exit code."""
     try:
         say(result_table(dataset))
     except NothingToCompareError as error:
         tell(str(error))
     try:
-        return _list_pictures(*draw(dataset, folder), debug=debug)
+        return _list_pictures(*draw(dataset, folder, forms), debug=debug)
     except (NotOwnFileError, NothingToDrawError) as error:
         tell(str(error))
     return DONE
@@ -153,10 +153,9 @@ def view(options: argparse.Namespace) -> int:
     name = path.name.removesuffix(ENDING)
     # VTK first: if it cannot be written, nothing is drawn.
     series = write_vtk(fields, folder, name)[:1] if options.vtk else []
-    written = []
+    written: list[Path] = []
     for kind, figure in (("sections", sections_figure), ("traction", traction_figure)):
-        written.append(folder / f"{name}_{kind}.png")
-        write_own(image(figure(fields)), written[-1])
+        written += write_figure(figure(fields), folder / f"{name}_{kind}", options.format)
     written += write_animation(fields, folder / f"{name}_animation.gif")
     say(*written, *series)
     return DONE

@@ -24,8 +24,8 @@ from harness.cli.process import DONE, INCOMPLETE
 from harness.compare.costs import bench_rows
 from harness.errors import HarnessError, counted, say, tell
 from harness.machine import usable_cores
-from harness.pictures.drawing.plot_parts import image
-from harness.pictures.method.work_precision import draw_work_precision
+from harness.pictures.drawing.plot_parts import write_figure
+from harness.pictures.method.work_precision import checks_figure
 from harness.report.plain_pages import benchmark_figure, benchmark_page
 from harness.run.resources import RunOptions, spoken_time
 from harness.run.run_study import on_cluster, on_this_machine, run_study
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
         else on_cluster(study, options.dask)
     )
     dataset = run_study(study, options.out, runner, fresh=options.fresh)
-    undrawn = show(dataset, options.out, debug=options.debug)
+    undrawn = show(dataset, options.out, options.format, debug=options.debug)
     say(study_file(options.out, study))
     incomplete = _list_incomplete(study, dataset)
     return list_misses(dataset) or incomplete or undrawn
@@ -110,7 +110,7 @@ def bench(options: argparse.Namespace) -> int:
 
 SETTING_UP = 10.0
 """Time to start and compile many small checks, about [s]."""
-VERIFIED_FILES = {"verify.nc": "observed order", "verify.txt": HEADING, "verify.png": MAKER}
+VERIFIED_FILES = {"verify.nc": "observed order", "verify.txt": HEADING}
 """Files that `verify --out` writes, and a text in each by which an older one is recognised.
 
 Only a recognised file is overwritten.
@@ -128,7 +128,8 @@ def verify_scenes(options: argparse.Namespace) -> int:
             tell(f"--quick: these scenes have no quick check: {', '.join(sorted(left))}")
     if options.out is not None:
         prepare(options.out)
-        for name, mark in VERIFIED_FILES.items():
+        pictures = {f"verify.{form}": MAKER for form in options.format}
+        for name, mark in (VERIFIED_FILES | pictures).items():
             check_replaceable(options.out / name, mark)
     seconds = [check.predicted_time for check in checks]
     tell(
@@ -151,7 +152,7 @@ def verify_scenes(options: argparse.Namespace) -> int:
             write_whole("\n".join([*lines, ""]).encode(), options.out / "verify.txt")
     bar.close()
     if options.out is not None:
-        draw_work_precision(as_dataset(results), options.out / "verify.png")
+        write_figure(checks_figure(as_dataset(results)), options.out / "verify", options.format)
     return INCOMPLETE if any(result.shortfalls for result in results) else DONE
 
 
@@ -174,17 +175,17 @@ def benchmark(options: argparse.Namespace) -> int:
     found = scores(cases, submissions, against)
     prepare(options.out)
     base = options.out / "benchmark"
-    picture = image(benchmark_figure(found, against))
+    figure = benchmark_figure(found, against)
     write_csv(case_rows(found), base.with_suffix(".csv"))
-    write_own(picture, base.with_suffix(".png"))
-    page = benchmark_page(submissions, found, picture, against)
+    write_figure(figure, base, options.format)
+    page = benchmark_page(submissions, found, figure, against)
     write_own(page.encode(), base.with_suffix(".html"))
     _print_table(case_rows(found))
     say()
     _print_table(summary_rows(found))
     tell(
         "scores are against the exact value where there is one, otherwise against "
-        f"{against} with its uncertainty; written: {base}.csv, .png, .html"
+        f"{against} with its uncertainty; written: {base}.csv, .{', .'.join(options.format)}, .html"
     )
     return DONE
 

@@ -14,7 +14,6 @@ from typing import Any
 from tqdm import tqdm
 
 from harness.archive.atomic_files import prepare, write_whole
-from harness.archive.own_files import check_replaceable, write_own
 from harness.cli.process import DONE
 from harness.errors import HarnessError, say, tell
 from harness.interpret.description import is_site_file, site_rows, site_schema, site_text
@@ -169,15 +168,13 @@ def references(options: argparse.Namespace) -> int:
     if not options.field:
         say(all_entries() if options.id is None else one_entry(options.id))
         return DONE
-    from harness.pictures.drawing.plot_parts import image  # only pictures need matplotlib
+    from harness.pictures.drawing.plot_parts import write_figure  # only pictures need matplotlib
     from harness.pictures.measured.evidence import evidence_figure
 
-    path = options.out / "field_sites.png"
-    check_replaceable(path)
     prepare(options.out)
     found = evidence()
-    write_own(image(evidence_figure(found)), path)
-    say(evidence_table(found), path)
+    paths = write_figure(evidence_figure(found), options.out / "field_sites", options.format)
+    say(evidence_table(found), *paths)
     return DONE
 
 

@@ -35,12 +35,13 @@ from harness.pictures.drawing.quantities import (
     symbol,
     wrapped,
 )
+from harness.pictures.drawing.style import LETTERS
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
-LETTERS = 112
-"""Number of letters in a line of the caption, which is as wide as the page."""
-LINE = 0.126
+UPRIGHT = 42
+"""Number of letters in a line of the label of an upright axis."""
+LINE = 0.12
 """Height of a line [inch]."""
 MOST_FIXED = 14
 """Largest number of parameters that a caption names."""
@@ -64,6 +65,12 @@ SOIL_AND_CONE = (
 """Parameters that a caption always gives, because results depend on them most."""
 
 
+def caption(figure: Figure, text: str) -> None:
+    """Write a text below a figure, in lines as wide as it."""
+    lines = wrapped(text, int(LETTERS * figure.get_figwidth()))
+    figure.supxlabel(lines, x=0.01, ha="left")
+
+
 def captioned(
     figure: Figure, dataset: xr.Dataset, *sentences: str, legend: Axes | None = None
 ) -> Figure:
@@ -72,6 +79,8 @@ def captioned(
     The caption has the title of the study, the sentences, and the fixed parameters. Empty sentences
     are left out. The figure becomes higher if long texts need a key.
     """
+    for axes in figure.axes:
+        axes.set_ylabel(wrapped(axes.get_ylabel(), UPRIGHT))
     if legend is not None:
         legend_above(figure, legend)
     title = plain(shortened(str(dataset.attrs.get("title", "")), LONGEST)).rstrip(".")
@@ -79,9 +88,9 @@ def captioned(
     key = " ".join(_numbered(dataset))
     missing = dataset.attrs.get(MISSING_NUMBERS, "")
     parts = [ended, *sentences, missing, key, _derived(dataset), fixed(dataset)]
-    figure.set_figheight(figure.get_figheight() + LINE * math.ceil(len(key) / LETTERS))
-    text = wrapped(" ".join(filter(None, parts)), LETTERS)
-    figure.supxlabel(text, x=0.01, ha="left", fontsize=7, color="0.2", linespacing=1.3)
+    lines = math.ceil(len(key) / (LETTERS * figure.get_figwidth()))
+    figure.set_figheight(figure.get_figheight() + LINE * lines)
+    caption(figure, " ".join(filter(None, parts)))
     return figure
 
 

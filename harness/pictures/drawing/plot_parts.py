@@ -1,68 +1,68 @@
-"""What pictures have in common: style, axes, series, labels and files."""
+"""What pictures have in common: axes, series, labels and files."""
 
 import functools
 import io
+import itertools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from matplotlib import colormaps, style
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cbook import is_math_text
-from matplotlib.colors import ListedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 
-from harness.archive.conventions import COMPLETED, CRASHED, TIMED_OUT, UNFINISHED
-from harness.archive.own_files import MAKER
+from harness.archive.own_files import MAKER, write_own
 from harness.pictures.drawing.quantities import IN_PLACE, SYMBOL, Floats, wrapped
+from harness.pictures.drawing.style import (
+    DASHES,
+    FAILED,
+    MARKERS,
+    PAGE,
+    STYLED,
+    TALL,
+    series_colour,
+)
 
-STYLED = style.context(Path(__file__).with_name("style.mplstyle"))
-"""Decorator of functions that make a figure or its image: the style of all pictures."""
 _MADE_BY = {
     "png": {"Software": MAKER},
     "pdf": {"Creator": MAKER, "CreationDate": None},
     "svg": {"Creator": MAKER, "Date": None},
 }
 
-MARKERS = "osD^v<>p"
-"""Markers of series, which tell them apart in grey."""
 MOST_LABELS = 8
 """Largest number of curves, or points, that a picture labels."""
-FAILED = "#B00020"
-"""Colour of cases that failed."""
-STATUSES = {
-    COMPLETED: "#009E73",
-    "inaccurate": "#E69F00",
-    UNFINISHED: "#F0E442",
-    "diverged": "#D55E00",
-    "refused": "#666666",
-    TIMED_OUT: "#56B4E9",
-    CRASHED: "#CC79A7",
-    "failed": "#0072B2",
-}
-"""Colour of each status, of those of Okabe and Ito; any other is black."""
 LABEL_LETTERS = 30
 """Number of letters in a line of the label of a curve."""
 LEGEND_LINE = 0.25
 """Height of a legend of one line [inch]."""
-SHADES = ListedColormap(colormaps["viridis"](np.linspace(0.0, 0.85, 256)))
-"""Colours of a scale, by luminance; the lightest can still be seen on paper."""
-INK, ACCENT, LIGHT = "black", "#0072B2", "#E69F00"
-"""Colours of a single series, a second and a third one; they differ in grey."""
 
 
 @STYLED
 def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
-    """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is for a PNG."""
+    """The image of a figure as PNG, PDF or SVG, the same bytes each time; `dpi` is for a PNG.
+
+    The layout of the first image stays: each run of matplotlib's would move it by a hair.
+    """
     for text in figure.findobj(Text):
         text.set_parse_math(_is_valid_math(text.get_text()))
+    if figure.get_layout_engine() is not None:
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
     return content.getvalue()
+
+
+def write_figure(figure: Figure, base: Path | str, forms: Sequence[str]) -> list[Path]:
+    """Write a figure as ``<base>.<form>`` in each form; a file of another program is kept."""
+    paths = [Path(f"{base}.{form}") for form in forms]
+    for path, form in zip(paths, forms, strict=True):
+        write_own(image(figure, form), path)
+    return paths
 
 
 @functools.cache
@@ -76,21 +76,16 @@ def _is_valid_math(words: str) -> bool:
 
 
 @STYLED
-def panels(count: int = 1, height: float | None = None, **layout: Any) -> tuple[Figure, list[Axes]]:
+def panels(
+    count: int = 1, *, by_depth: bool = False, height: float | None = None, **layout: Any
+) -> tuple[Figure, list[Axes]]:
     """A figure with `count` axes side by side, by default as high [inch] as the style says."""
     figure = Figure()
-    figure.set_figheight(height or figure.get_figheight())
+    if count > 1:
+        figure.set_figwidth(PAGE)
+    if by_depth or height:
+        figure.set_figheight(height or TALL)
     return figure, list(figure.subplots(1, count, squeeze=False, **layout)[0])
-
-
-def series_colour(index: int, count: int) -> str:
-    """Colour of a series among `count`, by luminance; black if it is the only one."""
-    return INK if count == 1 else shade(index / (count - 1))
-
-
-def shade(fraction: float) -> str:
-    """Colour of a number on the scale `SHADES`, from 0 to 1."""
-    return to_hex(SHADES(fraction))
 
 
 def runs(found: np.ndarray) -> list[slice]:
@@ -150,21 +145,27 @@ class Series(NamedTuple):
     place: int
     colour: str
     marker: str
-    label: str = ""
+    dashes: str
 
     @property
     def style(self) -> dict[str, Any]:
         """Colour and marker, as matplotlib calls them."""
         return {"color": self.colour, "marker": self.marker}
 
+    @property
+    def line(self) -> dict[str, Any]:
+        """Colour and dashes of a line without marks, as matplotlib calls them."""
+        return {"color": self.colour, "ls": self.dashes}
+
 
 def series(things: Iterable[Thing], most: int | None = MOST_LABELS) -> list[tuple[Thing, Series]]:
     """Up to `most` of the things, evenly spread, or all for None, each with its style."""
     every = list(things)
     shown = chosen(len(every), most or len(every))
+    looks = zip(itertools.cycle(MARKERS), itertools.cycle(DASHES))
     return [
-        (every[place], Series(place, series_colour(rank, len(shown)), MARKERS[rank % len(MARKERS)]))
-        for rank, place in enumerate(shown)
+        (every[place], Series(place, series_colour(rank, len(shown)), *look))
+        for (rank, place), look in zip(enumerate(shown), looks, strict=False)
     ]
 
 
@@ -184,7 +185,7 @@ def end_of(x: Floats, y: Floats, label: str, colour: str) -> list[CurveEnd]:
     ]
 
 
-def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
+def label_ends(axes: Axes, ends: Iterable[CurveEnd]) -> None:
     """Write labels right of the axes, as near to the ends of their curves as possible.
 
     Their lines have up to 30 letters, and are 0.06 of the axes' height apart, or less if there are
@@ -203,14 +204,12 @@ def label_ends(axes: Axes, ends: Iterable[CurveEnd], size: float = 8) -> None:
     # After subtraction of these steps the heights only have to be non-decreasing.
     places = np.clip(isotonic_regression(heights - steps).x, 0.0, 1.0 - steps[-1]) + steps
     for end, place in zip(ordered, places, strict=True):
-        leader = {"arrowstyle": "-", "color": end.colour, "lw": 0.5, "relpos": (0, 0.5)}
+        leader = {"arrowstyle": "-", "color": end.colour, "relpos": (0, 0.5)}
         axes.annotate(
             end.label,
             xy=(end.x, end.y),
             xytext=(1.03, place),
             textcoords="axes fraction",
-            color=end.colour,
-            fontsize=size,
             va="center",
             arrowprops=leader,
         )
@@ -227,7 +226,7 @@ def legend_above(figure: Figure, axes: Axes) -> None:
     share = 1.0
     for columns in range(min(len(handles), 4), 0, -1):
         share = _legend_share(figure, handles, labels, columns)
-        if share <= 0.98:
+        if share <= 0.95:
             break
     else:
         longest = max(len(SYMBOL.sub(IN_PLACE, label)) for label in labels)

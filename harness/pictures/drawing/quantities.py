@@ -56,6 +56,8 @@ LONGEST_LABEL = 24
 """Number of letters of the longest text that an axis has room for."""
 MOST_LETTERS = 100
 """Number of letters of the longest name that is written in full."""
+SYMLOG_SHARE = 0.5
+"""Decades that are as wide as the part of an axis from 0 to the least positive value."""
 DERIVED = "derived"
 """Shown for a parameter without a value in a case."""
 SYMBOL, IN_PLACE = re.compile(r"(?<!\\)\$[^$]*(?<!\\)\$"), "\ue000--"
@@ -258,7 +260,7 @@ class Values:
             return
         if self.scale == "symlog":
             smallest = self.numbers[self.numbers > 0.0].min()
-            set_scale(self.scale, linthresh=smallest, linscale=0.5)
+            set_scale(self.scale, linthresh=smallest, linscale=SYMLOG_SHARE)
         else:
             set_scale(self.scale)
         axis.set_minor_formatter(ticker.NullFormatter())

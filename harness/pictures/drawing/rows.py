@@ -19,6 +19,7 @@ from harness.pictures.drawing.quantities import (
     unit_of,
     wrapped,
 )
+from harness.pictures.drawing.style import PALE, THIN
 
 LETTERS, LINE = 36, 0.16
 """Number of letters in a line of a label, and its height [inch]."""
@@ -37,11 +38,11 @@ def labelled_rows(labels: Sequence[str], height: float) -> tuple[Figure, Axes]:
     texts = [wrapped(label, LETTERS) for label in labels]
     of_text = LINE * max(text.count("\n") + 1 for text in texts)
     figure, (axes,) = panels(height=max(height, of_text) * len(labels) + MARGIN)
-    axes.set_yticks(range(len(labels)), texts, fontsize=8)
+    axes.set_yticks(range(len(labels)), texts)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.grid(visible=False, axis="y")
     for border in range(len(labels) - 1):
-        axes.axhline(border + 0.5, color="0.9", lw=0.6)
+        axes.axhline(border + 0.5, color=PALE, lw=THIN)
     return figure, axes
 
 

@@ -5,16 +5,18 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from harness.pictures.drawing.plot_parts import ACCENT, INK, LIGHT, STYLED, legend_above, panels
+from harness.pictures.drawing.caption import caption
+from harness.pictures.drawing.plot_parts import legend_above, panels
+from harness.pictures.drawing.style import ACCENT, FAINT, INK, LIGHT, STYLED
 
 BANDS = (
-    ("predicted", "with the model factor by the other sites", LIGHT, 0.35),
-    ("computed", "computed, before it", ACCENT, 0.5),
+    ("predicted", "with the model factor by the other sites", LIGHT),
+    ("computed", "computed, before it", ACCENT),
 )
-"""Bands, the wide ones first, with label, colour and opacity."""
+"""Bands, the wide ones first, with label and colour."""
 CAPTION = (
     "A dot is the mean of ln Nkt at a site, its bar 1.645 deviations over the depths. Sites by "
-    "their number in the\ndatabase CLAY/10/7490 (Ching & Phoon 2014). Bands hold 90 %: of the "
+    "their number in the database CLAY/10/7490 (Ching & Phoon 2014). Bands hold 90 %: of the "
     "depths; before the model factor, of the mean."
 )
 
@@ -22,15 +24,15 @@ CAPTION = (
 @STYLED
 def evidence_figure(found: xr.Dataset) -> Figure:
     """Nkt of each site with its bar, before two bands. `found` is by site and percentile."""
-    figure, (axes,) = panels(height=3.6)
+    figure, (axes,) = panels()
     at = np.arange(found.sizes["site"])
-    for name, label, colour, opacity in BANDS:
+    for name, label, colour in BANDS:
         low, middle, high = found[name].values.T
-        axes.bar(at, high - low, 0.9, low, color=colour, alpha=opacity, lw=0, label=label)
-        axes.hlines(middle, at - 0.45, at + 0.45, color=colour, lw=1.2)
+        axes.bar(at, high - low, 0.9, low, color=colour, alpha=FAINT, lw=0, label=label)
+        axes.hlines(middle, at - 0.45, at + 0.45, color=colour)
     low, middle, high = found.measured.values.T
     bars = np.stack([middle - low, high - middle])
-    axes.errorbar(at, middle, bars, fmt="o", color=INK, ms=4, lw=1.0, label="measured")
+    axes.errorbar(at, middle, bars, fmt="o", color=INK, label="measured")
     axes.set_xticks(at, found.site.values)
     axes.set(
         yscale="log",
@@ -42,5 +44,5 @@ def evidence_figure(found: xr.Dataset) -> Figure:
     axes.minorticks_off()
     axes.grid(visible=False, axis="x")
     legend_above(figure, axes)
-    figure.supxlabel(CAPTION, x=0.01, ha="left", fontsize=7, color="0.2")
+    caption(figure, CAPTION)
     return figure

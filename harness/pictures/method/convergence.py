@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 from harness.archive.conventions import over_cases
 from harness.compare.convergence import LEAST_POINTS, approach, order_of_error
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import MOST_LABELS, STYLED, panels, series
+from harness.pictures.drawing.plot_parts import MOST_LABELS, panels, series
 from harness.pictures.drawing.quantities import Floats, apart, axis_label, number
+from harness.pictures.drawing.style import PAPER, STYLED
 from harness.pictures.studied import Studied
 from harness.study.compared import ERROR
 
@@ -80,7 +81,7 @@ def convergence_figure(dataset: xr.Dataset) -> Figure | None:
         if is_corrected:
             text = f"{label or 'computed'}, corrected"
             told = f"{label or 'computed'}, as simulated: {observed}"
-            axes.plot(x, y, **line.style, mfc="white", ls="", label=told)
+            axes.plot(x, y, **line.style, mfc=PAPER, ls="", label=told)
         studied.draw(axes, h, cases, **line.style, ls=dashes, label=text)
     if is_error:
         axes.set(xscale="log", yscale="log")
@@ -103,8 +104,8 @@ def _draw_limit(axes: Axes, h: Floats, values: Floats, colour: str) -> str:
         return "no order"
     used = np.sort(h[np.isfinite(values)])[:LEAST_POINTS]
     fine = np.linspace(0.0, used[-1], 200)
-    axes.plot(fine, found.at(fine), ":", lw=1, color=colour)
-    axes.plot([0.0], [found.limit], "o", mfc="white", color=colour, clip_on=False, zorder=5)
+    axes.plot(fine, found.at(fine), ":", color=colour)
+    axes.plot([0.0], [found.limit], "o", mfc=PAPER, color=colour, clip_on=False, zorder=5)
     return f"order {found.order:.2f}, limit {number(found.limit)}"
 
 

@@ -18,9 +18,10 @@ from matplotlib.figure import Figure
 from harness.archive import conventions
 from harness.archive.conventions import COMPLETED, MISSING, over_cases
 from harness.pictures.drawing.caption import captioned
-from harness.pictures.drawing.plot_parts import INK, STATUSES, STYLED, once
+from harness.pictures.drawing.plot_parts import once
 from harness.pictures.drawing.quantities import Floats, Texts, Values
 from harness.pictures.drawing.rows import labelled_rows
+from harness.pictures.drawing.style import INK, PAGE, STATUSES, STYLED
 from harness.pictures.studied import changing
 from harness.study.designs import ONE_AT_A_TIME
 from harness.study.study import STABILITY_MAP
@@ -107,20 +108,21 @@ class Strip(NamedTuple):
         for place, part in enumerate(self.parts):
             middle, base = (place + 0.5) / len(self.parts), bottom
             for status in sorted(set(part.status), key=lambda it: [*STATUSES, it].index(it)):
-                colour, label = STATUSES.get(status, INK), once(axes, status)
+                colour, hatch = STATUSES.get(status, (INK, ""))
+                label = once(axes, status)
                 height = -BAR * part.share(status)  # rows are counted downward
-                axes.bar(middle, height, wide, base, color=colour, label=label, gid=row)
+                axes.bar(middle, height, wide, base, fc=colour, hatch=hatch, label=label, gid=row)
                 base += height
             if part.number == self.default:
                 label = once(axes, "default")
-                axes.bar(middle, -BAR, wide, bottom, fill=False, ec=INK, lw=1.5, label=label)
+                axes.bar(middle, -BAR, wide, bottom, fill=False, ec=INK, label=label)
             if part.limits.size:
                 ends = middle - 0.5 * wide, middle + 0.5 * wide
-                axes.hlines(bottom - BAR * np.median(part.limits), *ends, color=INK, lw=2)
+                axes.hlines(bottom - BAR * np.median(part.limits), *ends, color=INK)
             text = part.text.replace("_", " ")
-            axes.text(middle, bottom + 0.04, text, fontsize=6, ha="center", va="top")
+            axes.text(middle, bottom + 0.04, text, ha="center", va="top")
         notes = "\n".join(textwrap.fill(line, 44, max_lines=2) for line in self.fails)
-        axes.text(1.02, row, notes, fontsize=6, va="center")
+        axes.text(1.02, row, notes, va="center")
 
 
 def shows_stability(dataset: xr.Dataset) -> bool:
@@ -189,6 +191,7 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
         return None
     strips = _strips(dataset)
     figure, axes = labelled_rows([strip.words()[0] for strip in strips], ROW_HEIGHT)
+    figure.set_figwidth(PAGE)
     for row, strip in enumerate(strips):
         strip.draw(axes, row)
     axes.set(xlim=(0.0, 1.0), xticks=[])
@@ -196,5 +199,5 @@ def stability_figure(dataset: xr.Dataset) -> Figure | None:
     if any(part.limits.size for strip in strips for part in strip.parts):
         limits = conventions.limits_of(dataset).items()
         names = (f"{conventions.spoken(it)} over its limit of {size:g}" for it, size in limits)
-        axes.plot([], [], color=INK, lw=2, label=f"{' or '.join(names)}, median")
+        axes.plot([], [], color=INK, label=f"{' or '.join(names)}, median")
     return captioned(figure, dataset, EXPLAINED, legend=axes)

@@ -1,6 +1,5 @@
 """Work-precision pictures: error against run time."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from harness.archive.atomic_files import write_whole
 from harness.archive.conventions import (
     freely_varied,
     over_cases,
@@ -19,11 +17,8 @@ from harness.archive.conventions import (
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
 from harness.pictures.drawing.caption import NO_BREAK, captioned, largest_parts, not_completed
 from harness.pictures.drawing.plot_parts import (
-    INK,
     MOST_LABELS,
-    STYLED,
     chosen,
-    image,
     legend_above,
     once,
     panels,
@@ -38,6 +33,7 @@ from harness.pictures.drawing.quantities import (
     quantity,
     symbol,
 )
+from harness.pictures.drawing.style import DOT, GREY, INK, PAPER, STYLED
 from harness.pictures.studied import label_of, method_of
 from harness.study.designs import ONE_AT_A_TIME
 
@@ -97,14 +93,9 @@ MEANING_OF_LINES = (
 )
 
 
-def draw_work_precision(dataset: xr.Dataset, path: Path) -> None:
-    """Write the picture of `error` and `run_time` over `check` and `rank`, whole or not at all."""
-    write_whole(image(_checks_figure(dataset)), path)
-
-
 @STYLED
-def _checks_figure(dataset: xr.Dataset) -> Figure:
-    """Errors of checks over their run times, in one style for each scene; without failed runs."""
+def checks_figure(dataset: xr.Dataset) -> Figure:
+    """`error` over `run_time` of each check and rank, in one style for each scene."""
     scenes = [str(check).partition(" ")[0] for check in dataset["check"].values]
     lines = dict(series(dict.fromkeys(scenes), None))
     figure, (axes,) = panels()
@@ -146,11 +137,11 @@ def study_figure(dataset: xr.Dataset) -> Figure | None:
     silent = drawn & ~states_its_error(dataset)
     if silent.any():
         place = seconds[silent], measured[silent]
-        axes.plot(*place, "o", mfc="none", color="0.6", ms=3.5, label=NOT_STATED)
+        axes.plot(*place, "o", mfc="none", color=GREY, ms=DOT, label=NOT_STATED)
     floor = over_cases(dataset, FLOOR).astype(float)
     if np.isfinite(floor).any() and np.nanmax(floor) < 1.1 * np.nanmin(floor):
         label = "uncertainty of the reference"
-        axes.axhline(np.nanmax(floor), ls=":", lw=1.2, color=INK, label=label)
+        axes.axhline(np.nanmax(floor), ls=":", color=INK, label=label)
     has_scenes = len(set(scenes_of(dataset))) > 1
     soil = [text.replace(" ", NO_BREAK) for text in problems[0].soil] if len(problems) == 1 else []
     _dress(figure, axes, name if has_scenes else dataset[name].attrs.get("long_name", name))
@@ -186,7 +177,7 @@ def _draw_fronts(
         front, beaten = own[is_best], own[~is_best]
         if beaten.size:
             label = once(axes, "beaten by another")
-            axes.plot(seconds[beaten], measured[beaten], "o", color="0.6", ms=3.5, label=label)
+            axes.plot(seconds[beaten], measured[beaten], "o", color=GREY, ms=DOT, label=label)
         scene = [in_words(problem.scene)] if several else []
         soil = problem.soil if len(problems) > 1 else []
         name = ", ".join([*scene, *soil]) if len(problems) <= MOST_LABELS else ""
@@ -195,7 +186,7 @@ def _draw_fronts(
         axes.plot(seconds[front], errors[front], color=line.colour, zorder=3)
         axes.plot([], [], f"{line.marker}-", color=line.colour, label=label)
         wider = front[errors[front] > measured[front]]
-        axes.vlines(seconds[wider], measured[wider], errors[wider], color=line.colour, lw=0.7)
+        axes.vlines(seconds[wider], measured[wider], errors[wider], color=line.colour)
         apart = _apart(front, measured, np.ptp(np.log(measured[np.isfinite(errors)])))
         share = min(len(apart), budget // (len(problems) - line.place))
         budget -= share
@@ -205,8 +196,7 @@ def _draw_fronts(
                 (seconds[case], measured[case]),
                 xytext=(4, 4),
                 textcoords="offset points",
-                size=6,
-                bbox={"fc": "white", "ec": "none", "pad": 0.5, "alpha": 0.8},
+                bbox={"fc": PAPER, "ec": "none", "pad": 0.5},
             )
 
 

@@ -16,7 +16,8 @@ from harness.compare.compared import with_experience
 from harness.pictures.curve import curve_figure
 from harness.pictures.drawing.plot_parts import panels
 from harness.pictures.drawing.quantities import Values
-from harness.pictures.literature import PALE, draw_experience
+from harness.pictures.drawing.style import FAINT
+from harness.pictures.literature import draw_experience
 
 from .conftest import MADE, REFERENCES, legend, result, texts
 
@@ -176,11 +177,11 @@ def test_beside_clays_of_two_criteria_each_has_the_literature_by_its_su() -> Non
 def test_where_the_literature_depends_on_the_series_each_has_its_own_in_its_colour() -> None:
     figure = of_von_mises({"adhesion_factor": [0.0, 1.0], "rigidity_index": [50.0, 300.0]})
     colours = [line.get_color() for line in points(figure)]
-    drawn: dict[float | None, list[str]] = {PALE: [], 1.0: [], None: []}
+    drawn: dict[float | None, list[str]] = {FAINT: [], 1.0: [], None: []}
     for line in curves(figure):
         drawn[line.get_alpha()].append(line.get_color())
     # two references are of von Mises clay; Lu et al. is of Tresca clay
-    assert (drawn[PALE], drawn[1.0]) == (colours, [it for it in colours for _ in range(2)])
+    assert (drawn[FAINT], drawn[1.0]) == (colours, [it for it in colours for _ in range(2)])
     assert set(legend(figure)) >= (LABELS - {LU}) | {f"{LU} (Tresca)"}
     bands = [to_hex(band.get_facecolor()[0]) for band in figure.axes[0].collections]
     assert bands == list(map(to_hex, colours))

@@ -12,7 +12,7 @@ from harness.archive.netcdf_files import read_netcdf, write_netcdf
 from harness.errors import HarnessError
 from harness.pictures.curves import curves_figure
 from harness.pictures.declared import declared
-from harness.pictures.drawing.plot_parts import SHADES
+from harness.pictures.drawing.style import GREY, SHADES
 from harness.pictures.pictures import NothingToDrawError, draw, rendered
 from mpm_warp.errors import SceneError
 from mpm_warp.results import Drawn, curves
@@ -228,7 +228,7 @@ def test_of_many_curves_only_those_that_differ_most_from_the_start_are_labelled(
     labels = texts(figure.axes[0].texts)
     assert labels[0] == "start"
     assert labels[1:] == [rf"$I_{{\mathrm{{r}}}}$ = {100 + case}" for case in range(7, 12)]
-    assert [line.get_color() for line in figure.axes[0].lines].count("0.6") == 6
+    assert [line.get_color() for line in figure.axes[0].lines].count(GREY) == 6
     few = resistance(one_at_a_time()).axes[0].texts
     assert few[0].get_text().startswith("$I")
 

@@ -12,8 +12,8 @@ from harness.archive.conventions import DERIVED_BY
 from harness.archive.study_files import read_study, write_study
 from harness.compare.spread import spreads_of
 from harness.pictures.cases import cases_figure
-from harness.pictures.drawing.plot_parts import FAILED
 from harness.pictures.drawing.rows import INSIDE
+from harness.pictures.drawing.style import FAILED
 from harness.pictures.effects import effects_figure, tornado_figure
 from harness.pictures.literature import colours_of
 from harness.pictures.method.stability import stability_rows

@@ -15,7 +15,7 @@ from harness.archive.conventions import COMPLETED
 from harness.archive.study_files import write_study
 from harness.cli.main import main
 from harness.pictures.drawing.caption import LINE
-from harness.pictures.drawing.plot_parts import STATUSES
+from harness.pictures.drawing.style import STATUSES
 from harness.pictures.effects import tornado_figure
 from harness.pictures.method.stability import (
     BAR,
@@ -176,11 +176,15 @@ def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
     assert row_of(sound, "stress")["what fails"] == "all 6 complete"
 
 
+def colour_of(status: str) -> str:
+    return to_hex(STATUSES[status][0])
+
+
 def bars(figure: Figure, row: int) -> list[tuple[str, float, float]]:
     """Colour, bottom and height of each bar of a row, from the left."""
     found = [bar for bar in figure.axes[0].patches if bar.get_gid() == row]
     return [
-        (to_hex(bar.get_facecolor()).upper(), row + BAR / 2 - bar.get_y(), -bar.get_height())
+        (to_hex(bar.get_facecolor()), row + BAR / 2 - bar.get_y(), -bar.get_height())
         for bar in cast("list[Rectangle]", found)
     ]
 
@@ -188,7 +192,7 @@ def bars(figure: Figure, row: int) -> list[tuple[str, float, float]]:
 def test_each_value_has_a_bar_in_the_colour_of_its_status_and_the_default_a_frame() -> None:
     figure = stability_figure(one_at_a_time())
     statuses = ["diverged", "completed", "completed", "completed", "inaccurate", "diverged"]
-    assert bars(figure, 0) == [(STATUSES[status], 0.0, BAR) for status in statuses]
+    assert bars(figure, 0) == [(colour_of(status), 0.0, BAR) for status in statuses]
     frames = [bar for bar in figure.axes[0].patches if not bar.get_fill()]
     assert len(frames) == 3
     centre = frames[0].get_x() + 0.5 * frames[0].get_width()
@@ -202,11 +206,11 @@ def test_each_value_has_a_bar_in_the_colour_of_its_status_and_the_default_a_fram
 def test_bars_of_the_shares_add_up_to_a_full_one() -> None:
     figure = stability_figure(random_cases())
     drawn = bars(figure, 0)
-    assert [status for status, *_ in drawn].count(STATUSES["diverged"]) == 4
-    heights = [height for status, _, height in drawn if status == STATUSES[COMPLETED]]
+    assert [status for status, *_ in drawn].count(colour_of("diverged")) == 4
+    heights = [height for status, _, height in drawn if status == colour_of(COMPLETED)]
     np.testing.assert_allclose(heights, BAR * np.array([1.0, 0.75, 0.5, 0.25]))
     assert sum(height for *_, height in drawn) == pytest.approx(5 * BAR)
-    stacked = [bottom for status, bottom, _ in drawn if status == STATUSES["diverged"]]
+    stacked = [bottom for status, bottom, _ in drawn if status == colour_of("diverged")]
     np.testing.assert_allclose(stacked, [0.75 * BAR, 0.5 * BAR, 0.25 * BAR, 0.0])
 
 
