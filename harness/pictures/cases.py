@@ -18,13 +18,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.drawing.caption import captioned, not_completed, of_half_widths
 from harness.pictures.drawing.plot_parts import draw_values, series
-from harness.pictures.drawing.quantities import (
-    assigned,
-    axis_label,
-    in_words,
-    named,
-    unit_of,
-)
+from harness.pictures.drawing.quantities import assigned, axis_label, in_words, named, unit_of
 from harness.pictures.drawing.rows import labelled_rows
 from harness.pictures.drawing.style import INK, STYLED
 from harness.pictures.effects import has_few_cases, much_varied

@@ -26,13 +26,7 @@ from harness.archive.conventions import (
 )
 from harness.pictures.declared import HALF_WIDTH, Curve, Picture, picture_of, pieces_of
 from harness.pictures.drawing.caption import captioned, of_half_widths
-from harness.pictures.drawing.plot_parts import (
-    MOST_LABELS,
-    CurveEnd,
-    label_ends,
-    panels,
-    series,
-)
+from harness.pictures.drawing.plot_parts import MOST_LABELS, CurveEnd, label_ends, panels, series
 from harness.pictures.drawing.quantities import (
     SYMLOG_SHARE,
     Floats,

@@ -16,12 +16,7 @@ from harness.pictures.drawing.style import BAND, COLOURS, FAINT, GREY, HATCHES, 
 from harness.pictures.studied import Studied
 from harness.references import registry
 from harness.references.band import Factor
-from harness.references.reference import (
-    COMPARED,
-    NEEDED,
-    SYMBOL_OF,
-    Reference,
-)
+from harness.references.reference import COMPARED, NEEDED, SYMBOL_OF, Reference
 from harness.references.strength import Conditions, Quantity
 from mpm_warp.materials.clay_law import PARAMETER
 

@@ -209,7 +209,7 @@ def traction_figure(fields: xr.Dataset) -> Figure:
     parts = [fields.surface_part.values == part for part in ("face", "shaft")]
     shoulder, last = float(distance[parts[0]].max()), fields.sizes["penetration"] - 1
     for axes, kind in ((normal, "normal"), (shear, "shear")):
-        for number, line in series(range(last + 1), MOST_CURVES):
+        for number, line in series(range(last, -1, -1), MOST_CURVES):
             snapshot = fields.isel(penetration=number)
             traction = snapshot[f"{kind}_traction"].values / fields.undrained_shear_strength.item()
             if kind == "shear":

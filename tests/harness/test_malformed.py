@@ -240,7 +240,7 @@ def test_a_mutant_of_a_site_file_or_of_its_test_is_interpreted_or_refused_in_one
     tmp_path: Path, depth: Depth, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if depth(1, 0):  # pictures of those that are sound take the most of a second each
-        monkeypatch.setattr(command, "image", lambda *_: b"")
+        monkeypatch.setattr(command, "write_figure", lambda *_: [])
         monkeypatch.setattr(command, "write_own", lambda *_: None)
     rows = rows_of(write_site(tmp_path))
     tests = {kind: write(rows) for kind, write in WRITERS.items()}

@@ -39,7 +39,7 @@ from harness.pictures.drawing.style import LETTERS
 from mpm_warp.scenes import scene_names
 from mpm_warp.scenes.sounding.table import PROFILE, columns_of
 
-UPRIGHT = 42
+UPRIGHT = 32
 """Number of letters in a line of the label of an upright axis."""
 LINE = 0.12
 """Height of a line [inch]."""

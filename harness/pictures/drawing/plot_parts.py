@@ -17,15 +17,7 @@ from matplotlib.text import Text
 
 from harness.archive.own_files import MAKER, write_own
 from harness.pictures.drawing.quantities import IN_PLACE, SYMBOL, Floats, wrapped
-from harness.pictures.drawing.style import (
-    DASHES,
-    FAILED,
-    MARKERS,
-    PAGE,
-    STYLED,
-    TALL,
-    series_colour,
-)
+from harness.pictures.drawing.style import DASHES, FAILED, MARKS, PAGE, STYLED, TALL, series_colour
 
 _MADE_BY = {
     "png": {"Software": MAKER},
@@ -51,6 +43,7 @@ def image(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
         text.set_parse_math(_is_valid_math(text.get_text()))
     if figure.get_layout_engine() is not None:
         figure.draw_without_rendering()
+        figure.draw_without_rendering()  # labels have their places only now
         figure.set_layout_engine("none")
     content = io.BytesIO()
     figure.savefig(content, format=form, metadata=_MADE_BY[form], dpi=dpi or "figure")
@@ -162,7 +155,7 @@ def series(things: Iterable[Thing], most: int | None = MOST_LABELS) -> list[tupl
     """Up to `most` of the things, evenly spread, or all for None, each with its style."""
     every = list(things)
     shown = chosen(len(every), most or len(every))
-    looks = zip(itertools.cycle(MARKERS), itertools.cycle(DASHES))
+    looks = zip(itertools.cycle(MARKS), itertools.cycle(DASHES))
     return [
         (every[place], Series(place, series_colour(rank, len(shown)), *look))
         for (rank, place), look in zip(enumerate(shown), looks, strict=False)

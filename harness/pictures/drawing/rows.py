@@ -11,14 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from harness.pictures.drawing.plot_parts import panels
-from harness.pictures.drawing.quantities import (
-    Floats,
-    Values,
-    named,
-    quantity,
-    unit_of,
-    wrapped,
-)
+from harness.pictures.drawing.quantities import Floats, Values, named, quantity, unit_of, wrapped
 from harness.pictures.drawing.style import PALE, THIN
 
 LETTERS, LINE = 36, 0.16

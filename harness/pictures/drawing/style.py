@@ -21,7 +21,7 @@ WIDE, PAGE = 140 / 25.4, 190 / 25.4
 """Width of a picture with a single panel, and of any other [inch]: 1.5 and two columns."""
 TALL = 5.2
 """Height of panels that go down the page [inch]."""
-LETTERS = 19
+LETTERS = 20
 """Letters of 7 pt in an inch of a line."""
 SMALL_DPI = 75
 """Resolution of small pictures in the summary of a page [dots per inch]."""
@@ -30,7 +30,7 @@ THIN, BOLD = 0.7, 2.5
 """Widths of secondary lines, and of highlighted ones [pt]."""
 DOT, LARGE, BAR = 2.5, 7.0, 16.0
 """Sizes of marks: one among many, one around another, and a bar at a text [pt]."""
-MARKERS, DASHES = "osD^v<>pPXh*", ("-", "--", "-.", ":")
+MARKS, DASHES = "osD^v<>pPXh*", ("-", "--", "-.", ":")
 """Marks and dashes of series, which tell them apart in grey."""
 OTHER_DASHES = ((0, (4, 3)), (0, (1, 1.5)), (0, (6, 2, 1, 2)), (0, (10, 2)))
 """Dashes of references beside several series."""

@@ -28,8 +28,8 @@ from harness.study.study import STABILITY_MAP
 
 PART_COUNT = 5
 """Intervals with equally many cases into which the range of a random parameter is divided."""
-ROW_HEIGHT, BAR = 0.55, 0.6
-"""Height of the row of a parameter [inch], and of a full bar over it."""
+ROW_HEIGHT, BAR, BOTTOM = 0.7, 0.6, 0.15
+"""Height of the row of a parameter [inch]; over it height of a full bar, and its lower end."""
 EXPLAINED = "Bars: shares of cases that ended so, at a value or in parts of equally many cases."
 
 
@@ -104,7 +104,7 @@ class Strip(NamedTuple):
 
     def draw(self, axes: Axes, row: int) -> None:
         """Draw a bar for each part, coloured by how its cases ended; the default is framed."""
-        bottom, wide = row + BAR / 2.0, 0.95 / len(self.parts)
+        bottom, wide = row + BOTTOM, 0.95 / len(self.parts)
         for place, part in enumerate(self.parts):
             middle, base = (place + 0.5) / len(self.parts), bottom
             for status in sorted(set(part.status), key=lambda it: [*STATUSES, it].index(it)):
@@ -119,7 +119,7 @@ class Strip(NamedTuple):
             if part.limits.size:
                 ends = middle - 0.5 * wide, middle + 0.5 * wide
                 axes.hlines(bottom - BAR * np.median(part.limits), *ends, color=INK)
-            text = part.text.replace("_", " ")
+            text = part.text.replace("_", " ").replace(" to ", "\nto ")
             axes.text(middle, bottom + 0.04, text, ha="center", va="top")
         notes = "\n".join(textwrap.fill(line, 44, max_lines=2) for line in self.fails)
         axes.text(1.02, row, notes, va="center")

@@ -8,12 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from harness.archive.conventions import (
-    freely_varied,
-    over_cases,
-    scenes_of,
-    uncertainty_of,
-)
+from harness.archive.conventions import freely_varied, over_cases, scenes_of, uncertainty_of
 from harness.compare.finest_error import FLOOR, credited_error, error_name, states_its_error
 from harness.pictures.drawing.caption import NO_BREAK, captioned, largest_parts, not_completed
 from harness.pictures.drawing.plot_parts import (

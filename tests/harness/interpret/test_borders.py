@@ -215,12 +215,13 @@ def test_the_loop_is_closed_from_the_command_line(folder: Path, command: Command
     """
     out, rows = folder / "out", (folder / "test.csv").read_text().splitlines()
     (folder / "test.csv").write_text("\n".join([rows[0], *rows[36:-35]]))  # what is simulated
-    told = command("interpret", folder / "site.toml", "--sharpen", "--check", "--out", out)
+    asked = "--sharpen", "--check", "--out", out, "--format", "pdf"
+    told = command("interpret", folder / "site.toml", *asked)
     assert told.out.count("simulated net resistance differs from the expected one") == 2
     assert "simulating the sounding, quick: about " in told.err
     found = xr.open_dataset(out / "site_check.nc")
     away = (np.abs(found.depth - BORDER) > 15.0 * RADIUS) & np.isfinite(found.misfit)
     assert away.sum() > 100
     assert np.abs(found.misfit[away]).mean() < np.hypot(0.03, 0.015)
-    assert (out / "site_check.png").exists()
-    assert (out / "site_check.svg").exists()
+    assert (out / "site_check.pdf").exists()
+    assert not (out / "site_check.png").exists()

@@ -242,6 +242,23 @@ def test_many_curves_have_the_colours_of_the_number_that_they_follow() -> None:
     assert "12 cases." in caption_of(figure)
 
 
+def test_of_two_parameters_colour_shows_one_and_dashes_the_one_of_fewer_values() -> None:
+    index, adhesion = [50.0, 100.0, 300.0], [0.0, 0.25, 0.5, 0.75, 1.0]
+    figure = resistance(result({"adhesion_factor": adhesion, "rigidity_index": index}))
+    (axes,) = figure.axes
+    cases = [line for line in axes.lines if len(line.get_xdata())]
+    looks = [(line.get_color(), line.get_linestyle()) for line in cases]
+    colours = [to_hex(SHADES(it / 4)) for it in range(5)]
+    assert looks == [(colour, dashes) for colour in colours for dashes in ("-", "--", "-.")]
+    of_adhesion = [f"$α$ = {it:g}" for it in adhesion]
+    assert legend(figure) == of_adhesion + [rf"$I_{{\mathrm{{r}}}}$ = {it:g}" for it in index]
+
+
+def test_of_two_parameters_with_many_values_one_has_a_scale() -> None:
+    many = {"rigidity_index": [50.0, 60.0, 70.0, 80.0, 90.0], "density": [1.0, 2.0, 3.0, 4.0, 5.0]}
+    assert len(resistance(result(many)).axes) == 2
+
+
 def test_many_curves_of_several_scenes_have_the_colours_of_their_scenes() -> None:
     scenes = ["cone_penetration", "ball_penetration"] * 6
     figure = resistance(twelve("random").assign_coords(scene=("case", scenes)))

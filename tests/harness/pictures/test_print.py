@@ -26,7 +26,7 @@ from harness.pictures.drawing.style import (
     DASHES,
     INK,
     LIGHT,
-    MARKERS,
+    MARKS,
     STATUSES,
     WIDE,
     series_colour,
@@ -94,7 +94,7 @@ def test_colours_differ_in_grey_or_their_hatches_do() -> None:
         assert series[-1] < 80.0  # it is to be seen on white paper
     hatches = [hatch for _, hatch in STATUSES.values()]
     assert len(set(hatches)) == len(hatches)
-    assert len(set(MARKERS)) == len(MARKERS) > MOST_LABELS
+    assert len(set(MARKS)) == len(MARKS) > MOST_LABELS
     assert len(set(DASHES)) == len(DASHES)
 
 

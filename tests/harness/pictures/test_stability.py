@@ -19,6 +19,7 @@ from harness.pictures.drawing.style import STATUSES
 from harness.pictures.effects import tornado_figure
 from harness.pictures.method.stability import (
     BAR,
+    BOTTOM,
     short_reason,
     stability_figure,
     stability_rows,
@@ -151,7 +152,7 @@ def test_a_result_is_told_as_a_share_of_its_limit_and_of_several_the_nearest_cou
     (line,) = (label for label in legend(figure) if "limit" in label)
     assert line.startswith("energy error over its limit of 0.04 or mass error over its limit of 1")
     heights = [path.vertices[0][1] for it in figure.axes[0].collections for path in it.get_paths()]
-    np.testing.assert_allclose(heights, BAR / 2.0 - BAR * np.array([0.8, 0.5]))
+    np.testing.assert_allclose(heights, BOTTOM - BAR * np.array([0.8, 0.5]))
 
 
 def test_rows_of_random_cases_tell_shares_and_name_the_worst_part() -> None:
@@ -184,7 +185,7 @@ def bars(figure: Figure, row: int) -> list[tuple[str, float, float]]:
     """Colour, bottom and height of each bar of a row, from the left."""
     found = [bar for bar in figure.axes[0].patches if bar.get_gid() == row]
     return [
-        (to_hex(bar.get_facecolor()), row + BAR / 2 - bar.get_y(), -bar.get_height())
+        (to_hex(bar.get_facecolor()), row + BOTTOM - bar.get_y(), -bar.get_height())
         for bar in cast("list[Rectangle]", found)
     ]
 

@@ -79,9 +79,9 @@ def test_each_test_and_both_together_have_files(written: Path) -> None:
     assert sorted(it.name for it in written.iterdir()) == [
         f"{name}_interpretation{form}"
         for name, forms in (
-            ("a.v1", (".csv", ".nc", ".png", ".svg", "_lines.csv")),
-            ("b", (".csv", ".nc", ".png", ".svg", "_lines.csv")),
-            ("soundings", (".html", ".png", ".svg")),
+            ("a.v1", (".csv", ".nc", ".png", "_lines.csv")),
+            ("b", (".csv", ".nc", ".png", "_lines.csv")),
+            ("soundings", (".html", ".png")),
         )
         for form in forms
     ]

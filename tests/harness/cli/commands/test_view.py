@@ -53,7 +53,7 @@ def test_pictures_and_film_are_written(seen: Path) -> None:
     for kind in ("sections", "traction"):
         (picture,) = results.glob(f"*_{kind}.png")
         with Image.open(picture) as image:
-            assert image.width > 1000
+            assert image.width > 800
     (film,) = results.glob("*_animation.gif")
     with Image.open(film) as image:
         assert getattr(image, "n_frames", 1) == 2
