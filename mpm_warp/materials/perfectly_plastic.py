@@ -78,6 +78,19 @@ class PerfectlyPlastic(UndrainedClay):
     shape_count: ClassVar[int] = 0  # number of shape properties
     axis: ClassVar[Mapping[str, float]] = {}  # state variables of the axis, initial values
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if cls.moduli is not Isotropic.moduli and cls.returns_to_criterion():
+            raise TypeError(
+                f"{cls.__name__} has moduli of its own: the update of a yield criterion has "
+                "constant ones, so it needs an update of its own too"
+            )
+
+    @classmethod
+    def returns_to_criterion(cls) -> bool:
+        """Whether the criterion says all of the update, so that its strength may change."""
+        return cls.update is PerfectlyPlastic.update
+
     @property
     def properties(self) -> tuple[float, ...]:
         """(G, K, su) [Pa], and the shape."""

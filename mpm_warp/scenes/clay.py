@@ -77,10 +77,11 @@ class Clay(Group):
     def check(self) -> None:
         """Refuse a law, a rate effect or softening without what belongs to it."""
         law = self.material
-        if self.strength_changes and not issubclass(law.kind, PerfectlyPlastic):
+        of_criterion = issubclass(law.kind, PerfectlyPlastic) and law.kind.returns_to_criterion()
+        if self.strength_changes and not of_criterion:
             raise ParameterError(
                 "material",
-                f"material = {law.name!r} has a strength of its own: rate_factor and "
+                f"material = {law.name!r} has a strength or an update of its own: rate_factor and "
                 "remoulded_strength_ratio are of other clay",
             )
         for name, without, needed, what in NEEDED:

@@ -138,6 +138,29 @@ def test_a_law_without_an_entry_point_is_named_by_its_class() -> None:
     assert "OfOneStiffness" in repr(test)
 
 
+class WithAnUpdate(Tresca):
+    """Its update is more than the return to the criterion."""
+
+    def update(self) -> Any:
+        return super().update()
+
+
+def test_only_the_strength_of_a_criterion_changes() -> None:
+    """Softening and rate take the criterion alone, so an update beside it would be lost."""
+    for changed in ({"rate_factor": 0.1}, {"remoulded_strength_ratio": 0.5}):
+        with pytest.raises(ParameterError, match="has a strength or an update of its own"):
+            ConePenetration(material=WithAnUpdate(), **changed)
+
+
+def test_moduli_need_an_update_that_uses_them() -> None:
+    def moduli(self: Any) -> Any:
+        return None
+
+    with pytest.raises(TypeError, match="needs an update of its own"):
+        type("Stiffening", (Tresca,), {"moduli": moduli})
+    type("Stiffening", (Tresca,), {"moduli": moduli, "update": WithAnUpdate.update})
+
+
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(packages: Path, told: Any) -> None:
     assert told[STUDY_RUN][0] == 0, told[STUDY_RUN]
     with xr.open_dataset(packages / "results" / "study.nc") as study:
