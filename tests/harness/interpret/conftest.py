@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from harness.interpret.tables.factors import cone_factor
+from harness.pictures.drawing.plot_parts import image
 from mpm_warp.grid.fitted import Floats
 
 DEPTH = np.arange(1.0, 12.0, 0.1)
@@ -67,6 +69,17 @@ def here(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """That folder, which a command is run in."""
     monkeypatch.chdir(folder)
     return folder
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are empty: to draw them takes longer than all else that a command does."""
+
+    def empty(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
+        return image(Figure(), form)
+
+    for user in ("harness.cli.commands.interpret", "harness.report.plain_pages"):
+        monkeypatch.setattr(f"{user}.image", empty)
 
 
 def changed(folder: Path, *changes: tuple[str, str], file: str = "site.toml") -> Path:

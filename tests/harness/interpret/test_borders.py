@@ -192,6 +192,7 @@ def test_clay_beside_sand_in_a_layer_feels_another_layer(folder: Path, has_sleev
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_table_has_the_resistance_that_its_strength_is_by(folder: Path, command: Command) -> None:
     """su Nkt, both medians, is qnet, or qnet without borders where these are taken away."""
     for out, title, options in (

@@ -49,6 +49,7 @@ def test_what_a_file_says_of_the_cone_holds_unless_told_otherwise(folder: Path, 
     assert "area_ratio = 0.6 by the site file, 0.8 by the file" in own.notes
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_file_is_interpreted_in_one_command(here: Path, command: Command) -> None:
     """Of one kind for all, whose columns are the same."""
     site_of(here, "gef", as_gef(rows_of(here)))

@@ -237,6 +237,7 @@ def test_a_site_is_interpreted_from_the_command_line(here: Path, command: Comman
     ]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_another_site_of_one_name_is_not_replaced_silently(here: Path, command: Command) -> None:
     told = 'site_interpretation.nc: was of a site with another title, "A site", and is replaced'
     for _ in range(2):

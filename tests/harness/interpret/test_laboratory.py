@@ -228,6 +228,7 @@ def test_a_test_on_a_border_counts_once_in_the_lower_layer(folder: Path) -> None
     assert interpret(site).laboratory_tests.values.tolist() == [1.0, 1.0]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_soundings_of_a_site_share_its_tests(here: Path, command: Command) -> None:
     site = with_laboratory(here, laboratory(0.5, (5.0,)))
     alone = site.read_text()
