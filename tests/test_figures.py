@@ -178,6 +178,9 @@ WHOLE_TABLES = [
 ]
 """Figures of commands that take up to a minute each; compared with ``--deep``."""
 
+RUN: dict[str, Any] = {}
+"""Results of cases, by their keys: several figures may be of one case."""
+
 
 def words_of(page: str) -> str:
     return " ".join((ROOT / page).read_text().split())
@@ -187,8 +190,9 @@ def rendered(figure: Figure) -> str:
     """The phrase with what the command gives now."""
     values: list[float] = []
     for case in load_study(figure.study, list(figure.settings)).cases:
-        result: Any = case.built().run()
-        values += [float(result[name]) for name in figure.results]
+        if case.key not in RUN:
+            RUN[case.key] = case.built().run()
+        values += [float(RUN[case.key][name]) for name in figure.results]
     return figure.phrase.format(*values).replace("%", "")  # tables of shares are in percent
 
 
