@@ -73,7 +73,7 @@ def test_uniform_ground_and_what_is_missing_stay() -> None:
 
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.03])
 def test_a_border_that_the_resistance_does_not_show_stays_where_it_is_told(noise: float) -> None:
-    for seed in range(10):
+    for seed in range(10 if noise else 1):
         scatter = np.random.default_rng(seed).normal(0.0, noise, DEPTH.size)
         growing = NET["above"] * (DEPTH + 2.0) * np.exp(scatter)
         assert sharpened(DEPTH, growing, [BORDER], RADIUS)[1] == [BORDER]

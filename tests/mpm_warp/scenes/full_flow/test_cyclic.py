@@ -27,7 +27,7 @@ SENSITIVE = dataclasses.replace(
     COARSE, cells_per_radius=3, remoulded_strength_ratio=0.2, ductility=5.0, speed_ratio=0.03
 )
 BALL = CyclicBall(
-    cells_per_radius=3,
+    cells_per_radius=2,
     domain_extent=4,
     stroke=6.0,
     remoulded_strength_ratio=0.2,
