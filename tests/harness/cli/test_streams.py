@@ -19,8 +19,6 @@ from tests.harness.conftest import Refusal
 pytestmark = pytest.mark.slow
 
 FULL = Path("/dev/full")
-ONE = "--set adhesion_factor=0"
-"""One case of the study."""
 
 
 @pytest.fixture
@@ -75,12 +73,10 @@ def test_a_word_of_100_kilobytes_is_a_short_line(arguments: str, refusal: Refusa
 
 
 @pytest.mark.parametrize("streams", ["2>&-", "2>/dev/full", "<&- >&- 2>&-"])
-def test_a_closed_or_full_stream_is_no_error(
-    streams: str, small_file: Path, tmp_path: Path
-) -> None:
-    command = f"'{sys.executable}' -m harness run '{small_file}' --out '{tmp_path}' {ONE} {streams}"
-    end = finished(["sh", "-c", command])
+def test_a_closed_or_full_stream_is_no_error(streams: str, stub: Study, tmp_path: Path) -> None:
+    run = f"'{sys.executable}' -m harness run '{stub.source}' --out '{tmp_path}' --set number=0"
+    end = finished(["sh", "-c", f"{run} {streams}"])
     assert end.returncode == 0
-    assert (tmp_path / "small.nc").exists()
-    assert (str(tmp_path / "small.nc") in end.stdout) == (">&- " not in streams)
+    assert (tmp_path / "stub.nc").exists()
+    assert (str(tmp_path / "stub.nc") in end.stdout) == (">&- " not in streams)
     assert (COMPLETED in end.stderr) == ("2>" not in streams)
