@@ -165,6 +165,8 @@ def cost(simulation: Simulation) -> dict[str, xr.Variable]:
 class ContactForces:
     """Mean forces of the soil at the nodes of a contact since they were last taken, or made.
 
+    Each of several in one run has means of its own.
+
     Example:
         >>> simulation = Simulation(StripFooting(cells_per_radius=2).build())
         >>> forces = ContactForces(simulation)
@@ -175,10 +177,10 @@ class ContactForces:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._begin()
+        self._begin(simulation.array("contact.impulse").copy())
 
-    def _begin(self) -> None:
-        self._simulation.assign("contact.impulse", 0.0)
+    def _begin(self, impulse: Floats) -> None:
+        self._impulse = impulse
         self._taken_at = self._simulation.time
 
     def take(self) -> Floats:
@@ -192,8 +194,9 @@ class ContactForces:
             raise ValueError(
                 f"contact forces: taken at t = {self._taken_at:.4g} s already; take steps before"
             )
-        forces: Floats = simulation.array("contact.impulse") / (simulation.time - self._taken_at)
-        self._begin()
+        impulse = simulation.array("contact.impulse").copy()
+        forces: Floats = (impulse - self._impulse) / (simulation.time - self._taken_at)
+        self._begin(impulse)
         return forces
 
 

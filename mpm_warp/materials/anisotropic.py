@@ -250,7 +250,6 @@ class Anisotropic(PerfectlyPlastic):
         unit="Pa",
     )
     axis: ClassVar[Mapping[str, float]] = {"axis_cos": 1.0, "axis_sin": 0.0}
-    shape_count: ClassVar[int] = 4
     reference_test: ClassVar[str] = "triaxial_compression"
 
     def __post_init__(self) -> None:

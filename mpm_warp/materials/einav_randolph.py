@@ -160,7 +160,7 @@ class EinavRandolph(UndrainedClay):
 
     @property
     def _functions(self) -> tuple[Any, Any]:
-        return _make_functions(self.criterion, self.softens, self.depends_on_rate)
+        return _make_functions(self.criterion, len(self.shape), self.softens, self.depends_on_rate)
 
     @property
     def _greatest_strength(self) -> float:
@@ -169,10 +169,10 @@ class EinavRandolph(UndrainedClay):
 
 @functools.cache
 def _make_functions(
-    criterion: type[PerfectlyPlastic], softens: bool, depends_on_rate: bool
+    criterion: type[PerfectlyPlastic], shapes: int, softens: bool, depends_on_rate: bool
 ) -> tuple[Any, Any]:
-    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
-    shape_of, shear_measure = make_shape(criterion), criterion.shear_measure
+    measure, within, nearest = criterion.functions()
+    shape_of, shear_measure = make_shape(criterion, shapes), criterion.shear_measure
     softened, nonlinear = criterion.softened, criterion.softened is not None
 
     @wp.func

@@ -16,6 +16,7 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.errors import SceneError
+from mpm_warp.fields.checks import check_kind
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
@@ -25,6 +26,16 @@ STRENGTH = 2
 """Position of su in the properties, after the moduli."""
 ROUNDING = 1e-9
 """Distance of an in-situ stress from the yield surface, over su, that counts as rounding."""
+OF_UPDATE = (
+    "update",
+    "properties",
+    "state",
+    "state_at",
+    "bulk_modulus",
+    "yield_function",
+    "strength_function",
+)
+"""What clay whose strength changes does not take from its criterion."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +73,7 @@ class PerfectlyPlastic(UndrainedClay):
     """Perfect plasticity with a yield criterion; `EinavRandolph` uses the criterion too.
 
     A criterion is a set of device functions. Their last argument `shape` is the vector of the
-    numbers of shape and axis; its length is 1 where there are none.
+    numbers of `shape` and `axis`; its length is 1 where there are none.
     """
 
     measure: ClassVar[Any]  # (stress, shape) -> f [Pa]
@@ -75,21 +86,32 @@ class PerfectlyPlastic(UndrainedClay):
     # (trial stress, k, part of k that can be lost, G, decay, shape) -> share of this part that
     # remains after a return. None: f - k is G times the plastic shear strain
     softened: ClassVar[Any] = None
-    shape_count: ClassVar[int] = 0  # number of shape properties
     axis: ClassVar[Mapping[str, float]] = {}  # state variables of the axis, initial values
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if cls.moduli is not Isotropic.moduli and cls.returns_to_criterion():
-            raise TypeError(
-                f"{cls.__name__} has moduli of its own: the update of a yield criterion has "
-                "constant ones, so it needs an update of its own too"
-            )
+        for name in ("moduli", "properties"):
+            if not cls._keeps(name) and cls._keeps("update"):
+                raise TypeError(
+                    f"{cls.__name__} has {name} of its own, so it needs an update of its own too: "
+                    "that of a yield criterion takes G, K, su and the numbers of `shape`"
+                )
 
     @classmethod
     def returns_to_criterion(cls) -> bool:
         """Whether the criterion says all of the update, so that its strength may change."""
-        return cls.update is PerfectlyPlastic.update
+        return all(map(cls._keeps, OF_UPDATE))
+
+    @classmethod
+    def functions(cls) -> tuple[Any, Any, Any]:
+        """`measure`, `within` and `nearest`; `SceneError` if one is no function of the device."""
+        for name in ("measure", "within", "nearest"):
+            check_kind(f"{cls.__name__}.{name}", getattr(cls, name, None), wp.Function)
+        return cls.measure, cls.within, cls.nearest
+
+    @classmethod
+    def _keeps(cls, name: str) -> bool:
+        return getattr(cls, name) is getattr(PerfectlyPlastic, name)
 
     @property
     def properties(self) -> tuple[float, ...]:
@@ -120,17 +142,17 @@ class PerfectlyPlastic(UndrainedClay):
 
     def update(self) -> Any:
         """See `Material`; return to the nearest stress on the yield surface."""
-        return _make_functions(type(self))[0]
+        return _make_functions(type(self), len(self.shape))[0]
 
     def yield_function(self) -> Any:
         """(f, su)."""
-        return _make_functions(type(self))[1]
+        return _make_functions(type(self), len(self.shape))[1]
 
 
 @functools.cache
-def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
+def make_shape(criterion: type[PerfectlyPlastic], shapes: int) -> Any:
     """The function (properties, state) -> shape, the last of the properties and of the state."""
-    shapes, axes = criterion.shape_count, len(criterion.axis)
+    axes = len(criterion.axis)
     shape_type = vector(max(1, shapes + axes))
 
     @wp.func
@@ -146,9 +168,9 @@ def make_shape(criterion: type[PerfectlyPlastic]) -> Any:
 
 
 @functools.cache
-def _make_functions(criterion: type[PerfectlyPlastic]) -> tuple[Any, Any]:
-    measure, within, nearest = criterion.measure, criterion.within, criterion.nearest
-    shape_of = make_shape(criterion)
+def _make_functions(criterion: type[PerfectlyPlastic], shapes: int) -> tuple[Any, Any]:
+    measure, within, nearest = criterion.functions()
+    shape_of = make_shape(criterion, shapes)
 
     @wp.func
     def measure_and_strength(stress: vec4, properties: Any, state: Any) -> vec2:

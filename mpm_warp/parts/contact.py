@@ -49,7 +49,15 @@ import numpy as np
 import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.fields.checks import FROM_ONE, check_nodes, check_whole
+from mpm_warp.fields.checks import (
+    FROM_ONE,
+    NOT_NEGATIVE,
+    Range,
+    check_array,
+    check_nodes,
+    check_number,
+    check_whole,
+)
 from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
@@ -151,11 +159,20 @@ class SurfaceContact(Part):
             in_situ_stress: pressure that the simulated stress leaves out [Pa], >= 0.
             speed: speed at which the body sinks into a grid that rests [m/s].
         """
+        within = Range(minimum=0, maximum=grid.row_count)
+        check_array("SurfaceContact.on: rows", rows, (None,), within, kinds="iu")
         nodes = grid.node(0, rows)
         vectors = -grid.wall_vectors[rows]
         from_axis = np.abs(grid.node_positions[nodes, 0])
         vectors[from_axis <= AXIS_ROUNDING * grid.outer_radius, 0] = 0.0
         areas = np.linalg.norm(vectors, axis=1)
+        if not areas.all():
+            row = rows[np.argmin(areas)]
+            raise SceneError(
+                f"SurfaceContact.on: row {row} has no surface: there and in the rows beside it the "
+                "grid begins on the axis"
+            )
+        check_number("SurfaceContact.on: adhesion", adhesion, NOT_NEGATIVE, unit="Pa")
         return cls(
             nodes=nodes,
             normals=vectors / areas[:, None],

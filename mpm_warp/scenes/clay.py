@@ -81,8 +81,8 @@ class Clay(Group):
         if self.strength_changes and not of_criterion:
             raise ParameterError(
                 "material",
-                f"material = {law.name!r} has a strength or an update of its own: rate_factor and "
-                "remoulded_strength_ratio are of other clay",
+                f"material = {law.name!r} has a strength, update or state of its own: rate_factor "
+                "and remoulded_strength_ratio are of other clay",
             )
         for name, without, needed, what in NEEDED:
             value = getattr(self, name)

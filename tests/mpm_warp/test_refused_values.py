@@ -60,6 +60,12 @@ CONTACT: Values = {
     "friction": 0.1,
     "in_situ_stress": 1e3,
 }
+ON_SURFACE: Values = {
+    "grid": Grid(**GRID | {"surface_radius": 0.1 * ONES}),
+    "rows": np.array([1, 2]),
+    "adhesion": 0.0,
+    "in_situ_stress": 1e3,
+}
 CHANGING = CLAY | {
     "criterion": Tresca,
     "rate_factor": 0.1,
@@ -174,6 +180,12 @@ MADE = [
     made(EinavRandolph, CHANGING, ductility=[0.001]),  # too brittle
     made(Variation, VARIED, depth=[np.array([0.0, 2.0, 1.0, 5.0])]),
     made(SurfaceContact, CONTACT, normals=[2.0 * DOWN, 0.0 * DOWN], normal_areas=[0.0 * ONES]),
+    made(
+        SurfaceContact.on,
+        ON_SURFACE,
+        rows=[[1, 2], range(1, 3), 1, None, np.array([1, 4]), np.array([-1, 2]), np.ones(2)],
+        adhesion=[NAN, -1.0, "rough"],
+    ),
     made(FarField, FAR),
     made(Fixed, {"nodes": SIDE, "free": np.zeros((4, 2))}, free=[np.full((4, 2), 0.5)]),
     made(NodalLoad, {"nodes": SIDE, "forces": np.ones((4, 2))}),

@@ -149,6 +149,7 @@ def test_contact_forces_are_means_since_they_were_last_taken(cone: Scene) -> Non
     simulation, other = Simulation(cone), Simulation(cone)
     forces = ContactForces(simulation)
     for steps in (100, 30):
+        ContactForces(simulation)  # takes nothing from others
         simulation.advance(steps)
         impulse = np.zeros_like(other.array("contact.impulse"))
         for _ in range(steps):
@@ -159,7 +160,6 @@ def test_contact_forces_are_means_since_they_were_last_taken(cone: Scene) -> Non
         scale = np.abs(expected).max()
         assert scale > 0.0
         np.testing.assert_allclose(forces.take(), expected, rtol=1e-9, atol=1e-12 * scale)
-    assert not simulation.array("contact.impulse").any()
 
 
 @pytest.mark.parametrize(

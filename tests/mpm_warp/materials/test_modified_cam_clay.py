@@ -239,7 +239,7 @@ def test_strain_of_rounding_size_leaves_it_within_what_the_watch_allows() -> Non
         ({"compression_slope": 0.04}, "compression_slope = 0.04 must be > swelling_slope = 0.04"),
         ({"isotropic_overconsolidation_ratio": 0.9}, "isotropic_overconsolidation_ratio = 0.9"),
         ({"poissons_ratio": 0.2}, "poissons_ratio = 0.2 of the undrained clay is too small"),
-        ({"rate_factor": 0.1}, "has a strength or an update of its own"),
+        ({"rate_factor": 0.1}, "has a strength, update or state of its own"),
         ({"stress_anisotropy": 0.6}, "the stress of the ground is outside the yield"),
         ({"stress_anisotropy": -0.6}, "the stress of the ground is outside the yield"),
     ],

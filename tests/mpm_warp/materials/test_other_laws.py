@@ -145,20 +145,43 @@ class WithAnUpdate(Tresca):
         return super().update()
 
 
-def test_only_the_strength_of_a_criterion_changes() -> None:
-    """Softening and rate take the criterion alone, so an update beside it would be lost."""
+class WithABulkModulus(Tresca):
+    """It is more compressible than by its Poisson's ratio."""
+
+    bulk_modulus = property(lambda self: 10.0 * self.shear_modulus)
+
+
+class WithAState(Tresca):
+    """It has a state beside that of the criterion."""
+
+    state = ("age",)
+
+
+@pytest.mark.parametrize("kind", [WithAnUpdate, WithABulkModulus, WithAState])
+def test_only_the_strength_of_a_criterion_changes(kind: type[Tresca]) -> None:
+    """Softening and rate take the criterion alone, so all beside it would be lost."""
     for changed in ({"rate_factor": 0.1}, {"remoulded_strength_ratio": 0.5}):
-        with pytest.raises(ParameterError, match="has a strength or an update of its own"):
-            ConePenetration(material=WithAnUpdate(), **changed)
+        with pytest.raises(ParameterError, match="has a strength, update or state of its own"):
+            ConePenetration(material=kind(), **changed)
 
 
-def test_moduli_need_an_update_that_uses_them() -> None:
-    def moduli(self: Any) -> Any:
+@pytest.mark.parametrize("name", ["measure", "within", "nearest"])
+def test_a_function_of_a_criterion_is_one_of_the_device(name: str) -> None:
+    clay: Any = type("Odd", (Tresca,), {name: staticmethod(lambda *_: True)})
+    for changed in ({}, {"remoulded_strength_ratio": 0.5, "ductility": 10.0}):
+        test = ConePenetration(material=clay(), **changed)
+        with pytest.raises(SceneError, match=rf"Odd\.{name} = .* must be of type Function"):
+            test.soil.law()
+
+
+@pytest.mark.parametrize("name", ["moduli", "properties"])
+def test_moduli_and_properties_need_an_update_that_uses_them(name: str) -> None:
+    def of_its_own(self: Any) -> Any:
         return None
 
-    with pytest.raises(TypeError, match="needs an update of its own"):
-        type("Stiffening", (Tresca,), {"moduli": moduli})
-    type("Stiffening", (Tresca,), {"moduli": moduli, "update": WithAnUpdate.update})
+    with pytest.raises(TypeError, match=f"has {name} of its own, so it needs an update"):
+        type("Stiffening", (Tresca,), {name: of_its_own})
+    type("Stiffening", (Tresca,), {name: of_its_own, "update": WithAnUpdate.update})
 
 
 def test_a_study_names_the_law_and_varies_a_parameter_of_it(packages: Path, told: Any) -> None:

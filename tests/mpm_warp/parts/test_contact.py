@@ -10,7 +10,7 @@ import pytest
 import warp as wp
 
 from mpm_warp.errors import SceneError
-from mpm_warp.grid.fitted import Floats
+from mpm_warp.grid.fitted import Floats, Grid
 from mpm_warp.materials.elasticity import LinearElastic
 from mpm_warp.materials.tresca import Tresca
 from mpm_warp.parts.boundaries import FarField
@@ -132,6 +132,28 @@ def test_soil_slides_along_a_smooth_body_and_does_not_enter_it(
     impulse = simulation.array("contact.impulse")
     np.testing.assert_allclose(impulse[:, 0], mass * 2.0 * surface.normals[:, 1], rtol=1e-12)
     np.testing.assert_array_equal(impulse[:, 1], 0.0)
+
+
+@pytest.mark.parametrize(("planar", "area"), [(False, 1.0), (True, 0.5 * math.pi)])
+def test_the_area_of_a_round_body_is_exact_but_for_its_chords(planar: bool, area: float) -> None:
+    """Half a sphere or cylinder of radius 1, in a grid that begins on the axis below it."""
+    short = []
+    for count in (8, 32):
+        angle = np.linspace(0.0, 0.5 * math.pi, count + 1)
+        grid = Grid(
+            columns=np.array([0.0, 1.0]),
+            rows=np.append([-3.0, -2.0], -np.cos(angle)),
+            surface_radius=np.append([0.0, 0.0], np.sin(angle)),
+            fitted_radius=2.0,
+            planar=planar,
+        )
+        body = SurfaceContact.on(grid, np.arange(2, count + 3), in_situ_stress=0.0)
+        below = 1.0 if planar else 0.5
+        assert body.normal_areas @ body.normals[:, 1] == pytest.approx(below, rel=ROUNDING * count)
+        short.append(1.0 - body.normal_areas.sum() / area)
+        with pytest.raises(SceneError, match="row 0 has no surface"):
+            SurfaceContact.on(grid, np.arange(count + 3), in_situ_stress=0.0)
+    assert math.log(short[0] / short[1], 4.0) == pytest.approx(2.0, abs=0.1)
 
 
 RUBS: dict[str, Any] = {"friction": 0.3, "adhesion": 0.0}
