@@ -29,8 +29,9 @@ $ harness new my_footing --scene strip_footing
   --interpret TEST: write a site file for this measured test: CSV, .gef, .xml (BRO), .ags, SGF
   --scene SCENE: scene of the study; default: cone_penetration
 [tour = studies.tour] write a notebook that shows how to use it from Python
-Write tour.ipynb into the current folder: from a first cone to a material law of your own. Open it
-in Jupyter; pip install 'mpm-warp[notebook]' installs what runs it.
+Write tour.ipynb into the current folder: from a first cone to a material law of your own. After
+pip install 'mpm-warp[notebook]' open it in JupyterLab or VS Code, which you install yourself, or
+run it by jupyter execute --inplace tour.ipynb.
 $ harness tour
 [list = studies.list_names] list studies and scenes
 List the studies that ship and all scenes, one per line.

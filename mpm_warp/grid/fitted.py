@@ -57,7 +57,9 @@ class Grid(Checked):
         planar: whether strain is plane; r is then a Cartesian coordinate.
         ground_level: height of the initial surface of the soil, above the lowest row [m];
             default: the grid is full.
-        soil_radius: radius of its initial side [m], > 0; default: as wide as the grid.
+        soil_radius: radius of its initial side [m], > 0; default: as wide as the grid. Material
+            points are there where their middle is below the level and within the radius: both on
+            lines of nodes give the exact mass.
 
     Raises:
         SceneError: a value is not allowed.

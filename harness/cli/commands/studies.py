@@ -103,7 +103,10 @@ def tour(options: argparse.Namespace) -> int:
     if path.exists() or path.is_symlink():
         raise HarnessError(f"{path}: exists already; open it, or go to another folder")
     write_whole((studies_folder() / path).read_bytes(), path)
-    tell("open it in Jupyter; pip install 'mpm-warp[notebook]' installs what runs it")
+    tell(
+        "after pip install 'mpm-warp[notebook]' open it in JupyterLab or VS Code, or: jupyter "
+        f"execute --inplace {path}"
+    )
     say(path)
     return DONE
 
