@@ -262,9 +262,16 @@ def own_parameters_of(owner: type) -> Mapping[str, Parameter]:
     """The declared fields of a dataclass and of its groups, by name, in their order.
 
     Raises:
-        TypeError: two groups have a parameter of one name.
+        TypeError: two groups have a parameter of one name, or a class with fields is no dataclass.
     """
     if owner not in _DECLARED:
+        for kind in owner.__mro__:
+            for name, it in vars(kind).items():
+                if isinstance(it, dataclasses.Field):  # which `dataclass` would have taken away
+                    raise TypeError(
+                        f"{kind.__name__}.{name} is no field yet: put @dataclass(frozen=True, "
+                        f"kw_only=True) above class {kind.__name__}"
+                    )
         declared: dict[str, Parameter] = {}
         for field in dataclasses.fields(owner):
             own: Mapping[str, Parameter] = {}

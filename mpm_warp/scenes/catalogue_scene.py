@@ -193,6 +193,7 @@ class CatalogueScene(ShownByParameters, ABC):
             else:
                 results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
+        check_kind(f"{type(self).__name__}.record()", results, xr.Dataset)
         check_axes(results)
         results = self.checked(results)
         parameters = parameter_variables(self, {*results.variables, *results.dims})

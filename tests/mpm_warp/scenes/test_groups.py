@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from mpm_warp import CatalogueScene, ConePenetration, Group, Sounding
+from mpm_warp import CatalogueScene, ConePenetration, GravityColumn, Group, Sounding, Tresca
 from mpm_warp.errors import ParameterError, SceneError
 from mpm_warp.fields.declaration import Derived, group, own_parameters_of, parameter
 from mpm_warp.fields.flat import values_of
@@ -115,6 +115,30 @@ def test_two_groups_of_a_scene_have_no_parameter_of_one_name() -> None:
 
     with pytest.raises(TypeError, match="Twice has two parameters 'half'"):
         Twice()
+
+
+def test_a_scene_or_a_law_without_its_decorator_is_told_of_it() -> None:
+    """Its fields would be none, without a word."""
+
+    class Forgotten(OwnScene):
+        size: int = parameter(8, "size")
+
+    class Law(Tresca):
+        angle: float = parameter(8.0, "angle")
+
+    for make in (Forgotten, lambda: Forgotten(size=3), Law):
+        with pytest.raises(TypeError, match=r"is no field yet: put @dataclass\(.*above class"):
+            make()
+
+
+def test_a_record_without_results_is_told_of_it() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Silent(GravityColumn):
+        def record(self, simulation: Any, progress: Any) -> Any:
+            return None
+
+    with pytest.raises(SceneError, match=r"Silent.record\(\) = None must be of type Dataset"):
+        Silent(cell_count=2).run()
 
 
 def test_a_group_of_one_scene_may_be_given_to_another() -> None:
