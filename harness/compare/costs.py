@@ -233,11 +233,13 @@ def _stage_rows(cases: xr.Dataset) -> list[str]:
         for name, own in groups
     ]
     reached = moved.sum() / step / most
-    limit = "memory" if reached > BOUND_BY_MEMORY else "the arithmetic of a core, not memory"
+    limit = "memory" if reached > BOUND_BY_MEMORY else "not memory"
     says = (
         f"The step moves {moved.sum() / step:.1f} GB/s, {reached:.0%} of what a copy moves here "
         f"({most:.1f} GB/s): its limit is {limit}."
     )
-    title = f"A step of {case.particle_count.item():,.0f} points on one thread"
+    device = cases.attrs["device"]
+    where = "one thread" if device == "cpu" else device
+    title = f"A step of {case.particle_count.item():,.0f} points on {where}"
     heading = ["stage", "ns a point", "share of the step", "bytes a point", "of a copy's bandwidth"]
     return [title, "", *markdown_lines(heading, table), "", says]

@@ -178,7 +178,10 @@ def law_class(name: str) -> type[Material]:
         ) from None
     if not (isinstance(kind, type) and issubclass(kind, Material)):
         raise ParameterError(PARAMETER, f"{where} is not a class of Material")
-    own = own_parameters(kind)
+    try:
+        own = own_parameters(kind)
+    except TypeError as error:
+        raise ParameterError(PARAMETER, f"{where}: {error}") from None
     for one in fields(kind):
         needed = one.default is MISSING and one.default_factory is MISSING
         if needed and one.name not in (*own, *GIVEN):

@@ -21,6 +21,7 @@ from mpm_warp.fields.declaration import parameter
 from mpm_warp.grid.fitted import Floats
 from mpm_warp.kernel_types import real, vec2, vec4, vector
 from mpm_warp.materials.elasticity import Isotropic, elastic_increment
+from mpm_warp.materials.material import Material
 
 STRENGTH = 2
 """Position of su in the properties, after the moduli."""
@@ -73,7 +74,8 @@ class PerfectlyPlastic(UndrainedClay):
     """Perfect plasticity with a yield criterion; `EinavRandolph` uses the criterion too.
 
     A criterion is a set of device functions. Their last argument `shape` is the vector of the
-    numbers of `shape` and `axis`; its length is 1 where there are none.
+    numbers of `shape` and `axis`; its length is 1 where there are none. The measure is a shear
+    stress: a return lowers it by G times the plastic shear strain, or else `softened` is given.
     """
 
     measure: ClassVar[Any]  # (stress, shape) -> f [Pa]
@@ -90,6 +92,9 @@ class PerfectlyPlastic(UndrainedClay):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
+        own = vars(cls)
+        if "measure" in own and "undrained_strength" not in own:  # that of its base is another's
+            cls.undrained_strength = Material.undrained_strength  # type: ignore[method-assign]
         for name in ("moduli", "properties"):
             if not cls._keeps(name) and cls._keeps("update"):
                 raise TypeError(

@@ -19,6 +19,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 from mpm_warp.errors import UnknownSceneError
+from mpm_warp.fields.declaration import own_parameters_of
 from mpm_warp.fields.names import nearest_name
 from mpm_warp.scenes.catalogue_scene import CatalogueScene
 
@@ -118,4 +119,8 @@ def _loaded(entry_point: EntryPoint) -> type[CatalogueScene]:
         raise UnknownSceneError(f"{where} cannot be loaded: {reason}") from error
     if not _is_scene(scene):
         raise UnknownSceneError(f"{where} is not a CatalogueScene without abstract methods")
+    try:
+        own_parameters_of(scene)
+    except TypeError as error:
+        raise UnknownSceneError(f"{where}: {error}") from None
     return scene

@@ -22,6 +22,8 @@ from mpm_warp import (
     SceneError,
     Sounding,
     Tresca,
+    VonMises,
+    parameter,
 )
 from mpm_warp.materials import clay_law
 from tests.conftest import finished
@@ -116,6 +118,20 @@ def test_a_law_with_the_name_of_another_is_refused(
         clay_law.laws.__wrapped__()
 
 
+class Forgotten(Tresca):
+    """It has a parameter, but is no dataclass."""
+
+    angle: float = parameter(8.0, "angle")
+
+
+def test_a_law_that_is_no_dataclass_is_refused_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Scenes run with other laws, as `own_of_variants` takes those that can be loaded."""
+    point = EntryPoint("forgotten", f"{__name__}:Forgotten", clay_law.GROUP)
+    monkeypatch.setattr(clay_law, "laws", lambda: {"forgotten": point})
+    with pytest.raises(ParameterError, match=r"Forgotten\.angle is no field yet: put @dataclass"):
+        clay_law.law_class.__wrapped__("forgotten")
+
+
 @dataclass(frozen=True, kw_only=True)
 class OfOneStiffness(Tresca):
     """Its strength is that of the scene, its stiffness is not."""
@@ -163,6 +179,15 @@ def test_only_the_strength_of_a_criterion_changes(kind: type[Tresca]) -> None:
     for changed in ({"rate_factor": 0.1}, {"remoulded_strength_ratio": 0.5}):
         with pytest.raises(ParameterError, match="has a strength, update or state of its own"):
             ConePenetration(material=kind(), **changed)
+
+
+def test_a_criterion_with_a_measure_of_its_own_has_no_strengths_of_another() -> None:
+    """They would be told as exact."""
+    given = {"shear_modulus": 1e6, "poissons_ratio": 0.3, "density": 1.7e3, "strength": 1e4}
+    own: Any = type("Own", (Tresca,), {"measure": VonMises.measure})
+    assert own(**given).undrained_strength("simple_shear") is None
+    same: Any = type("Same", (Tresca,), {})
+    assert same(**given).undrained_strength("simple_shear") == 1e4
 
 
 @pytest.mark.parametrize("name", ["measure", "within", "nearest"])
