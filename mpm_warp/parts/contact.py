@@ -63,8 +63,9 @@ from mpm_warp.grid.fitted import Floats, Grid, Integers
 from mpm_warp.kernel_types import kernel, maybe, one, real, vec2, vec3, vec4, zero
 from mpm_warp.materials.material import Material
 from mpm_warp.parts.strength_beside import add_strength_beside, strength_changes
+from mpm_warp.parts.window import MovingGrid
 from mpm_warp.plan.plan import Plan
-from mpm_warp.scene import Part, Scene
+from mpm_warp.scene import Part, Scene, refuse_together
 
 PRESSURE_ROUNDING = 1e-3
 """Mean pressure over the in-situ stress that counts as rounding, not as contact."""
@@ -183,7 +184,12 @@ class SurfaceContact(Part):
         )
 
     def check(self, scene: Scene) -> None:
-        """Check that the grid has the nodes, in its first column if the strength changes."""
+        """Check the speed, and that the nodes are in the grid, where they have to be."""
+        refuse_together(
+            "SurfaceContact: speed",
+            self.speed != 0.0 and scene.find(MovingGrid),
+            "a window, which has the speed of the body",
+        )
         check_nodes("SurfaceContact: nodes", self.nodes, scene.grid.node_count)
         inside = np.flatnonzero(np.asarray(self.nodes) % (scene.grid.column_count + 1))
         if inside.size and strength_changes(scene):

@@ -156,6 +156,11 @@ def test_the_area_of_a_round_body_is_exact_but_for_its_chords(planar: bool, area
     assert math.log(short[0] / short[1], 4.0) == pytest.approx(2.0, abs=0.1)
 
 
+def test_the_speed_is_that_of_the_window_or_its_own(cone: Scene) -> None:
+    with pytest.raises(SceneError, match="SurfaceContact: speed: not together with a window"):
+        cone.with_parts(dataclasses.replace(cone[SurfaceContact], speed=0.1))
+
+
 RUBS: dict[str, Any] = {"friction": 0.3, "adhesion": 0.0}
 
 
