@@ -28,6 +28,8 @@ ROLES = {
 SHARED_NAMES = ("displacement", "expansion", "penetration", "step_count", "stretch")
 """Parameters that have the name of a result, as of the axis of its curves."""
 PARAMETER_SUFFIX = "_parameter"
+NAMES_OF_STUDIES = ("case", "case_key", "case_time", "message", "peak_memory", "status")
+"""Names of what a study adds to the results of its cases."""
 CHANGING_STRENGTH = "einav_randolph"
 """The law of clay that softens or has a rate effect, by a yield criterion."""
 
@@ -177,12 +179,15 @@ def curves(axis: str, places: Quantity, **quantities: Quantity) -> xr.Dataset:
     return xr.Dataset(labelled(dims=(axis,), role=None, **quantities), coords=coords)
 
 
-def check_axes(results: xr.Dataset) -> None:
-    """Check that each dimension has a variable of its places, and each place once.
+def check_results(results: xr.Dataset) -> None:
+    """Check the names, and that each dimension has a variable of its places, each place once.
 
     Raises:
-        SceneError: a dimension has none, or a place is repeated; the message names the variable.
+        SceneError: a name is that of a study; a dimension has no places, or one is repeated.
     """
+    for name in NAMES_OF_STUDIES:
+        if name in {*results.variables, *results.dims}:
+            raise SceneError(f"{name}: studies have this name already; give the result another")
     for dim in results.dims:
         if dim not in results.variables:
             raise SceneError(f"{dim}: is a dimension without a variable that gives its places")

@@ -41,7 +41,7 @@ from harness.study.cases import Case
 from mpm_warp.errors import SceneError
 from mpm_warp.execution.execution import Execution
 from mpm_warp.provenance import provenance
-from mpm_warp.results import check_axes
+from mpm_warp.results import check_results
 from mpm_warp.scenes import Progress, scene_class
 from mpm_warp.snapshots import Snapshots
 
@@ -116,7 +116,7 @@ def _curves_of(error: Exception) -> xr.Dataset:
     curves: xr.Dataset | None = getattr(error, "curves", None)
     with contextlib.suppress(SceneError):
         if curves is not None:
-            check_axes(curves)
+            check_results(curves)
             return curves
     return xr.Dataset()
 

@@ -241,7 +241,7 @@ class Plan:
         in_kernels = name.replace(".", "_")
         for other in self.arrays:
             if other == name:
-                raise SceneError(f"array {name!r} is added twice: only one part may have it")
+                raise SceneError(f"array {name!r} is added twice: a scene has one part of a kind")
             if other.replace(".", "_") == in_kernels:
                 raise SceneError(
                     f"array {name!r} goes not with {other!r}: kernels know both as {in_kernels!r}"

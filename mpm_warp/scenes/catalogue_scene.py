@@ -20,7 +20,7 @@ from mpm_warp.fields.flat import check_names, nested_values, parameters_of
 from mpm_warp.plan.plan import SMALLER_STEP, Plan
 from mpm_warp.planning import make_plan
 from mpm_warp.provenance import provenance, sources_of
-from mpm_warp.results import check_axes, material_as_built, parameter_variables
+from mpm_warp.results import check_results, material_as_built, parameter_variables
 from mpm_warp.scenes.limits import Limits, check_limits, with_limits
 from mpm_warp.scenes.run_size import RunSize, size_in_grid
 from mpm_warp.scenes.shown import ShownByParameters
@@ -194,7 +194,7 @@ class CatalogueScene(ShownByParameters, ABC):
                 results = self.compute_with_snapshots(report, execution, snapshots)
             report(1.0)
         check_kind(f"{type(self).__name__}.record()", results, xr.Dataset)
-        check_axes(results)
+        check_results(results)
         results = self.checked(results)
         parameters = parameter_variables(self, {*results.variables, *results.dims})
         if "material" in parameters and "built_law" in results:

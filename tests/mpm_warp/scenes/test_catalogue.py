@@ -328,6 +328,16 @@ def test_a_place_that_is_recorded_twice_is_refused_by_its_name(
         GravityColumn().run()
 
 
+@pytest.mark.parametrize("dims", [(), ("status",)])
+def test_a_result_has_no_name_that_a_study_gives(
+    dims: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    named = xr.Dataset({"status": (dims, np.zeros(len(dims) * (2,)))})
+    monkeypatch.setattr(GravityColumn, "compute", lambda *_: named)
+    with pytest.raises(SceneError, match="status: studies have this name already"):
+        GravityColumn().run()
+
+
 def test_a_scene_that_records_nothing_says_so() -> None:
     @dataclasses.dataclass(frozen=True, kw_only=True)
     class Silent(CatalogueScene):
