@@ -167,6 +167,9 @@ class ContactForces:
 
     Each of several in one run has means of its own.
 
+    Raises:
+        SceneError: the scene has no contact.
+
     Example:
         >>> simulation = Simulation(StripFooting(cells_per_radius=2).build())
         >>> forces = ContactForces(simulation)
@@ -177,6 +180,7 @@ class ContactForces:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
+        soil_scene(simulation)[SurfaceContact]  # it has one
         self._begin(simulation.array("contact.impulse").copy())
 
     def _begin(self, impulse: Floats) -> None:

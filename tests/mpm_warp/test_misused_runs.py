@@ -76,6 +76,10 @@ def take_twice() -> None:
     forces.take()
 
 
+def forces_of_none() -> None:
+    ContactForces(Simulation(SCENE.without(SurfaceContact)))
+
+
 def load_twice() -> None:
     """A second part of a kind would take the place of the arrays of the first."""
     loads = (NodalLoad(nodes=CONTACT[:n], forces=np.ones((n, 2))) for n in (4, 1))
@@ -119,6 +123,7 @@ def misuses() -> Iterator[tuple[str, Misuse]]:
     for threads in (0, -1, 1.5, "all", 3, 2**70):
         yield f"threads {threads}", (partial(Execution, threads=threads), ValueError, "threads")
     yield "take", (take_twice, ValueError, "contact forces")
+    yield "no contact", (forces_of_none, SceneError, "SurfaceContact")
     yield "two loads", (load_twice, SceneError, "load.nodes")
     for number, called in enumerate((Simulation.array, Simulation.assign)):
         do = partial(
