@@ -133,9 +133,14 @@ class PerfectlyPlastic(UndrainedClay):
         return np.tile(tuple(self.axis.values()), (*place.shape[:-1], 1))
 
     def check_stress_at_rest(self, stress: Floats) -> None:
-        """See `Material`; if both horizontal stresses are equal, the limit is a triaxial test."""
+        """See `Material`; if both horizontal stresses are equal, the limit is a triaxial test.
+
+        A criterion with a measure of its own and no strengths has the limit of its base.
+        """
         mode = "compression" if stress[1] < stress[0] else "extension"
-        strength = self.undrained_strength(f"triaxial_{mode}")
+        criteria = (kind for kind in type(self).__mro__ if issubclass(kind, PerfectlyPlastic))
+        known = (kind.undrained_strength(self, f"triaxial_{mode}") for kind in criteria)
+        strength = next((it for it in known if it is not None), None)
         difference = abs(float(stress[1] - stress[0]))
         is_triaxial = stress[0] == stress[3]
         if strength is not None and is_triaxial and difference > 2.0 * strength * (1.0 + ROUNDING):

@@ -186,6 +186,8 @@ def test_a_criterion_with_a_measure_of_its_own_has_no_strengths_of_another() -> 
     given = {"shear_modulus": 1e6, "poissons_ratio": 0.3, "density": 1.7e3, "strength": 1e4}
     own: Any = type("Own", (Tresca,), {"measure": VonMises.measure})
     assert own(**given).undrained_strength("simple_shear") is None
+    with pytest.raises(SceneError, match="Own: the stress of the ground is outside the yield"):
+        own(**given).check_stress_at_rest(np.array([0.0, -2.1e4, 0.0, 0.0]))
     same: Any = type("Same", (Tresca,), {})
     assert same(**given).undrained_strength("simple_shear") == 1e4
 
