@@ -78,7 +78,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     def empty(figure: Figure, form: str = "png", dpi: float | None = None) -> bytes:
         return image(Figure(), form)
 
-    for user in ("harness.cli.commands.interpret", "harness.report.plain_pages"):
+    for user in ("harness.pictures.drawing.plot_parts", "harness.report.plain_pages"):
         monkeypatch.setattr(f"{user}.image", empty)
 
 

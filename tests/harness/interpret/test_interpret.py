@@ -140,7 +140,7 @@ def test_the_error_of_a_sleeve_that_tells_the_adhesion_has_a_share(
     """As far as the strength by a sleeve friction off by its standard deviation differs."""
     site = load_site(changed(folder, ("adhesion_factor = 0.4", 'adhesion_factor = "sleeve"')))
     found = interpret(site).isel(depth=50)
-    off, medians = LEFT_OUT, []
+    off, medians = math.hypot(LEFT_OUT, factors().half_widths[SLEEVE] / 1.96), []
     for friction in (1.0 - off, 1.0 + off):
         rows = measured_rows(DEPTH, FACTOR * STRENGTH, 0.4 * friction * STRENGTH)
         (folder / "test.csv").write_text(rows)

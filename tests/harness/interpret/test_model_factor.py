@@ -24,6 +24,7 @@ from harness.interpret.tables.model_factor import (
     pressure_factor,
     with_model_factor,
 )
+from harness.pictures.drawing.style import FAILED
 from harness.pictures.measured.interpreted import interpretation_figure
 from harness.study.distributions import sampled
 from mpm_warp.grid.fitted import Floats
@@ -134,13 +135,13 @@ def test_a_sentence_says_what_the_band_rests_on(folder: Path, mode: str, told: s
 
 
 def test_the_pore_pressure_of_real_clay_is_that_of_the_sites() -> None:
-    """Bq is 1.45 times the computed one, and tells nothing of the factor of the tip."""
+    """Bq is 1.48 times the computed one, and tells nothing of the factor of the tip."""
     sites = measured_sites()
     shift, deviation = pressure_factor()
     pressures = np.array([site.pressure for site in sites])
     assert shift == pytest.approx(pressures.mean(), rel=1e-9)
     assert deviation == pytest.approx(pressures.std(ddof=1) * math.sqrt(16 / 15), rel=1e-9)
-    assert shift == pytest.approx(0.37, abs=0.01)
+    assert shift == pytest.approx(0.39, abs=0.01)
     factors = [site.factor for site in sites]
     # Of 15 pairs without any correlation 95 % are within 0.51.
     assert abs(np.corrcoef(factors, pressures)[0, 1]) < 0.51
@@ -167,7 +168,7 @@ def test_what_the_inputs_allow_is_said(folder: Path, measure: str, times: float,
     assert told in sentence
     assert sentence.count("within what the inputs allow") == (2 if times == 1.0 else 1)
     lines = [
-        line for line in interpretation_figure(found).axes[0].lines if line.get_color() == "red"
+        line for line in interpretation_figure(found).axes[0].lines if line.get_color() == FAILED
     ]
     marked = sum(np.isfinite(line.get_xdata()).sum() for line in lines)
     assert marked == (0 if times == 1.0 else (found.reason == 0).sum())
