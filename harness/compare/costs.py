@@ -203,7 +203,8 @@ def _by_size(title: str, cases: Sequence[xr.Dataset], dims: Sequence[str]) -> li
     for case in cases:
         values = [case[name].item() / unit if name in case else np.nan for name in names]
         if np.isfinite(values[0]):
-            others = ", ".join(f"{name} {case[name].item()}" for name in dims if name != "size")
+            varied = [name for name in dims if name != "size"] or ["physics"]
+            others = ", ".join(f"{name} {case[name].item()}" for name in varied)
             table.setdefault(others, {})[int(case["size"].item())] = text.format(*values)
     sizes = sorted({size for row in table.values() for size in row})
     rows = [[others, *(row.get(size, "") for size in sizes)] for others, row in table.items()]

@@ -182,6 +182,7 @@ class CatalogueScene(ShownByParameters, ABC):
             mpm_warp.errors.SceneError: the scene takes no snapshots, or has more steps than can be
                 counted.
         """
+        check_kind(f"{type(self).__name__}.summary", getattr(type(self), "summary", None), str)
         self.run_size()
         check_kind("execution", execution, (Execution, type(None)))
         check_kind("snapshots", snapshots, (Snapshots, type(None)))

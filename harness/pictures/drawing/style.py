@@ -21,7 +21,7 @@ WIDE, PAGE = 140 / 25.4, 190 / 25.4
 """Width of a picture with a single panel, and of any other [inch]: 1.5 and two columns."""
 TALL = 5.2
 """Height of panels that go down the page [inch]."""
-LETTERS = 20
+LETTERS = 19
 """Letters of 7 pt in an inch of a line."""
 SMALL_DPI = 75
 """Resolution of small pictures in the summary of a page [dots per inch]."""

@@ -141,6 +141,19 @@ def test_a_record_without_results_is_told_of_it() -> None:
         Silent(cell_count=2).run()
 
 
+def test_a_scene_without_a_summary_is_told_of_it_before_it_runs() -> None:
+    @dataclass(frozen=True, kw_only=True)
+    class Nameless(CatalogueScene):
+        def build(self) -> Any:
+            raise AssertionError("not before the summary is asked for")
+
+        def record(self, simulation: Any, progress: Any) -> Any:
+            raise AssertionError("not before the summary is asked for")
+
+    with pytest.raises(SceneError, match=r"Nameless.summary = None must be of type str"):
+        Nameless().run()
+
+
 def test_a_group_of_one_scene_may_be_given_to_another() -> None:
     sounding = Sounding(cone_radius=0.02, domain_below=20.0)
     cone = OwnCone(domain=sounding.domain, clay=ConePenetration(rigidity_index=400.0).clay)
