@@ -9,12 +9,10 @@ from tests.conftest import blocks, said_by_commands
 
 GUIDE = Path(__file__).parents[1] / "studies" / "guide.md"
 STEPS = dict(re.findall(r"^## (\d)\. .*?\n(.*?)(?=^## |\Z)", GUIDE.read_text(), re.M | re.S))
-SLOW = ("3", "4")
 
 
-@pytest.mark.parametrize(
-    "step", [pytest.param(it, marks=[pytest.mark.slow] if it in SLOW else []) for it in STEPS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("step", STEPS)
 def test_a_step_runs_in_an_empty_folder(step: str, tmp_path: Path) -> None:
     told = said_by_commands("".join(blocks(STEPS[step], "sh")), tmp_path)
     for picture in re.findall(r"`(results/[^`]+)`", STEPS[step]):

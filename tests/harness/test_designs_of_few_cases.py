@@ -11,6 +11,8 @@ from harness.cli.main import main
 from harness.pictures import pictures
 from tests.harness.conftest import HEAD, keep, study_in
 
+pytestmark = pytest.mark.slow
+
 AT_RANDOM = """design = "latin_hypercube"
 samples = {}
 seed = 1
